@@ -1,0 +1,1 @@
+//! Device, shader composition, kernels, timing. Knows no world.

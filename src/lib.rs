@@ -1,0 +1,21 @@
+//! grotto renders procedural voxel worlds with real-time global illumination.
+//!
+//! The map, and who may import whom (held by `tests/house.rs`):
+//!
+//! ```text
+//! world ← lights, probes ← reference
+//! world, lights, probes, gpu ← passes ← frame ← commands, app
+//! ```
+//!
+//! `parameters` is a leaf that everyone may read. `measure` sees pictures, never a world.
+
+pub mod app;
+pub mod commands;
+pub mod gpu;
+pub mod lights;
+pub mod measure;
+pub mod parameters;
+pub mod passes;
+pub mod probes;
+pub mod reference;
+pub mod world;

@@ -1,0 +1,1 @@
+//! Lamps, sun and sky as the shaders and the reference see them. Knows no GPU.

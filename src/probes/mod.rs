@@ -1,0 +1,1 @@
+//! Probe layouts, octahedral maps, states. Knows no GPU.

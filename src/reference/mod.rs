@@ -1,0 +1,1 @@
+//! CPU marching and CPU path tracer: the independent judge.

@@ -1,0 +1,59 @@
+//! What a world is: shape, materials, features, lights, cameras and probe layouts, as read from a
+//! RON file, and the voxels that come of it. Knows no GPU.
+//!
+//! Spaces: `_ws` is world space (+Y up, right-handed, in voxels; a file with `voxel_m` other than 1
+//! is converted while it is read, so that one unit is one voxel everywhere behind
+//! [`file::load`]). `_gs` is grid space: world space minus [`World::origin`], so that the grid
+//! begins at 0. Voxel (x, y, z) covers [x, x+1) on each axis, and its shape is sampled at its centre.
+
+pub mod features;
+pub mod file;
+pub mod generate;
+pub mod materials;
+pub mod noise;
+pub mod scenery;
+pub mod sdf;
+pub mod voxels;
+
+use glam::{IVec3, UVec3};
+
+pub use features::FeaturePart;
+pub use materials::{Colour, Material, Pattern, Rule};
+pub use noise::NoiseField;
+pub use scenery::{Camera, Lamp, LampKind, LampPreset, LayoutSpec, Motion, Sky, Sun};
+pub use sdf::Sdf;
+
+/// A world as its file describes it, checked: every name resolved, every number finite.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// The file's stem: `cave` for `worlds/cave.ron`.
+    pub name: String,
+    /// The sentence that the file opens with.
+    pub title: String,
+    /// Extent in voxels.
+    pub size: UVec3,
+    /// World-space coordinates of voxel (0, 0, 0) of the grid.
+    pub origin: IVec3,
+    /// Metres per voxel, for display only: everything else here is in voxels already.
+    pub voxel_m: f32,
+    /// Seeds the noise fields, scatters and flickers that name no seed of their own.
+    pub seed: u32,
+    /// Negative inside stone.
+    pub shape: Sdf,
+    /// Referred to by index from [`Sdf`] and [`materials::Condition`].
+    pub noises: Vec<NoiseField>,
+    /// Material `m` of the voxels is `materials[m - 1]`; 0 is air. At most 255.
+    pub materials: Vec<Material>,
+    /// The first rule that holds names the material of a solid voxel; the last holds always.
+    pub rules: Vec<Rule>,
+    /// Boxes of voxels that fill air, in order (later ones win over earlier ones, rock over all).
+    pub features: Vec<FeaturePart>,
+    pub sky: Sky,
+    pub sun: Option<Sun>,
+    /// Never empty; the first is the one that is lit when nothing else is asked for.
+    pub lamp_presets: Vec<LampPreset>,
+    /// Never empty.
+    pub cameras: Vec<Camera>,
+    /// Never empty.
+    pub layouts: Vec<LayoutSpec>,
+}

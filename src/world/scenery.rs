@@ -1,0 +1,118 @@
+//! Everything in a world that is not a voxel: lamps and their motion, sun, sky, cameras, layouts.
+
+use glam::{UVec3, Vec3};
+use serde::Deserialize;
+
+/// A lamp as the file gives it; `lights` evaluates its motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lamp {
+    pub name: String,
+    pub kind: LampKind,
+    /// World space. Unused by directional lamps.
+    pub position: Vec3,
+    /// Linear Rec. 709, largest channel usually 1.
+    pub colour: Vec3,
+    /// Point and spot: radiant power W in watts per channel of white; radiant intensity is W/(4π),
+    /// irradiance at distance d is W/(4π d²). Directional: irradiance in W/m² on a facing surface.
+    /// (With `voxel_m` ≠ 1 the power is divided by voxel_m² on loading, so that lengths in voxels
+    /// give the same irradiance.)
+    pub power: f32,
+    /// Distances below this radius count as this radius, which bounds 1/d².
+    pub radius: f32,
+    /// Applied in order as a function of world time.
+    pub motion: Vec<Motion>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum LampKind {
+    Point,
+    /// `direction` is where the light goes; full inside `inner_deg`, none outside `outer_deg`
+    /// (half angles), smooth between.
+    Spot {
+        direction: Vec3,
+        inner_deg: f32,
+        outer_deg: f32,
+    },
+    Directional {
+        direction: Vec3,
+    },
+}
+
+/// How a lamp changes with world time t (seconds).
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Motion {
+    /// Adds radius · (cos(rate·t + phase), 0, sin(rate·t + phase)) with a radius per axis (y uses sin).
+    Orbit {
+        radius: Vec3,
+        rate: f32,
+        #[serde(default)]
+        phase: f32,
+    },
+    /// Adds amplitude · sin(rate·t + phase).
+    Bob {
+        amplitude: Vec3,
+        rate: f32,
+        #[serde(default)]
+        phase: f32,
+    },
+    /// Multiplies the power by a smooth noise in [1 − amount, 1].
+    Flicker { amount: f32, rate: f32 },
+    /// Multiplies the power by 1 − amount · (½ + ½ sin(rate·t + phase)).
+    Pulse {
+        amount: f32,
+        rate: f32,
+        #[serde(default)]
+        phase: f32,
+    },
+    /// Walks a closed Catmull–Rom path through `points` (world space) at `speed` voxels a second.
+    Path { points: Vec<Vec3>, speed: f32 },
+    /// Turns the hue by `rate` turns a second.
+    HueCycle { rate: f32 },
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct LampPreset {
+    pub name: String,
+    pub lamps: Vec<Lamp>,
+}
+
+/// A directional light that moves with no animation; lights the world through its skylights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    /// Unit vector from the world towards the sun.
+    pub towards: Vec3,
+    /// Irradiance on a facing surface (W/m², linear RGB).
+    pub irradiance: Vec3,
+}
+
+/// Radiance of rays that leave the world, by the y of their direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sky {
+    pub zenith: Vec3,
+    pub horizon: Vec3,
+    /// Below the horizon.
+    pub ground: Vec3,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    pub name: String,
+    pub position: Vec3,
+    /// Degrees; 0 looks towards −Z, positive turns left (counter-clockwise from above).
+    pub yaw_deg: f32,
+    /// Degrees; positive looks up.
+    pub pitch_deg: f32,
+    /// Vertical field of view in degrees.
+    pub fov_deg: f32,
+}
+
+/// A uniform probe volume: position(index) = (index − (count−1)/2)·spacing + centre.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayoutSpec {
+    pub name: String,
+    pub counts: UVec3,
+    pub spacing: Vec3,
+    pub centre: Vec3,
+}
