@@ -1,1 +1,5 @@
 //! Pictures and statistics. Knows no world.
+
+pub mod metrics;
+pub mod picture;
+pub mod statistics;

@@ -10,37 +10,91 @@ pub type NoiseId = usize;
 pub enum Sdf {
     /// Nothing: +∞ everywhere.
     Empty,
-    Sphere { radius: f32 },
-    Box { half: Vec3 },
-    RoundedBox { half: Vec3, radius: f32 },
-    Capsule { from: Vec3, to: Vec3, radius: f32 },
+    Sphere {
+        radius: f32,
+    },
+    Box {
+        half: Vec3,
+    },
+    RoundedBox {
+        half: Vec3,
+        radius: f32,
+    },
+    Capsule {
+        from: Vec3,
+        to: Vec3,
+        radius: f32,
+    },
     /// Upright (along y).
-    Cylinder { radius: f32, half_height: f32 },
+    Cylinder {
+        radius: f32,
+        half_height: f32,
+    },
     /// In the xz plane.
-    Torus { major: f32, minor: f32 },
+    Torus {
+        major: f32,
+        minor: f32,
+    },
     /// Solid where dot(p, normal) < offset.
-    Plane { normal: Vec3, offset: f32 },
+    Plane {
+        normal: Vec3,
+        offset: f32,
+    },
     /// Solid where y < base + amplitude·noise(x, 0, z), the sum rounded down to whole multiples of
     /// `step` above `base` when `step` > 0. Not a distance: divided by its own Lipschitz constant.
-    HeightField { noise: NoiseId, base: f32, amplitude: f32, step: f32 },
+    HeightField {
+        noise: NoiseId,
+        base: f32,
+        amplitude: f32,
+        step: f32,
+    },
     Union(Vec<Sdf>),
     Intersection(Vec<Sdf>),
     /// The first without all the others.
     Subtraction(Vec<Sdf>),
     /// Smooth forms with blending width k (polynomial).
-    SmoothUnion { k: f32, of: Vec<Sdf> },
-    SmoothIntersection { k: f32, of: Vec<Sdf> },
-    SmoothSubtraction { k: f32, of: Vec<Sdf> },
-    Translate { by: Vec3, of: Box<Sdf> },
+    SmoothUnion {
+        k: f32,
+        of: Vec<Sdf>,
+    },
+    SmoothIntersection {
+        k: f32,
+        of: Vec<Sdf>,
+    },
+    SmoothSubtraction {
+        k: f32,
+        of: Vec<Sdf>,
+    },
+    Translate {
+        by: Vec3,
+        of: Box<Sdf>,
+    },
     /// Euler angles in degrees, applied x, then y, then z.
-    Rotate { degrees: Vec3, of: Box<Sdf> },
-    Scale { by: f32, of: Box<Sdf> },
+    Rotate {
+        degrees: Vec3,
+        of: Box<Sdf>,
+    },
+    Scale {
+        by: f32,
+        of: Box<Sdf>,
+    },
     /// Repeats with this period on every axis whose period is > 0.
-    Repeat { period: Vec3, of: Box<Sdf> },
+    Repeat {
+        period: Vec3,
+        of: Box<Sdf>,
+    },
     /// Adds amplitude·noise(p).
-    Displace { noise: NoiseId, amplitude: f32, of: Box<Sdf> },
+    Displace {
+        noise: NoiseId,
+        amplitude: f32,
+        of: Box<Sdf>,
+    },
     /// Moves p by amplitude·(noise(p), noise(p + shift₁), noise(p + shift₂)) first.
-    Warp { noise: NoiseId, amplitude: f32, of: Box<Sdf> },
+    Warp {
+        noise: NoiseId,
+        amplitude: f32,
+        of: Box<Sdf>,
+    },
     /// Copies of a sub-tree, one to a cubic cell of edge `cell` inside the box [min, max], with
     /// this probability, moved by up to `jitter` cells and scaled by a factor from `scale`.
     /// The sub-tree must lie within `reach` (voxels, before scaling) of its own origin, and

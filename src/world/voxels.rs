@@ -32,21 +32,48 @@ pub struct Voxels {
     free_bricks: Vec<u32>,
 }
 
+/// What one grid cell of 8³ voxels holds.
+#[derive(Clone, Copy, Debug)]
+pub enum Cell<'a> {
+    /// Air throughout.
+    Empty,
+    /// Stone of one material throughout.
+    Uniform(u8),
+    /// Materials, index x | y << 3 | z << 6 of the voxel within the cell; 0 is air.
+    Brick(&'a [u8; BRICK_VOXELS]),
+}
+
 impl Voxels {
+    /// Extent in voxels.
+    pub fn size(&self) -> UVec3 {
+        self.size
+    }
+
+    /// What a grid cell holds. `cell` is the voxel / [`CELL`] of a voxel inside [`Self::size`].
+    pub fn cell(&self, cell: UVec3) -> Cell<'_> {
+        let word = self.grid[self.cell_index(cell)];
+        if word & SOLID == 0 {
+            Cell::Empty
+        } else if word & UNIFORM != 0 {
+            Cell::Uniform(word as u8)
+        } else {
+            Cell::Brick(&self.materials[(word & !SOLID) as usize])
+        }
+    }
+
     /// Material of a voxel in grid space; 0 (air) outside the grid.
     pub fn material(&self, voxel: IVec3) -> u8 {
         if voxel.cmplt(IVec3::ZERO).any() || voxel.cmpge(self.size.as_ivec3()).any() {
             return 0;
         }
         let voxel = voxel.as_uvec3();
-        let word = self.grid[self.cell_index(voxel / CELL)];
-        if word & SOLID == 0 {
-            0
-        } else if word & UNIFORM != 0 {
-            word as u8
-        } else {
-            let local = voxel % CELL;
-            self.materials[(word & !SOLID) as usize][(local.x | local.y << 3 | local.z << 6) as usize]
+        match self.cell(voxel / CELL) {
+            Cell::Empty => 0,
+            Cell::Uniform(material) => material,
+            Cell::Brick(materials) => {
+                let local = voxel % CELL;
+                materials[(local.x | local.y << 3 | local.z << 6) as usize]
+            }
         }
     }
 
