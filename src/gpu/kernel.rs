@@ -5,10 +5,7 @@ use std::collections::BTreeMap;
 
 use naga::{AddressSpace, ImageClass, TypeInner};
 
-use super::{
-    Composed, Gpu, GpuError, ShaderChecks,
-    shader::base_name,
-};
+use super::{Composed, Gpu, GpuError, ShaderChecks, shader::base_name};
 
 /// Which shader, with which constants.
 #[derive(Clone, Copy, Default)]
@@ -51,7 +48,11 @@ impl Kernel {
     pub fn new(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
         let composed = gpu.shaders.compose(spec.shader, spec.generated)?;
         let label = spec.shader.rsplit('/').next().unwrap_or(spec.shader);
-        let entry = if spec.entry.is_empty() { "main" } else { spec.entry };
+        let entry = if spec.entry.is_empty() {
+            "main"
+        } else {
+            spec.entry
+        };
         let fault = |message: String| GpuError::Shader {
             name: spec.shader.to_owned(),
             message,
@@ -133,7 +134,12 @@ impl Kernel {
     }
 
     /// Dispatches this many workgroups.
-    pub fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, bindings: &Bindings, groups: [u32; 3]) {
+    pub fn dispatch(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        bindings: &Bindings,
+        groups: [u32; 3],
+    ) {
         self.set(pass, bindings);
         pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
     }
@@ -182,10 +188,8 @@ fn create_module(gpu: &Gpu, label: &str, wgsl: &str) -> wgpu::ShaderModule {
         // SAFETY: every shader is our own or generated from a checked world, is run with checks by
         // the tests, indexes within its buffers, and ends its loops.
         ShaderChecks::Unchecked => unsafe {
-            gpu.device.create_shader_module_trusted(
-                descriptor,
-                wgpu::ShaderRuntimeChecks::unchecked(),
-            )
+            gpu.device
+                .create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
         },
     }
 }
@@ -240,7 +244,11 @@ fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str) -> Vec<Gro
                         label: Some(label),
                         entries: &entries,
                     }),
-                slots: entries.iter().map(|entry| entry.binding).zip(names).collect(),
+                slots: entries
+                    .iter()
+                    .map(|entry| entry.binding)
+                    .zip(names)
+                    .collect(),
             }
         })
         .collect()
@@ -267,7 +275,11 @@ fn binding_type(module: &naga::Module, variable: &naga::GlobalVariable) -> wgpu:
         } else {
             wgpu::SamplerBindingType::Filtering
         }),
-        TypeInner::Image { dim, arrayed, class } => {
+        TypeInner::Image {
+            dim,
+            arrayed,
+            class,
+        } => {
             let view_dimension = match (dim, arrayed) {
                 (naga::ImageDimension::D1, _) => wgpu::TextureViewDimension::D1,
                 (naga::ImageDimension::D2, false) => wgpu::TextureViewDimension::D2,
@@ -287,7 +299,9 @@ fn binding_type(module: &naga::Module, variable: &naga::GlobalVariable) -> wgpu:
                     multisampled: multi,
                 },
                 ImageClass::Storage { format, access } => wgpu::BindingType::StorageTexture {
-                    access: if access.contains(naga::StorageAccess::LOAD | naga::StorageAccess::STORE) {
+                    access: if access
+                        .contains(naga::StorageAccess::LOAD | naga::StorageAccess::STORE)
+                    {
                         wgpu::StorageTextureAccess::ReadWrite
                     } else if access.contains(naga::StorageAccess::LOAD) {
                         wgpu::StorageTextureAccess::ReadOnly
