@@ -37,9 +37,7 @@ impl Voxels {
                     self.grid[index] = octants
                         .iter()
                         .enumerate()
-                        .map(|(octant, distances)| {
-                            u32::from(distances[local] - 1) << (3 * octant)
-                        })
+                        .map(|(octant, distances)| u32::from(distances[local] - 1) << (3 * octant))
                         .sum();
                 }
             }
@@ -106,7 +104,11 @@ mod tests {
 
     /// From the definition: the largest empty cube.
     fn by_definition(voxels: &Voxels, octant: u32, cell: IVec3) -> u32 {
-        let towards = IVec3::new(octant as i32 & 1, octant as i32 >> 1 & 1, octant as i32 >> 2);
+        let towards = IVec3::new(
+            octant as i32 & 1,
+            octant as i32 >> 1 & 1,
+            octant as i32 >> 2,
+        );
         let towards = IVec3::ONE - 2 * towards;
         let empty = |n: i32| {
             (0..n * n * n).all(|i| {
@@ -114,14 +116,22 @@ mod tests {
                 voxels.stored_distance(0, cell + offset) > 0
             })
         };
-        (1..=FARTHEST).take_while(|n| empty(*n as i32)).last().unwrap_or(0)
+        (1..=FARTHEST)
+            .take_while(|n| empty(*n as i32))
+            .last()
+            .unwrap_or(0)
     }
 
     #[test]
     fn distances_are_the_largest_empty_cubes() {
         let voxels = Voxels::from_cells(UVec3::new(128, 64, 128), |cell| {
-            let hash = (cell.x * 73 + cell.y * 179 + cell.z * 283).wrapping_mul(2_654_435_761) >> 24;
-            if hash < 3 { NewCell::Uniform(1) } else { NewCell::Empty }
+            let hash =
+                (cell.x * 73 + cell.y * 179 + cell.z * 283).wrapping_mul(2_654_435_761) >> 24;
+            if hash < 3 {
+                NewCell::Uniform(1)
+            } else {
+                NewCell::Empty
+            }
         });
         let cells = voxels.cells().as_ivec3();
         for octant in 0..8 {

@@ -116,7 +116,9 @@ impl Voxels {
                 return Err(format!("brick {brick} is uniform"));
             }
             if super::masks_of(content) != self.masks[brick] {
-                return Err(format!("the masks of brick {brick} differ from its materials"));
+                return Err(format!(
+                    "the masks of brick {brick} differ from its materials"
+                ));
             }
         }
         let free = self.free_bricks.iter().all(|brick| !named[*brick as usize]);
@@ -131,8 +133,7 @@ impl Voxels {
 
 fn voxels_of(first: UVec3, last: UVec3) -> impl Iterator<Item = UVec3> {
     (first.z..=last.z).flat_map(move |z| {
-        (first.y..=last.y)
-            .flat_map(move |y| (first.x..=last.x).map(move |x| UVec3::new(x, y, z)))
+        (first.y..=last.y).flat_map(move |y| (first.x..=last.x).map(move |x| UVec3::new(x, y, z)))
     })
 }
 
@@ -155,10 +156,12 @@ mod tests {
         let material = || prop_oneof![Just(0u8), 1..4u8];
         let change = prop_oneof![
             (place(), material()).prop_map(|(at, m)| Change::Set(at, m)),
-            (place(), place(), material())
-                .prop_map(|(a, b, m)| Change::Box(a.min(b), a.max(b), m)),
-            (place(), 0.5..14.0f32, material())
-                .prop_map(|(at, r, m)| Change::Sphere(at.as_vec3(), r, m)),
+            (place(), place(), material()).prop_map(|(a, b, m)| Change::Box(a.min(b), a.max(b), m)),
+            (place(), 0.5..14.0f32, material()).prop_map(|(at, r, m)| Change::Sphere(
+                at.as_vec3(),
+                r,
+                m
+            )),
         ];
         proptest::collection::vec(change, 1..12)
     }
