@@ -115,11 +115,8 @@ impl GpuVoxels {
                     offset * MASK_BYTES,
                     bytemuck::cast_slice(&masks[index]),
                 );
-                gpu.queue.write_buffer(
-                    &self.materials,
-                    offset * MATERIAL_BYTES,
-                    &materials[index],
-                );
+                gpu.queue
+                    .write_buffer(&self.materials, offset * MATERIAL_BYTES, &materials[index]);
             }
         }
         for range in &edit.grid {
