@@ -2,4 +2,6 @@
 
 pub mod metrics;
 pub mod picture;
+pub mod picture_file;
 pub mod statistics;
+pub mod tonemap;
