@@ -1,6 +1,7 @@
 //! How the maps of many probes share two textures, and what they cost.
 
-use super::{ProbeError, ProbeSettings};
+use super::ProbeError;
+use crate::parameters::ProbeParameters;
 
 /// The maps of slot s lie in tile (s & (2^columns_log2 − 1), (s >> columns_log2) & (2^rows_log2 − 1))
 /// of layer s >> (columns_log2 + rows_log2), in both textures. A tile is as wide as its map and its
@@ -57,11 +58,11 @@ impl AtlasLayout {
     /// [`ProbeError::Atlas`] when the maps do not fit.
     pub fn new(
         slots: u32,
-        settings: &ProbeSettings,
+        parameters: &ProbeParameters,
         extent: u32,
         layers: u32,
     ) -> Result<Self, ProbeError> {
-        let texels = settings.irradiance_texels.max(settings.distance_texels);
+        let texels = parameters.irradiance_texels.max(parameters.distance_texels);
         let refused = ProbeError::Atlas {
             texels,
             slots,
@@ -85,8 +86,8 @@ impl AtlasLayout {
             rows_log2,
             rows: all_rows.min(1 << rows_log2),
             layers: needed,
-            irradiance_texels: settings.irradiance_texels,
-            distance_texels: settings.distance_texels,
+            irradiance_texels: parameters.irradiance_texels,
+            distance_texels: parameters.distance_texels,
         })
     }
 
@@ -132,7 +133,7 @@ mod tests {
     use super::*;
 
     fn layout(slots: u32, extent: u32, layers: u32) -> Result<AtlasLayout, ProbeError> {
-        AtlasLayout::new(slots, &ProbeSettings::default(), extent, layers)
+        AtlasLayout::new(slots, &ProbeParameters::default(), extent, layers)
     }
 
     #[test]

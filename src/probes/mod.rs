@@ -9,11 +9,9 @@
 pub mod atlas;
 pub mod octahedral;
 pub mod sampling;
-pub mod settings;
 pub mod volume;
 
 pub use atlas::AtlasLayout;
-pub use settings::{LongRays, ProbeSettings, Visibility};
 pub use volume::Volume;
 
 use glam::Vec3;
@@ -48,12 +46,6 @@ pub enum ProbeError {
         layout: String,
         slots: u64,
         most: u32,
-    },
-    #[error("parameter `{key}` must lie in {range}, not {value}")]
-    Setting {
-        key: &'static str,
-        range: &'static str,
-        value: f64,
     },
     #[error(
         "maps of {texels}×{texels} texels for {slots} probes do not fit the textures of this adapter \

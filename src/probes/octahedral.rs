@@ -7,7 +7,7 @@
 //!
 //! `shaders/probes/octahedral.wesl` does the same on the GPU.
 
-use glam::{DVec2, DVec3, IVec2, UVec2};
+use glam::{DVec2, DVec3, IVec2, UVec2, Vec2Swizzles as _};
 
 /// Point of the square for a direction (of any length but 0).
 pub fn encode(direction: DVec3) -> DVec2 {
@@ -52,7 +52,6 @@ pub fn border_source(texel: IVec2, n: u32) -> UVec2 {
     source.as_uvec2()
 }
 
-use glam::Vec2Swizzles as _;
 
 #[cfg(test)]
 mod tests {
