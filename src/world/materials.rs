@@ -25,9 +25,17 @@ pub struct Material {
 pub enum Colour {
     Flat(Vec3),
     /// The colour of the first stop whose height exceeds the voxel's y; else `above`.
-    Bands { below: Vec<(f32, Vec3)>, above: Vec3 },
+    Bands {
+        below: Vec<(f32, Vec3)>,
+        above: Vec3,
+    },
     /// `low` where x < from, `high` where x ≥ to, between them a dither by the voxel's hash.
-    DitherX { from: f32, to: f32, low: Vec3, high: Vec3 },
+    DitherX {
+        from: f32,
+        to: f32,
+        low: Vec3,
+        high: Vec3,
+    },
     /// Between the two by the voxel's hash.
     Hash(Vec3, Vec3),
 }
@@ -38,20 +46,43 @@ pub enum Colour {
 pub enum Pattern {
     Plain,
     /// Vertical stripes; `width` is the share of the pitch that is b.
-    Stripes { pitch: f32, width: f32 },
-    Dots { radius: f32, pitch: f32, angle_deg: f32 },
+    Stripes {
+        pitch: f32,
+        width: f32,
+    },
+    Dots {
+        radius: f32,
+        pitch: f32,
+        angle_deg: f32,
+    },
     /// `squares` along one block.
-    Checker { squares: u32 },
+    Checker {
+        squares: u32,
+    },
     /// Bricks of a × joints of b.
-    Bricks { rows: u32, joint: f32 },
+    Bricks {
+        rows: u32,
+        joint: f32,
+    },
     /// Spots around Worley feature points: b within `radius` of a point.
-    Worley { cells: u32, radius: f32 },
+    Worley {
+        cells: u32,
+        radius: f32,
+    },
     /// Smooth cloud.
-    Fbm { cells: u32, octaves: u32 },
+    Fbm {
+        cells: u32,
+        octaves: u32,
+    },
     /// Vertical stripes whose strength follows an fBm.
-    StripesFbm { cells: u32, octaves: u32 },
+    StripesFbm {
+        cells: u32,
+        octaves: u32,
+    },
     /// Noise over the distance from the block's centre.
-    Radial { rings: u32 },
+    Radial {
+        rings: u32,
+    },
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -68,9 +99,15 @@ pub enum Condition {
     /// The voxel's centre lies below this height.
     Below(f32),
     Above(f32),
-    InBox { min: Vec3, max: Vec3 },
+    InBox {
+        min: Vec3,
+        max: Vec3,
+    },
     Inside(Sdf),
-    NoiseBelow { noise: NoiseId, value: f32 },
+    NoiseBelow {
+        noise: NoiseId,
+        value: f32,
+    },
     /// Depth under the surface, −shape(p), is less than this.
     ShallowerThan(f32),
     /// The world's shape is empty one voxel above.

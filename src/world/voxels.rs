@@ -46,7 +46,8 @@ impl Voxels {
             word as u8
         } else {
             let local = voxel % CELL;
-            self.materials[(word & !SOLID) as usize][(local.x | local.y << 3 | local.z << 6) as usize]
+            self.materials[(word & !SOLID) as usize]
+                [(local.x | local.y << 3 | local.z << 6) as usize]
         }
     }
 
