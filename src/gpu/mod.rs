@@ -1,1 +1,43 @@
-//! Device, shader composition, kernels, timing. Knows no world.
+//! The GPU as the passes see it: a device with its limits, shaders composed and bound by name,
+//! buffers that are checked against the limits before they are made, and timings by label.
+//! Knows no world.
+
+mod buffers;
+mod device;
+mod kernel;
+mod shader;
+mod timing;
+
+pub use buffers::Structured;
+pub use device::{AdapterSummary, Gpu, ShaderChecks, adapters};
+pub use kernel::{Bindings, Kernel, KernelSpec};
+pub use shader::{Composed, ShaderLibrary};
+pub use timing::{PassTimes, Recorder, Timing};
+
+/// What can go wrong between the program and the GPU.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuError {
+    #[error(
+        "no usable GPU: {reason}\n\
+         On Debian, `apt-get install mesa-vulkan-drivers libvulkan1` gives a software Vulkan device; \
+         `grotto render --cpu` needs no GPU at all."
+    )]
+    NoAdapter { reason: String },
+    #[error("no adapter matches `{name}`; this machine has: {available}")]
+    AdapterNotFound { name: String, available: String },
+    #[error(
+        "{what} needs {bytes} bytes, but adapter `{adapter}` allows {limit} ({limit_name}). {remedy}"
+    )]
+    TooLarge {
+        what: String,
+        bytes: u64,
+        adapter: String,
+        limit: u64,
+        limit_name: &'static str,
+        remedy: &'static str,
+    },
+    #[error("shader `{name}` does not compile:\n{message}")]
+    Shader { name: String, message: String },
+    #[error("the GPU failed: {0}")]
+    Device(String),
+}

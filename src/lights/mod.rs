@@ -1,1 +1,34 @@
 //! Lamps, sun and sky as the shaders and the reference see them. Knows no GPU.
+//!
+//! Lamps move with world time. [`evaluate`] is the one owner of that motion: it runs once a frame on
+//! the CPU in f64, [`table`] uploads what it gives, and the CPU path tracer reads the very same
+//! values. Lamps are summed: adding one never darkens anything.
+
+pub mod lamp;
+pub mod motion;
+pub mod sky;
+pub mod table;
+
+pub use lamp::{LampRay, LampShape, LampState, evaluate};
+
+use crate::world::{LampPreset, Sky, World};
+
+/// Everything that lights a world at one moment, but for what its voxels emit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lights {
+    /// The lamps of the preset, in the file's order, then the sun if the world has one.
+    pub lamps: Vec<LampState>,
+    pub sky: Sky,
+}
+
+impl Lights {
+    /// The lights of `world` under one of its presets at world time `time_s`.
+    pub fn at(world: &World, preset: &LampPreset, time_s: f64) -> Self {
+        let mut lamps = evaluate(preset, time_s, world.seed);
+        lamps.extend(world.sun.as_ref().map(LampState::from_sun));
+        Self {
+            lamps,
+            sky: world.sky,
+        }
+    }
+}

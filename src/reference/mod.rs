@@ -1,1 +1,3 @@
 //! CPU marching and CPU path tracer: the independent judge.
+
+pub mod march;

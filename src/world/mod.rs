@@ -6,6 +6,7 @@
 //! [`file::load`]). `_gs` is grid space: world space minus [`World::origin`], so that the grid
 //! begins at 0. Voxel (x, y, z) covers [x, x+1) on each axis, and its shape is sampled at its centre.
 
+pub mod camera;
 pub mod features;
 pub mod file;
 pub mod generate;
@@ -17,6 +18,7 @@ pub mod voxels;
 
 use glam::{IVec3, UVec3};
 
+pub use camera::CameraBasis;
 pub use features::FeaturePart;
 pub use materials::{Colour, Material, Pattern, Rule};
 pub use noise::NoiseField;

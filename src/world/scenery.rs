@@ -3,6 +3,9 @@
 use glam::{UVec3, Vec3};
 use serde::Deserialize;
 
+/// Most lamps of one preset; the sun comes on top.
+pub const MAX_LAMPS: usize = 64;
+
 /// A lamp as the file gives it; `lights` evaluates its motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lamp {
@@ -72,6 +75,7 @@ pub enum Motion {
     HueCycle { rate: f32 },
 }
 
+/// At most [`MAX_LAMPS`] lamps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LampPreset {
     pub name: String,

@@ -1,0 +1,170 @@
+//! Buffers and textures, checked against the adapter's limits before they are made, and read back.
+
+use std::sync::mpsc;
+
+use wgpu::util::DeviceExt as _;
+
+use super::{Gpu, GpuError};
+
+/// Data that a shader reads as it lies in memory.
+pub trait Structured: bytemuck::Pod {}
+impl<T: bytemuck::Pod> Structured for T {}
+
+impl Gpu {
+    /// A storage buffer of `bytes` (at least 16, rounded up to 16), zeroed, that can be copied from
+    /// and to, and hold indirect dispatches.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] before anything is allocated.
+    pub fn storage_buffer(&self, label: &str, bytes: u64) -> Result<wgpu::Buffer, GpuError> {
+        self.check_buffer(label, bytes)?;
+        Ok(self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.max(16).next_multiple_of(16),
+            usage: STORAGE,
+            mapped_at_creation: false,
+        }))
+    }
+
+    /// A storage buffer with these contents.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] before anything is allocated.
+    pub fn storage_buffer_of<T: Structured>(
+        &self,
+        label: &str,
+        data: &[T],
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let buffer = self.storage_buffer(label, bytes.len() as u64)?;
+        self.queue.write_buffer(&buffer, 0, bytes);
+        Ok(buffer)
+    }
+
+    /// A uniform buffer with this value.
+    pub fn uniform_buffer<T: Structured>(&self, label: &str, value: &T) -> wgpu::Buffer {
+        self.device
+            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents: bytemuck::bytes_of(value),
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            })
+    }
+
+    /// Refuses what the adapter cannot hold in one binding.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`].
+    pub fn check_buffer(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
+        let binding = self.limits.max_storage_buffer_binding_size;
+        let whole = self.limits.max_buffer_size;
+        let (limit, limit_name) = if binding <= whole {
+            (binding, "max_storage_buffer_binding_size")
+        } else {
+            (whole, "max_buffer_size")
+        };
+        if bytes > limit {
+            return Err(GpuError::TooLarge {
+                what: what.to_owned(),
+                bytes,
+                adapter: self.summary.name.clone(),
+                limit,
+                limit_name,
+                remedy: "Choose a smaller world, layout or picture, or another --adapter.",
+            });
+        }
+        Ok(())
+    }
+
+    /// Copies a buffer back and waits for it.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_buffer<T: Structured>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
+        self.read_buffer_range(buffer, 0, buffer.size())
+    }
+
+    /// Copies `bytes` from `offset` (both multiples of 4) and waits for them.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_buffer_range<T: Structured>(
+        &self,
+        buffer: &wgpu::Buffer,
+        offset: u64,
+        bytes: u64,
+    ) -> Result<Vec<T>, GpuError> {
+        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readback"),
+            size: bytes,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, offset, &staging, 0, bytes);
+        self.queue.submit([encoder.finish()]);
+        self.map(&staging)
+    }
+
+    /// Reads a 2D texture as rows of `T`, one `T` a texel.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_texture<T: Structured>(&self, texture: &wgpu::Texture) -> Result<Vec<T>, GpuError> {
+        let (width, height) = (texture.width(), texture.height());
+        let row = width as u64 * size_of::<T>() as u64;
+        let padded = row.next_multiple_of(u64::from(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT));
+        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readback"),
+            size: padded * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &staging,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(padded as u32),
+                    rows_per_image: None,
+                },
+            },
+            wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+        );
+        self.queue.submit([encoder.finish()]);
+        let bytes: Vec<u8> = self.map(&staging)?;
+        Ok(bytes
+            .chunks_exact(padded as usize)
+            .flat_map(|line| bytemuck::pod_collect_to_vec::<u8, T>(&line[..row as usize]))
+            .collect())
+    }
+
+    fn map<T: Structured>(&self, staging: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
+        let fault = |message: String| GpuError::Device(message);
+        let (sender, receiver) = mpsc::channel();
+        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver is gone only when the caller is.
+            let _ = sender.send(result);
+        });
+        self.wait()?;
+        receiver
+            .recv()
+            .map_err(|error| fault(error.to_string()))?
+            .map_err(|error| fault(error.to_string()))?;
+        let view = staging
+            .get_mapped_range(..)
+            .map_err(|error| fault(error.to_string()))?;
+        Ok(bytemuck::pod_collect_to_vec(&view))
+    }
+}
+
+const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
+    .union(wgpu::BufferUsages::COPY_SRC)
+    .union(wgpu::BufferUsages::COPY_DST)
+    .union(wgpu::BufferUsages::INDIRECT);

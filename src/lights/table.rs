@@ -1,0 +1,95 @@
+//! The lights as bytes for the GPU: the uniform `Lights` of `shaders/data/lights.wesl`.
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+
+use super::lamp::MIN_SPOT_EDGE;
+use super::{LampShape, LampState, Lights};
+use crate::world::scenery::MAX_LAMPS;
+
+/// Lamps in the uniform: those of the largest preset, and the sun.
+pub const CAPACITY: usize = MAX_LAMPS + 1;
+
+/// One lamp: `Lamp` in `shaders/data/lights.wesl`. The spot's edge is folded into a ramp,
+/// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are no spots.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuLamp {
+    pub position_ws: [f32; 3],
+    pub radius: f32,
+    pub direction_ws: [f32; 3],
+    /// 1 for lamps without place and falloff, else 0.
+    pub directional: u32,
+    pub intensity: [f32; 3],
+    pub spot_scale: f32,
+    pub spot_offset: f32,
+    pub _pad: [f32; 3],
+}
+
+/// What stands before the lamps: the start of `Lights` in `shaders/data/lights.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuLightsHeader {
+    pub zenith: [f32; 3],
+    pub _pad0: f32,
+    pub horizon: [f32; 3],
+    pub _pad1: f32,
+    pub ground: [f32; 3],
+    pub _pad2: f32,
+    pub lamp_count: u32,
+    pub _pad3: [u32; 3],
+}
+
+/// Bytes of the uniform, the same for every world.
+pub const BYTES: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_of::<GpuLamp>();
+
+impl Lights {
+    /// The uniform's content: [`BYTES`] bytes, unused lamps zero.
+    ///
+    /// Panics beyond [`CAPACITY`] lamps, which a checked world cannot have.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        assert!(
+            self.lamps.len() <= CAPACITY,
+            "a checked world has at most {MAX_LAMPS} lamps and a sun"
+        );
+        let header = GpuLightsHeader {
+            zenith: self.sky.zenith.to_array(),
+            horizon: self.sky.horizon.to_array(),
+            ground: self.sky.ground.to_array(),
+            lamp_count: self.lamps.len() as u32,
+            ..GpuLightsHeader::default()
+        };
+        let lamps: Vec<GpuLamp> = self.lamps.iter().map(GpuLamp::from).collect();
+        let mut bytes = Vec::with_capacity(BYTES);
+        bytes.extend_from_slice(bytemuck::bytes_of(&header));
+        bytes.extend_from_slice(bytemuck::cast_slice(&lamps));
+        bytes.resize(BYTES, 0);
+        bytes
+    }
+}
+
+impl From<&LampState> for GpuLamp {
+    fn from(lamp: &LampState) -> Self {
+        let array = |v: DVec3| v.as_vec3().to_array();
+        let (spot_scale, spot_offset) = match lamp.shape {
+            LampShape::Spot {
+                cos_inner,
+                cos_outer,
+            } => {
+                let scale = 1.0 / (cos_inner - cos_outer).max(MIN_SPOT_EDGE);
+                (scale as f32, (-cos_outer * scale) as f32)
+            }
+            LampShape::Point | LampShape::Directional => (0.0, 1.0),
+        };
+        Self {
+            position_ws: array(lamp.position_ws),
+            radius: lamp.radius as f32,
+            direction_ws: array(lamp.direction_ws),
+            directional: u32::from(lamp.shape == LampShape::Directional),
+            intensity: array(lamp.intensity),
+            spot_scale,
+            spot_offset,
+            _pad: [0.0; 3],
+        }
+    }
+}

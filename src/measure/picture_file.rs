@@ -1,0 +1,423 @@
+//! Pictures as files: PNG for the eye (8 bits, sRGB), OpenEXR for measuring (32-bit float, linear).
+//!
+//! Files are written under a temporary name and renamed when complete: nothing half-written is ever
+//! left, and an old picture survives a failure.
+
+use std::ffi::OsStr;
+use std::io::{self, Cursor, Write as _};
+use std::path::{Path, PathBuf};
+
+use atomic_write_file::AtomicWriteFile;
+use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
+use image::ImageEncoder as _;
+use image::codecs::png::PngEncoder;
+use thiserror::Error;
+
+use super::picture::Picture;
+use super::tonemap;
+
+/// Why a picture could not be written or read. Every message names the file and a remedy.
+#[derive(Debug, Error)]
+pub enum PictureError {
+    #[error("{}: pictures are .png (tone-mapped, 8 bits) or .exr (linear, 32-bit float); name one of them", .0.display())]
+    UnknownExtension(PathBuf),
+    #[error("{}: the folder {} does not exist; create it first", path.display(), folder.display())]
+    NoFolder { path: PathBuf, folder: PathBuf },
+    #[error("{}: is a folder; name a file in it", .0.display())]
+    IsFolder(PathBuf),
+    #[error("{}: no such file", .0.display())]
+    NoFile(PathBuf),
+    #[error("{}: permission denied; choose a place that you may use", .0.display())]
+    Denied(PathBuf),
+    #[error("{}: the disk is full; free some space or choose another disk", .0.display())]
+    DiskFull(PathBuf),
+    #[error("{}: {reason}", path.display())]
+    Io { path: PathBuf, reason: io::Error },
+    #[error("{}: not a picture that can be read: {reason}", path.display())]
+    Malformed { path: PathBuf, reason: String },
+    #[error("{}: a picture of {width}×{height} cannot be stored: {reason}", path.display())]
+    Unstorable {
+        path: PathBuf,
+        width: u32,
+        height: u32,
+        reason: String,
+    },
+}
+
+/// The formats that pictures are stored in, named by the file's extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// Display values, 8 bits a channel.
+    Png,
+    /// Linear radiance, 32-bit float.
+    Exr,
+}
+
+impl PictureFormat {
+    /// The format that a path asks for.
+    ///
+    /// # Errors
+    /// [`PictureError::UnknownExtension`], which lists what there is.
+    pub fn of(path: &Path) -> Result<Self, PictureError> {
+        let extension = path
+            .extension()
+            .and_then(OsStr::to_str)
+            .map(str::to_ascii_lowercase);
+        match extension.as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(PictureError::UnknownExtension(path.to_owned())),
+        }
+    }
+}
+
+/// What the numbers of a picture that was read mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// sRGB-encoded, in [0, 1].
+    Display,
+    /// Linear Rec. 709 radiance.
+    Linear,
+}
+
+/// Tries whether a picture could be written here, and leaves no trace: for asking before long work.
+///
+/// # Errors
+/// As [`write`], as far as can be known before.
+pub fn check_writable(path: &Path) -> Result<PictureFormat, PictureError> {
+    let format = PictureFormat::of(path)?;
+    open(path)?
+        .discard()
+        .map_err(|reason| write_error(path, reason))?;
+    Ok(format)
+}
+
+/// Writes a linear picture in the format of the path's extension: an EXR as it is, a PNG after
+/// exposure and tone mapping.
+///
+/// # Errors
+/// [`PictureError`] for an unknown extension, a missing folder, missing rights, a full disk.
+pub fn write(path: &Path, linear: &Picture, exposure_ev: f32) -> Result<(), PictureError> {
+    match PictureFormat::of(path)? {
+        PictureFormat::Png => write_png(path, &tonemap::tone_mapped(linear, exposure_ev)),
+        PictureFormat::Exr => write_exr(path, linear),
+    }
+}
+
+/// Writes display values (sRGB-encoded, in [0, 1]; what lies outside is clamped, NaN is black) with
+/// 8 bits a channel.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_png(path: &Path, display: &Picture) -> Result<(), PictureError> {
+    let bytes: Vec<u8> = display
+        .rgb
+        .iter()
+        .flatten()
+        .map(|&value| quantised(value))
+        .collect();
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file)
+        .write_image(
+            &bytes,
+            display.width,
+            display.height,
+            image::ExtendedColorType::Rgb8,
+        )
+        .map_err(|error| unstorable(path, display, error))?;
+    save(path, &file)
+}
+
+/// Writes a picture with its full range.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_exr(path: &Path, linear: &Picture) -> Result<(), PictureError> {
+    let width = linear.width as usize;
+    let pixel = |at: exr::math::Vec2<usize>| {
+        let [r, g, b] = linear.rgb[at.y() * width + at.x()];
+        (r, g, b)
+    };
+    let layer = exr::image::Layer::new(
+        (width, linear.height as usize),
+        exr::meta::header::LayerAttributes::default(),
+        exr::image::Encoding::SMALL_LOSSLESS,
+        exr::image::SpecificChannels::rgb(pixel),
+    );
+    let mut file = Cursor::new(Vec::new());
+    exr::image::Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)
+        .map_err(|error| unstorable(path, linear, error))?;
+    save(path, file.get_ref())
+}
+
+/// Reads a PNG or an EXR and says what its numbers mean. Transparency is ignored.
+///
+/// # Errors
+/// [`PictureError`] for an unknown extension, a missing file, and what is not a picture.
+pub fn read(path: &Path) -> Result<(Picture, Encoding), PictureError> {
+    let format = PictureFormat::of(path)?;
+    let bytes = std::fs::read(path).map_err(|reason| read_error(path, reason))?;
+    match format {
+        PictureFormat::Png => Ok((decode_png(path, &bytes)?, Encoding::Display)),
+        PictureFormat::Exr => Ok((decode_exr(path, &bytes)?, Encoding::Linear)),
+    }
+}
+
+fn decode_png(path: &Path, bytes: &[u8]) -> Result<Picture, PictureError> {
+    let decoded = image::load_from_memory_with_format(bytes, image::ImageFormat::Png)
+        .map_err(|error| malformed(path, error))?
+        .into_rgb32f();
+    Ok(Picture {
+        width: decoded.width(),
+        height: decoded.height(),
+        rgb: decoded.pixels().map(|pixel| pixel.0).collect(),
+    })
+}
+
+fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Picture, PictureError> {
+    let decoded = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(
+            |size, _| Picture::new(size.width() as u32, size.height() as u32),
+            |picture: &mut Picture, at, (r, g, b, _): (f32, f32, f32, f32)| {
+                let index = at.y() * picture.width as usize + at.x();
+                picture.rgb[index] = [r, g, b];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|error| malformed(path, error))?;
+    Ok(decoded.layer_data.channel_data.pixels)
+}
+
+/// The nearest of 256 values; casting sends NaN to 0.
+fn quantised(value: f32) -> u8 {
+    (value.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+fn save(path: &Path, bytes: &[u8]) -> Result<(), PictureError> {
+    let mut file = open(path)?;
+    file.write_all(bytes)
+        .and_then(|()| file.commit())
+        .map_err(|reason| write_error(path, reason))
+}
+
+fn open(path: &Path) -> Result<AtomicWriteFile, PictureError> {
+    if path.is_dir() {
+        return Err(PictureError::IsFolder(path.to_owned()));
+    }
+    AtomicWriteFile::open(path).map_err(|reason| write_error(path, reason))
+}
+
+fn write_error(path: &Path, reason: io::Error) -> PictureError {
+    match reason.kind() {
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => PictureError::NoFolder {
+            path: path.to_owned(),
+            folder: path.parent().unwrap_or(Path::new(".")).to_owned(),
+        },
+        _ => io_error(path, reason),
+    }
+}
+
+fn read_error(path: &Path, reason: io::Error) -> PictureError {
+    match reason.kind() {
+        io::ErrorKind::NotFound => PictureError::NoFile(path.to_owned()),
+        io::ErrorKind::IsADirectory => PictureError::IsFolder(path.to_owned()),
+        _ => io_error(path, reason),
+    }
+}
+
+fn io_error(path: &Path, reason: io::Error) -> PictureError {
+    match reason.kind() {
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            PictureError::Denied(path.to_owned())
+        }
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            PictureError::DiskFull(path.to_owned())
+        }
+        _ => PictureError::Io {
+            path: path.to_owned(),
+            reason,
+        },
+    }
+}
+
+fn malformed(path: &Path, error: impl ToString) -> PictureError {
+    PictureError::Malformed {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}
+
+fn unstorable(path: &Path, picture: &Picture, error: impl ToString) -> PictureError {
+    PictureError::Unstorable {
+        path: path.to_owned(),
+        width: picture.width,
+        height: picture.height,
+        reason: error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use tempfile::tempdir;
+
+    fn gradient() -> Picture {
+        let (width, height) = (7, 5);
+        let rgb = (0..width * height)
+            .map(|i| [i as f32 / 34.0, 0.5, 1.0 - i as f32 / 34.0])
+            .collect();
+        Picture { width, height, rgb }
+    }
+
+    #[test]
+    fn an_exr_comes_back_bit_for_bit() {
+        let folder = tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.exr");
+        let mut picture = gradient();
+        picture.rgb[3] = [1e6, 1e-30, -2.5];
+        write(&path, &picture, 3.0).expect("writable");
+        assert_eq!(
+            read(&path).expect("readable"),
+            (picture.clone(), Encoding::Linear)
+        );
+        // A planted fault must show.
+        picture.rgb[3][0] += 1.0;
+        assert_ne!(read(&path).expect("readable").0, picture);
+    }
+
+    #[test]
+    fn a_png_is_the_tone_mapped_picture() {
+        let folder = tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.PNG");
+        write(&path, &gradient(), 1.0).expect("writable");
+        let (picture, encoding) = read(&path).expect("readable");
+        assert_eq!(encoding, Encoding::Display);
+        let expected = tonemap::tone_mapped(&gradient(), 1.0);
+        let worst = |a: &Picture, b: &Picture| {
+            let channels = a.rgb.iter().flatten().zip(b.rgb.iter().flatten());
+            channels.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+        };
+        assert!(worst(&picture, &expected) <= 0.5 / 255.0 + 1e-6);
+        assert!(worst(&picture, &tonemap::tone_mapped(&gradient(), 1.1)) > 1.0 / 255.0);
+    }
+
+    #[test]
+    fn the_same_picture_gives_the_same_bytes() {
+        let folder = tempdir().expect("a temporary folder");
+        for name in ["a.png", "a.exr"] {
+            let bytes = [0, 1].map(|_| {
+                write(&folder.path().join(name), &gradient(), 0.0).expect("writable");
+                std::fs::read(folder.path().join(name)).expect("readable")
+            });
+            assert_eq!(bytes[0], bytes[1]);
+        }
+    }
+
+    #[test]
+    fn an_unknown_extension_is_refused_with_the_list() {
+        for name in ["a.jpg", "a", "png"] {
+            let message = write(Path::new(name), &gradient(), 0.0)
+                .expect_err("unknown")
+                .to_string();
+            assert!(
+                message.contains(".png") && message.contains(".exr"),
+                "{message}"
+            );
+        }
+    }
+
+    #[test]
+    fn places_that_cannot_be_written_say_why() {
+        let folder = tempdir().expect("a temporary folder");
+        let missing = folder.path().join("no/such/a.png");
+        assert!(matches!(
+            check_writable(&missing),
+            Err(PictureError::NoFolder { .. })
+        ));
+        let file = folder.path().join("file");
+        std::fs::write(&file, "x").expect("writable");
+        assert!(matches!(
+            check_writable(&file.join("a.png")),
+            Err(PictureError::NoFolder { .. })
+        ));
+        let inside = folder.path().join("folder.png");
+        std::fs::create_dir(&inside).expect("writable");
+        assert!(matches!(
+            write(&inside, &gradient(), 0.0),
+            Err(PictureError::IsFolder(_))
+        ));
+        let message =
+            write_error(Path::new("a.png"), io::ErrorKind::StorageFull.into()).to_string();
+        assert!(message.contains("disk is full"), "{message}");
+        let message =
+            write_error(Path::new("a.png"), io::ErrorKind::PermissionDenied.into()).to_string();
+        assert!(message.contains("permission"), "{message}");
+    }
+
+    #[test]
+    fn asking_leaves_no_trace_and_harms_no_picture() {
+        let folder = tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.png");
+        write(&path, &gradient(), 0.0).expect("writable");
+        let before = std::fs::read(&path).expect("readable");
+        assert_eq!(check_writable(&path).expect("writable"), PictureFormat::Png);
+        assert_eq!(before, std::fs::read(&path).expect("readable"));
+        assert_eq!(
+            std::fs::read_dir(folder.path()).expect("readable").count(),
+            1
+        );
+    }
+
+    #[test]
+    fn what_is_no_picture_is_said_to_be_none() {
+        let folder = tempdir().expect("a temporary folder");
+        for name in ["a.png", "a.exr"] {
+            let path = folder.path().join(name);
+            assert!(matches!(read(&path), Err(PictureError::NoFile(_))));
+            std::fs::write(&path, "not a picture").expect("writable");
+            assert!(matches!(read(&path), Err(PictureError::Malformed { .. })));
+            std::fs::write(&path, "").expect("writable");
+            assert!(matches!(read(&path), Err(PictureError::Malformed { .. })));
+        }
+    }
+
+    #[test]
+    fn an_empty_picture_is_refused() {
+        let folder = tempdir().expect("a temporary folder");
+        for name in ["a.png", "a.exr"] {
+            let path = folder.path().join(name);
+            assert!(write(&path, &Picture::new(0, 0), 0.0).is_err(), "{name}");
+            assert!(!path.exists());
+        }
+    }
+
+    #[test]
+    fn values_outside_the_display_are_clamped() {
+        assert_eq!(
+            [f32::NAN, -1.0, 0.5, 2.0, f32::INFINITY].map(quantised),
+            [0, 0, 128, 255, 255]
+        );
+    }
+
+    proptest! {
+        /// What 8 bits can hold comes back exactly.
+        #[test]
+        fn a_png_of_bytes_comes_back(bytes in proptest::collection::vec(any::<[u8; 3]>(), 12)) {
+            let rgb = bytes.iter().map(|pixel| pixel.map(|value| f32::from(value) / 255.0)).collect();
+            let picture = Picture { width: 4, height: 3, rgb };
+            let folder = tempdir().expect("a temporary folder");
+            let path = folder.path().join("a.png");
+            write_png(&path, &picture).expect("writable");
+            prop_assert_eq!(read(&path).expect("readable").0, picture);
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! The brick map: a coarse grid of 8³ cells, each empty, uniform, or an index to a brick.
+//!
+//! Layout, shared with `shaders/data/voxels.wesl`:
+//! - `grid`: one u32 a cell, index x | y << log2(cells.x) | z << log2(cells.x·cells.y). Bit 31
+//!   clear: empty, and bits 3·o … 3·o+2 hold (whole cells that a ray of octant o may cross) − 1,
+//!   where octant o = (dir.x < 0) | (dir.y < 0) << 1 | (dir.z < 0) << 2. Bits 31 and 30 set:
+//!   uniform solid, material in bits 0–7. Bit 31 alone: brick index in bits 0–29.
+//! - `masks`: sixteen u32 a brick: eight 4³ masks (index (x≥4) | (y≥4) << 1 | (z≥4) << 2), two
+//!   words each, bit (x&3) | (y&3) << 2 | (z&3) << 4 of the 64.
+//! - `materials`: 512 bytes a brick, index x | y << 3 | z << 6; 0 is air. Read only at a hit.
+//!
+//! Invariants: a brick is neither empty nor uniform; the distances of empty cells are exact; what
+//! lies between `size` and the grid's end is air.
+
+mod distances;
+mod edit;
+
+use glam::{IVec3, UVec3};
+use rayon::prelude::*;
+
+pub use edit::Edit;
+
+/// Edge of a grid cell in voxels.
+pub const CELL: u32 = 8;
+/// Voxels in a brick.
+pub const BRICK_VOXELS: usize = 512;
+/// Cells that one step of a ray may cross at most.
+pub const FARTHEST: u32 = 8;
+
+const SOLID: u32 = 1 << 31;
+const UNIFORM: u32 = 1 << 30;
+
+/// The materials of one cell, index x | y << 3 | z << 6; 0 is air.
+pub type Brick = [u8; BRICK_VOXELS];
+
+/// A sparse array of materials with the structure that the marcher needs.
+#[derive(Clone, Debug)]
+pub struct Voxels {
+    size: UVec3,
+    cells: UVec3,
+    grid: Vec<u32>,
+    masks: Vec<[u32; 16]>,
+    materials: Vec<Brick>,
+    free_bricks: Vec<u32>,
+}
+
+/// What one grid cell of 8³ voxels holds.
+#[derive(Clone, Copy, Debug)]
+pub enum Cell<'a> {
+    /// Air throughout.
+    Empty,
+    /// Stone of one material throughout.
+    Uniform(u8),
+    /// Materials, index x | y << 3 | z << 6 of the voxel within the cell; 0 is air.
+    Brick(&'a Brick),
+}
+
+/// The contents of a cell that is being built.
+#[derive(Clone, Debug)]
+pub enum NewCell {
+    Empty,
+    /// Stone of one material (not 0) throughout.
+    Uniform(u8),
+    /// Any materials; stored as what it amounts to.
+    Voxels(Box<Brick>),
+}
+
+impl Voxels {
+    /// Nothing but air.
+    pub fn empty(size: UVec3) -> Self {
+        let cells = grid_cells(size);
+        let mut voxels = Self {
+            size,
+            cells,
+            grid: vec![0; cells.element_product() as usize],
+            masks: Vec::new(),
+            materials: Vec::new(),
+            free_bricks: Vec::new(),
+        };
+        voxels.rebuild_distances();
+        voxels
+    }
+
+    /// Builds every cell that the world touches in parallel. Voxels beyond `size` must be air.
+    pub fn from_cells(size: UVec3, content: impl Fn(UVec3) -> NewCell + Sync) -> Self {
+        let mut voxels = Self::empty(size);
+        let used = size.map(|n| n.div_ceil(CELL));
+        let built: Vec<(UVec3, NewCell)> = (0..used.y * used.z)
+            .into_par_iter()
+            .flat_map_iter(|row| {
+                let content = &content;
+                (0..used.x).filter_map(move |x| {
+                    let cell = UVec3::new(x, row % used.y, row / used.y);
+                    match content(cell) {
+                        NewCell::Empty => None,
+                        found => Some((cell, found)),
+                    }
+                })
+            })
+            .collect();
+        for (cell, found) in built {
+            match found {
+                NewCell::Empty => {}
+                NewCell::Uniform(material) => {
+                    let index = voxels.cell_index(cell);
+                    voxels.grid[index] = SOLID | UNIFORM | u32::from(material);
+                }
+                NewCell::Voxels(brick) => {
+                    voxels.store(cell, &brick);
+                }
+            }
+        }
+        voxels.rebuild_distances();
+        voxels
+    }
+
+    /// The structure as the GPU built it. `masks` and `materials` may be longer than what the grid
+    /// uses: the bricks that no cell names are free.
+    ///
+    /// # Panics
+    /// When the grid's length does not fit `size`.
+    pub fn from_raw(
+        size: UVec3,
+        grid: Vec<u32>,
+        masks: Vec<[u32; 16]>,
+        materials: Vec<Brick>,
+    ) -> Self {
+        let cells = grid_cells(size);
+        assert_eq!(grid.len(), cells.element_product() as usize, "grid length");
+        let mut used = vec![false; masks.len()];
+        for word in grid.iter().filter(|word| **word >> 30 == 2) {
+            used[(word & !SOLID) as usize] = true;
+        }
+        let free = |brick: &u32| !used[*brick as usize];
+        let free_bricks = (0..masks.len() as u32).rev().filter(free).collect();
+        Self {
+            size,
+            cells,
+            grid,
+            masks,
+            materials,
+            free_bricks,
+        }
+    }
+
+    /// Extent in voxels.
+    pub fn size(&self) -> UVec3 {
+        self.size
+    }
+
+    /// Extent of the grid in cells, each a power of two.
+    pub fn cells(&self) -> UVec3 {
+        self.cells
+    }
+
+    /// The words of the grid, the masks and the materials, as the GPU reads them.
+    pub fn raw(&self) -> (&[u32], &[[u32; 16]], &[Brick]) {
+        (&self.grid, &self.masks, &self.materials)
+    }
+
+    /// Bricks in use.
+    pub fn bricks(&self) -> usize {
+        self.masks.len() - self.free_bricks.len()
+    }
+
+    /// What a grid cell holds. `cell` is the voxel / [`CELL`] of a voxel inside [`Self::size`].
+    pub fn cell(&self, cell: UVec3) -> Cell<'_> {
+        let word = self.grid[self.cell_index(cell)];
+        if word & SOLID == 0 {
+            Cell::Empty
+        } else if word & UNIFORM != 0 {
+            Cell::Uniform(word as u8)
+        } else {
+            Cell::Brick(&self.materials[(word & !SOLID) as usize])
+        }
+    }
+
+    /// Material of a voxel in grid space; 0 (air) outside the world.
+    pub fn material(&self, voxel: IVec3) -> u8 {
+        if voxel.cmplt(IVec3::ZERO).any() || voxel.cmpge(self.size.as_ivec3()).any() {
+            return 0;
+        }
+        let voxel = voxel.as_uvec3();
+        match self.cell(voxel / CELL) {
+            Cell::Empty => 0,
+            Cell::Uniform(material) => material,
+            Cell::Brick(materials) => materials[brick_index(voxel % CELL)],
+        }
+    }
+
+    fn cell_index(&self, cell: UVec3) -> usize {
+        let bits = self.cells.map(|n| n.trailing_zeros());
+        (cell.x | cell.y << bits.x | cell.z << (bits.x + bits.y)) as usize
+    }
+
+    /// Makes a cell hold these materials, allocating or freeing its brick. Returns the brick that
+    /// was written, if any. Distances are the caller's.
+    fn store(&mut self, cell: UVec3, content: &Brick) -> Option<u32> {
+        let index = self.cell_index(cell);
+        let old = self.grid[index];
+        let had_brick = old >> 30 == 2;
+        let first = content[0];
+        if content.iter().all(|material| *material == first) {
+            if had_brick {
+                self.free_bricks.push(old & !SOLID);
+            }
+            let solid = SOLID | UNIFORM | u32::from(first);
+            self.grid[index] = if first == 0 { 0 } else { solid };
+            return None;
+        }
+        let brick = if had_brick {
+            old & !SOLID
+        } else {
+            self.free_bricks.pop().unwrap_or_else(|| {
+                self.masks.push([0; 16]);
+                self.materials.push([0; BRICK_VOXELS]);
+                self.masks.len() as u32 - 1
+            })
+        };
+        self.grid[index] = SOLID | brick;
+        self.masks[brick as usize] = masks_of(content);
+        self.materials[brick as usize] = *content;
+        Some(brick)
+    }
+}
+
+/// Extent in cells of the grid that holds a world of `size` voxels.
+pub fn grid_cells(size: UVec3) -> UVec3 {
+    size.map(|n| n.div_ceil(CELL).max(1).next_power_of_two())
+}
+
+/// Index of a voxel within its brick.
+pub fn brick_index(local: UVec3) -> usize {
+    (local.x | local.y << 3 | local.z << 6) as usize
+}
+
+/// The eight 4³ masks of a brick, two words each.
+fn masks_of(content: &Brick) -> [u32; 16] {
+    let mut masks = [0; 16];
+    for (index, _) in content.iter().enumerate().filter(|(_, m)| **m != 0) {
+        let (x, y, z) = (index & 7, index >> 3 & 7, index >> 6);
+        let mask = x >> 2 | (y >> 2) << 1 | (z >> 2) << 2;
+        let bit = x & 3 | (y & 3) << 2 | (z & 3) << 4;
+        masks[mask * 2 + (bit >> 5)] |= 1 << (bit & 31);
+    }
+    masks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_of_one_material_needs_no_brick() {
+        let voxels = Voxels::from_cells(UVec3::splat(16), |cell| {
+            if cell.x == 0 {
+                NewCell::Voxels(Box::new([3; BRICK_VOXELS]))
+            } else {
+                NewCell::Empty
+            }
+        });
+        assert_eq!(voxels.bricks(), 0);
+        assert_eq!(voxels.material(IVec3::new(7, 15, 15)), 3);
+        assert_eq!(voxels.material(IVec3::new(8, 0, 0)), 0);
+        assert_eq!(voxels.material(IVec3::new(-1, 0, 0)), 0);
+    }
+
+    #[test]
+    fn the_grid_is_padded_to_powers_of_two() {
+        assert_eq!(grid_cells(UVec3::new(1, 100, 512)), UVec3::new(1, 16, 64));
+    }
+
+    #[test]
+    fn masks_mark_exactly_the_solid_voxels() {
+        let mut content = [0; BRICK_VOXELS];
+        content[brick_index(UVec3::new(5, 2, 3))] = 9;
+        let mut expected = [0; 16];
+        // Mask 1 (x ≥ 4), bit 1 | 2 << 2 | 3 << 4 = 57: bit 25 of its second word.
+        expected[3] = 1 << 25;
+        assert_eq!(masks_of(&content), expected);
+    }
+}
