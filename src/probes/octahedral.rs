@@ -52,7 +52,6 @@ pub fn border_source(texel: IVec2, n: u32) -> UVec2 {
     source.as_uvec2()
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
