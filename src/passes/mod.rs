@@ -1,1 +1,10 @@
-//! One file a pass.
+//! One file a pass: its kernel, its own buffers, how it is recorded. Passes never import each
+//! other; what several need lies here.
+
+pub mod camera_rays;
+pub mod distances;
+mod scene;
+mod view;
+
+pub use scene::{GpuVoxels, MemoryUse};
+pub use view::{GpuView, View, ViewMode};

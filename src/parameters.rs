@@ -1,1 +1,0 @@
-//! Every tunable, declared once.

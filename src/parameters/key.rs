@@ -1,0 +1,122 @@
+//! One key of the table: found by name, read and written with its range checked.
+
+use super::{KEYS, Kind, Parameters, Value, nearest};
+
+/// A tunable as `--set`, `grotto info --keys` and the panel see it.
+pub struct Key {
+    /// `section.field`.
+    pub name: &'static str,
+    /// One line: what it is, and what more and less of it cost.
+    pub doc: &'static str,
+    pub kind: Kind,
+    pub remake: Remake,
+    pub(super) get: fn(&Parameters) -> Value,
+    pub(super) put: fn(&mut Parameters, Value),
+}
+
+/// What a change of a parameter makes anew, from nothing to everything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Remake {
+    /// The next frame just reads it.
+    Nothing,
+    /// The probe field: its buffers depend on it.
+    Probes,
+    /// The world is voxelised again.
+    World,
+}
+
+/// What is wrong with an assignment, and what would be right.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ParameterError {
+    #[error("`{0}` is not KEY=VALUE, as in `probes.rays=128`")]
+    NotAnAssignment(String),
+    #[error(
+        "no parameter is called `{name}`; {}`grotto info --keys` lists them all",
+        did_you_mean(near)
+    )]
+    UnknownKey {
+        name: String,
+        near: Vec<&'static str>,
+    },
+    #[error("`{key}` takes {kind}, not `{text}`")]
+    BadValue {
+        key: &'static str,
+        kind: String,
+        text: String,
+    },
+    #[error("`{key}={text}` is planned, but not yet in this version; `{key}` takes {kind}")]
+    NotYet {
+        key: &'static str,
+        kind: String,
+        text: String,
+    },
+}
+
+fn did_you_mean(near: &[&str]) -> String {
+    match near {
+        [] => String::new(),
+        near => format!("did you mean `{}`? ", near.join("`, `")),
+    }
+}
+
+impl Key {
+    /// # Errors
+    /// [`ParameterError::UnknownKey`] with the nearest names.
+    pub fn find(name: &str) -> Result<&'static Self, ParameterError> {
+        KEYS.iter().find(|key| key.name == name).ok_or_else(|| {
+            let near = nearest(name, KEYS.iter().map(|key| key.name));
+            ParameterError::UnknownKey {
+                name: name.to_owned(),
+                near,
+            }
+        })
+    }
+
+    /// The value that `parameters` hold.
+    pub fn get(&self, parameters: &Parameters) -> Value {
+        (self.get)(parameters)
+    }
+
+    /// The value of a user who sets nothing.
+    pub fn default(&self) -> Value {
+        self.get(&Parameters::default())
+    }
+
+    /// # Errors
+    /// [`ParameterError::BadValue`] when the value is of another kind or out of range.
+    pub fn set(&self, parameters: &mut Parameters, value: Value) -> Result<(), ParameterError> {
+        if !self.kind.holds(&value) {
+            return Err(self.refused(&value.to_string()));
+        }
+        (self.put)(parameters, value);
+        Ok(())
+    }
+
+    /// Reads a value as people write it.
+    ///
+    /// # Errors
+    /// [`ParameterError::BadValue`], or [`ParameterError::NotYet`] for a word that is to come.
+    pub fn parse(&self, text: &str) -> Result<Value, ParameterError> {
+        if let Kind::Choice { later, .. } = self.kind
+            && later.contains(&text)
+        {
+            return Err(ParameterError::NotYet {
+                key: self.name,
+                kind: self.kind.to_string(),
+                text: text.to_owned(),
+            });
+        }
+        let value = self.kind.parse(text);
+        value
+            .filter(|value| self.kind.holds(value))
+            .ok_or_else(|| self.refused(text))
+    }
+
+    fn refused(&self, text: &str) -> ParameterError {
+        ParameterError::BadValue {
+            key: self.name,
+            kind: self.kind.to_string(),
+            text: text.to_owned(),
+        }
+    }
+}

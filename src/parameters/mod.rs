@@ -1,0 +1,383 @@
+//! Every tunable, declared once.
+//!
+//! The table below gives the typed structs with their defaults, and [`KEYS`]: what `--set`,
+//! `grotto info --keys` and the panel know of them. A key is `section.field`. The one line above a
+//! field is what people read, so it says what more and less of it cost.
+
+mod key;
+mod nearest;
+mod value;
+
+use glam::{UVec3, Vec3};
+
+pub use key::{Key, ParameterError, Remake};
+pub use nearest::nearest;
+pub use value::{Kind, Value};
+
+/// Declares the sections: per field one doc line, type, default, kind, and what a change makes anew.
+macro_rules! parameters {
+    ($(
+        #[doc = $section_doc:literal]
+        $section:ident: $Section:ident {
+            $(
+                #[doc = $doc:literal]
+                $field:ident: $type:ty = $default:expr, $kind:expr, $remake:ident;
+            )+
+        }
+    )+) => {
+        /// All tunables. `Default` gives what a user gets who sets nothing.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Parameters {
+            $(#[doc = $section_doc] pub $section: $Section,)+
+        }
+
+        $(
+            #[doc = $section_doc]
+            #[derive(Clone, Debug, PartialEq)]
+            pub struct $Section {
+                $(#[doc = $doc] pub $field: $type,)+
+            }
+
+            impl Default for $Section {
+                fn default() -> Self {
+                    Self { $($field: $default,)+ }
+                }
+            }
+        )+
+
+        /// Every key, section by section.
+        pub static KEYS: &[Key] = &[$($(
+            Key {
+                name: concat!(stringify!($section), ".", stringify!($field)),
+                doc: $doc,
+                kind: $kind,
+                remake: Remake::$remake,
+                get: |parameters| parameters.$section.$field.clone().into(),
+                put: |parameters, value| {
+                    parameters.$section.$field = value
+                        .try_into()
+                        .expect("a value is checked against its kind, which matches the type");
+                },
+            },
+        )+)+];
+    };
+}
+
+/// Declares a choice: an enum whose values are words. Words after `later` are refused as such.
+macro_rules! choice {
+    (
+        $(#[$meta:meta])*
+        $Choice:ident { $($(#[$variant_meta:meta])* $Variant:ident = $word:literal,)+ }
+        later: [$($later:literal),*]
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $Choice {
+            $($(#[$variant_meta])* $Variant,)+
+        }
+
+        impl $Choice {
+            const KIND: Kind = Kind::Choice { words: &[$($word),+], later: &[$($later),*] };
+        }
+
+        impl From<$Choice> for Value {
+            fn from(choice: $Choice) -> Self {
+                Value::Choice(match choice { $($Choice::$Variant => $word,)+ })
+            }
+        }
+
+        impl TryFrom<Value> for $Choice {
+            type Error = Value;
+
+            fn try_from(value: Value) -> Result<Self, Value> {
+                match value {
+                    $(Value::Choice($word) => Ok($Choice::$Variant),)+
+                    other => Err(other),
+                }
+            }
+        }
+    };
+}
+
+choice! {
+    /// How a probe behind a wall loses its weight.
+    Visibility {
+        /// Not at all: probes light through walls.
+        None = "none",
+        /// By the mean and the variance of the distances that the probe saw (Majercik et al. 2019).
+        Chebyshev = "chebyshev",
+    }
+    later: ["exact"]
+}
+
+choice! {
+    /// What becomes of a distance that is longer than `probes.distance_clamp`.
+    LongRays {
+        /// It counts as the clamp: the mean says "far".
+        Clamp = "clamp",
+        /// It is left out: the mean is that of what is near.
+        Reject = "reject",
+    }
+    later: []
+}
+
+choice! {
+    /// Whether probes sleep, die and move by what surrounds them.
+    ProbeStates {
+        /// Every probe is traced and gathered.
+        Off = "off",
+    }
+    later: ["on"]
+}
+
+parameters! {
+    #[doc = "What is voxelised."]
+    world: WorldParameters {
+        #[doc = "Extent in voxels in place of the file's; memory and build time grow with its surface."]
+        size: Option<UVec3> = None, Kind::Size { max: 8192 }, World;
+        #[doc = "Seed of noise, scatter and flicker in place of the file's; costs nothing."]
+        seed: Option<u32> = None, Kind::Seed, World;
+    }
+
+    #[doc = "Overrides of every material of the world, for closed forms."]
+    materials: MaterialParameters {
+        #[doc = "Albedo of every material, both colours of its pattern; near 1 takes many frames to settle."]
+        albedo: Option<Vec3> = None, Kind::Colour { max: 1.0 }, World;
+        #[doc = "Emitted radiance of every material; costs nothing."]
+        emission: Option<Vec3> = None, Kind::Colour { max: 65504.0 }, World;
+    }
+
+    #[doc = "The probe field."]
+    probes: ProbeParameters {
+        #[doc = "Rays per probe and frame; time grows with it, noise and boiling shrink with its root."]
+        rays: u32 = 128, Kind::Count { min: 8, max: 4096 }, Probes;
+        #[doc = "Share of history kept per update; higher is steadier, lower reacts sooner."]
+        hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
+        #[doc = "How a probe behind a wall loses its weight; none is faster and leaks, chebyshev reads one texel more per probe."]
+        visibility: Visibility = Visibility::Chebyshev, Visibility::KIND, Nothing;
+        #[doc = "Whether probes sleep and move by what surrounds them; off updates every probe that is not in stone."]
+        states: ProbeStates = ProbeStates::Off, ProbeStates::KIND, Probes;
+        #[doc = "Edge of a probe's irradiance map; more resolves sharper bounced light, for memory and blend time by its square."]
+        irradiance_texels: u32 = 8, Kind::Count { min: 4, max: 32 }, Probes;
+        #[doc = "Edge of a probe's distance map; more leaks less at thin walls, for memory and blend time by its square."]
+        distance_texels: u32 = 16, Kind::Count { min: 4, max: 64 }, Probes;
+        #[doc = "Power of the cosine that blends distances; higher separates walls better, lower is less noisy at few rays."]
+        distance_sharpness: f32 = 50.0, Kind::Number { min: 1.0, max: 200.0 }, Nothing;
+        #[doc = "Longest distance a probe keeps, in diagonals of its cage; more keeps far walls apart, less keeps more precision near."]
+        distance_clamp: f32 = 1.5, Kind::Number { min: 1.0, max: 16.0 }, Nothing;
+        #[doc = "What becomes of longer distances: clamp counts them as the clamp, reject leaves them out and keeps near walls sharper."]
+        long_rays: LongRays = LongRays::Clamp, LongRays::KIND, Nothing;
+        #[doc = "Voxels along the normal that a gather point is moved; more leaks less from behind, less keeps contact shadows."]
+        normal_bias: f32 = 0.3, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
+        #[doc = "Voxels towards the camera that a gather point is moved under chebyshev; more hides self-shadowing, less shifts light less."]
+        view_bias: f32 = 0.3, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
+        #[doc = "Added to the squared wrap weight of a probe; 0.2 keeps probes at grazing angles (smoother), 0 drops them (sharper)."]
+        wrap_offset: f32 = 0.2, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
+        #[doc = "Visibility weights below this are crushed to their cube; more leaks less, 0 crushes none and is smoother."]
+        crush: f32 = 0.2, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
+        #[doc = "Power of the chebyshev bound; more leaks less, less shadows softer."]
+        chebyshev_power: f32 = 3.0, Kind::Number { min: 1.0, max: 20.0 }, Nothing;
+        #[doc = "Least chebyshev weight; more never goes black, less leaks less."]
+        chebyshev_floor: f32 = 0.05, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
+        #[doc = "Weight of a whole cage below which its light fades to none; more leaks less into sealed rooms, less keeps light in tight corners."]
+        least_weight: f32 = 1e-4, Kind::Number { min: 1e-9, max: 1.0 }, Nothing;
+        #[doc = "Updates in which a fresh probe's history is replaced, one bounce each, before they are averaged; more carry bright surfaces farther, fewer settle sooner."]
+        warmup_frames: u32 = 40, Kind::Count { min: 0, max: 1000 }, Nothing;
+        #[doc = "Relative change of a texel that lowers its hysteresis; less reacts sooner, more boils less."]
+        change_small: f32 = 0.25, Kind::Number { min: 0.0, max: 10.0 }, Nothing;
+        #[doc = "How much a small change lowers the hysteresis; more reacts sooner, less boils less."]
+        change_step: f32 = 0.15, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
+        #[doc = "Relative change of a texel that drops its history; less reacts at once, more boils less."]
+        change_large: f32 = 0.8, Kind::Number { min: 0.0, max: 10.0 }, Nothing;
+        #[doc = "Standard deviations of its own noise that a texel's change must exceed to count; more boils less at few rays, 0 takes noise for change."]
+        change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 100.0 }, Nothing;
+        #[doc = "Most luminance of a probe ray in multiples of the probe's mean; less is steadier but loses the light of small bright things, 0 limits nothing."]
+        firefly_clamp: f32 = 0.0, Kind::Number { min: 0.0, max: 65504.0 }, Nothing;
+    }
+
+    #[doc = "The lamps."]
+    lights: LightParameters {
+        #[doc = "Lamp preset by name; empty takes the world's first. Each lamp costs a shadow ray per pixel and probe ray."]
+        preset: String = String::new(), Kind::Name, Nothing;
+        #[doc = "Whether lamps move with world time; still lamps let the probes settle."]
+        animate: bool = true, Kind::Flag, Nothing;
+        #[doc = "Most lamps lit, the preset's first ones; each costs a shadow ray per pixel and probe ray."]
+        max_lamps: u32 = 64, Kind::Count { min: 0, max: 64 }, Nothing;
+    }
+
+    #[doc = "From linear light to the display."]
+    picture: PictureParameters {
+        #[doc = "Stops by which PNG and window are brightened; costs nothing, EXR stays linear."]
+        exposure_ev: f32 = 0.0, Kind::Number { min: -20.0, max: 20.0 }, Nothing;
+    }
+
+    #[doc = "Block textures."]
+    textures: TextureParameters {
+        #[doc = "Whether faces carry their procedural textures; off shows plain colours and saves one read a pixel."]
+        enabled: bool = true, Kind::Flag, Nothing;
+    }
+}
+
+impl Parameters {
+    /// Applies `KEY=VALUE`, as `--set` gives it.
+    ///
+    /// # Errors
+    /// What is wrong with the assignment, what the key takes, and the nearest keys to an unknown one.
+    pub fn set(&mut self, assignment: &str) -> Result<(), ParameterError> {
+        let (name, text) = assignment
+            .split_once('=')
+            .ok_or_else(|| ParameterError::NotAnAssignment(assignment.to_owned()))?;
+        let key = Key::find(name.trim())?;
+        let value = key.parse(text.trim())?;
+        key.set(self, value)
+    }
+
+    /// The most that must be made anew when these parameters give way to `next`.
+    pub fn remake_for(&self, next: &Self) -> Remake {
+        KEYS.iter()
+            .filter(|key| key.get(self) != key.get(next))
+            .map(|key| key.remake)
+            .max()
+            .unwrap_or(Remake::Nothing)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(assignment: &str) -> String {
+        let before = Parameters::default();
+        let mut parameters = before.clone();
+        let error = parameters.set(assignment).expect_err(assignment);
+        assert_eq!(parameters, before, "{assignment} changed something");
+        error.to_string()
+    }
+
+    #[test]
+    fn every_default_is_a_value_that_its_key_takes_and_prints() {
+        let defaults = Parameters::default();
+        for key in KEYS {
+            let mut parameters = defaults.clone();
+            let value = key.get(&defaults);
+            key.set(&mut parameters, value.clone()).expect(key.name);
+            assert_eq!(parameters, defaults, "{}", key.name);
+            assert_eq!(key.parse(&value.to_string()), Ok(value), "{}", key.name);
+        }
+    }
+
+    #[test]
+    fn keys_are_unique_and_documented_in_one_line() {
+        for (index, key) in KEYS.iter().enumerate() {
+            assert!(
+                KEYS[..index].iter().all(|other| other.name != key.name),
+                "{} twice",
+                key.name
+            );
+            assert!(
+                key.doc.ends_with('.') && !key.doc.contains('\n'),
+                "{}",
+                key.name
+            );
+        }
+    }
+
+    #[test]
+    fn assignments_of_every_kind_arrive() {
+        let mut parameters = Parameters::default();
+        for assignment in [
+            "probes.rays=400",
+            "probes.hysteresis = 0.9",
+            "probes.visibility=none",
+            "probes.states=off",
+            "lights.preset=four lamps",
+            "lights.animate=off",
+            "textures.enabled=false",
+            "world.size=2048x512x2048",
+            "world.seed=7",
+            "materials.albedo=0.5",
+            "materials.emission=1,0,0.25",
+            "picture.exposure_ev=-1.5",
+        ] {
+            parameters.set(assignment).expect(assignment);
+        }
+        assert_eq!(parameters.probes.rays, 400);
+        assert_eq!(parameters.probes.hysteresis, 0.9);
+        assert_eq!(parameters.probes.visibility, Visibility::None);
+        assert_eq!(parameters.lights.preset, "four lamps");
+        assert!(!parameters.lights.animate);
+        assert!(!parameters.textures.enabled);
+        assert_eq!(parameters.world.size, Some(UVec3::new(2048, 512, 2048)));
+        assert_eq!(parameters.world.seed, Some(7));
+        assert_eq!(parameters.materials.albedo, Some(Vec3::splat(0.5)));
+        assert_eq!(
+            parameters.materials.emission,
+            Some(Vec3::new(1.0, 0.0, 0.25))
+        );
+        assert_eq!(parameters.picture.exposure_ev, -1.5);
+    }
+
+    #[test]
+    fn bad_assignments_say_what_would_be_right() {
+        for (assignment, parts) in [
+            ("probes.rays", ["`probes.rays`", "KEY=VALUE"]),
+            ("probes.ray=8", ["`probes.ray`", "`probes.rays`"]),
+            ("prbes.rays=8", ["`prbes.rays`", "`probes.rays`"]),
+            ("hysteresis=0.9", ["`hysteresis`", "`probes.hysteresis`"]),
+            ("qqqq=1", ["`qqqq`", "grotto info --keys"]),
+            (
+                "probes.rays=many",
+                ["whole number from 8 to 4096", "`many`"],
+            ),
+            (
+                "probes.rays=4097",
+                ["whole number from 8 to 4096", "`4097`"],
+            ),
+            ("probes.rays=-1", ["whole number from 8 to 4096", "`-1`"]),
+            ("probes.hysteresis=NaN", ["number from 0 to 0.999", "`NaN`"]),
+            ("probes.hysteresis=inf", ["number from 0 to 0.999", "`inf`"]),
+            ("probes.hysteresis=1", ["number from 0 to 0.999", "`1`"]),
+            ("probes.visibility=exact", ["not yet", "none, chebyshev"]),
+            ("probes.visibility=some", ["none, chebyshev", "`some`"]),
+            ("probes.states=on", ["not yet", "off"]),
+            ("lights.animate=maybe", ["on or off", "`maybe`"]),
+            ("world.size=0x1x1", ["from 1 to 8192", "`0x1x1`"]),
+            ("world.size=64x64", ["WIDTHxHEIGHTxDEPTH", "`64x64`"]),
+            ("world.size=9999x1x1", ["from 1 to 8192", "`9999x1x1`"]),
+            ("world.seed=-3", ["whole number", "`-3`"]),
+            ("materials.albedo=1.5", ["from 0 to 1", "`1.5`"]),
+            ("materials.albedo=0.1,0.2", ["R,G,B", "`0.1,0.2`"]),
+            ("materials.emission=nan", ["from 0 to 65504", "`nan`"]),
+        ] {
+            let message = refusal(assignment);
+            for part in parts {
+                assert!(message.contains(part), "{assignment}: {message}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_panel_cannot_set_what_a_flag_cannot() {
+        let key = Key::find("probes.rays").expect("a key");
+        let mut parameters = Parameters::default();
+        for value in [Value::Count(7), Value::Flag(true), Value::Number(64.0)] {
+            assert!(key.set(&mut parameters, value).is_err());
+        }
+        let key = Key::find("probes.hysteresis").expect("a key");
+        assert!(key.set(&mut parameters, Value::Number(f32::NAN)).is_err());
+        assert_eq!(parameters, Parameters::default());
+    }
+
+    #[test]
+    fn a_change_names_the_most_that_must_be_made_anew() {
+        let old = Parameters::default();
+        let mut new = old.clone();
+        assert_eq!(old.remake_for(&new), Remake::Nothing);
+        new.picture.exposure_ev = 2.0;
+        assert_eq!(old.remake_for(&new), Remake::Nothing);
+        new.probes.distance_texels = 8;
+        assert_eq!(old.remake_for(&new), Remake::Probes);
+        new.world.seed = Some(1);
+        assert_eq!(old.remake_for(&new), Remake::World);
+    }
+}

@@ -1,0 +1,49 @@
+//! Pass `camera_rays`: one ray through each pixel's centre, and what it hits.
+
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder};
+
+/// The kernel and the surfaces that it writes: 8 bytes a pixel, rows from the top
+/// (`shaders/march/surface.wesl` says how to read them).
+pub struct CameraRays {
+    kernel: Kernel,
+    bindings: Bindings,
+    pub surfaces: wgpu::Buffer,
+    size: [u32; 2],
+}
+
+impl CameraRays {
+    /// For pictures of `size` pixels. `resources` are those of the voxels and the view.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`], [`GpuError::Shader`].
+    pub fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, GpuError> {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let surfaces = gpu.storage_buffer("surfaces", pixels * 8)?;
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "passes/camera_rays",
+                ..Default::default()
+            },
+        )?;
+        let mut all = resources.to_vec();
+        all.push(("surfaces_out", surfaces.as_entire_binding()));
+        Ok(Self {
+            bindings: kernel.bind(gpu, &all),
+            kernel,
+            surfaces,
+            size,
+        })
+    }
+
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        recorder.compute("camera_rays", |pass| {
+            self.kernel
+                .dispatch_threads(pass, &self.bindings, [self.size[0], self.size[1], 1]);
+        });
+    }
+}
