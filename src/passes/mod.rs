@@ -3,8 +3,11 @@
 
 pub mod camera_rays;
 pub mod distances;
+mod lighting;
 mod scene;
+pub mod tonemap;
 mod view;
 
+pub use lighting::{GpuLights, GpuMaterials};
 pub use scene::{GpuVoxels, MemoryUse};
 pub use view::{GpuView, View, ViewMode};
