@@ -1,6 +1,18 @@
 //! The tree of signed distance functions that shapes a world. Negative inside stone.
 
+mod bounds;
+mod check;
+mod scatter;
+mod shape;
+#[cfg(test)]
+mod tests;
+
 use glam::Vec3;
+
+pub use bounds::Bounds;
+pub use check::SdfError;
+pub use scatter::pcg3d;
+pub use shape::Shape;
 
 /// Index into [`super::World::noises`].
 pub type NoiseId = usize;
@@ -16,6 +28,7 @@ pub enum Sdf {
     Box {
         half: Vec3,
     },
+    /// A box of half extent `half` grown by `radius`.
     RoundedBox {
         half: Vec3,
         radius: f32,
@@ -78,7 +91,8 @@ pub enum Sdf {
         by: f32,
         of: Box<Sdf>,
     },
-    /// Repeats with this period on every axis whose period is > 0.
+    /// Repeats with this period on every axis whose period is > 0. On those axes the sub-tree must
+    /// keep within one period of its own origin.
     Repeat {
         period: Vec3,
         of: Box<Sdf>,
@@ -95,8 +109,9 @@ pub enum Sdf {
         amplitude: f32,
         of: Box<Sdf>,
     },
-    /// Copies of a sub-tree, one to a cubic cell of edge `cell` inside the box [min, max], with
-    /// this probability, moved by up to `jitter` cells and scaled by a factor from `scale`.
+    /// Copies of a sub-tree, one to a cubic cell of edge `cell` inside the box [min, max] (as many
+    /// whole cells as fit best along each axis, at least one, centred in the box), with this
+    /// probability, moved by up to `jitter` cells along each axis and scaled by a factor from `scale`.
     /// The sub-tree must lie within `reach` (voxels, before scaling) of its own origin, and
     /// reach·scale.1 + jitter·cell must not exceed `cell`, so that 27 cells bound the search.
     Scatter {

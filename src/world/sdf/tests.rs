@@ -1,0 +1,546 @@
+//! Signs, Lipschitz bounds and boxes of every node, by sampling.
+
+use glam::{DVec3, Vec3};
+use proptest::prelude::*;
+
+use super::{Sdf, SdfError, Shape, pcg3d};
+use crate::world::noise::{Basis, Fractal, NoiseField};
+
+fn noises() -> Vec<NoiseField> {
+    let field = |basis, fractal, frequency: f64| NoiseField {
+        name: String::new(),
+        basis,
+        fractal,
+        frequency: DVec3::splat(frequency),
+        offset: DVec3::new(0.2, 0.4, 0.6),
+        seed: 11,
+    };
+    vec![
+        field(
+            Basis::Perlin,
+            Fractal::Fbm {
+                octaves: 4,
+                lacunarity: 2.0,
+                persistence: 0.5,
+            },
+            0.07,
+        ),
+        field(
+            Basis::OpenSimplex,
+            Fractal::Ridged {
+                octaves: 3,
+                lacunarity: 2.0,
+                persistence: 0.5,
+            },
+            0.05,
+        ),
+        field(Basis::Worley, Fractal::None, 0.1),
+        field(
+            Basis::Value,
+            Fractal::Billow {
+                octaves: 2,
+                lacunarity: 2.0,
+                persistence: 0.5,
+            },
+            0.09,
+        ),
+    ]
+}
+
+fn sphere(radius: f32) -> Sdf {
+    Sdf::Sphere { radius }
+}
+
+fn moved(by: [f32; 3], of: Sdf) -> Sdf {
+    Sdf::Translate {
+        by: by.into(),
+        of: Box::new(of),
+    }
+}
+
+fn scattered(of: Sdf, cell: f32, jitter: f32, scale: (f32, f32), reach: f32) -> Sdf {
+    Sdf::Scatter {
+        min: Vec3::splat(-20.0),
+        max: Vec3::new(20.0, 9.0, 25.0),
+        cell,
+        probability: 0.6,
+        jitter,
+        scale,
+        reach,
+        seed: 5,
+        of: Box::new(of),
+    }
+}
+
+/// One tree per node kind, then combinations.
+fn trees() -> Vec<Sdf> {
+    let rounded = Sdf::RoundedBox {
+        half: Vec3::new(5.0, 2.0, 3.0),
+        radius: 1.5,
+    };
+    let capsule = Sdf::Capsule {
+        from: Vec3::new(-4.0, 0.0, 2.0),
+        to: Vec3::new(6.0, 5.0, 0.0),
+        radius: 2.0,
+    };
+    let pair = || {
+        vec![
+            moved([-3.0, 0.0, 1.0], sphere(6.0)),
+            moved([4.0, 2.0, 0.0], sphere(5.0)),
+        ]
+    };
+    let turned = Sdf::Rotate {
+        degrees: Vec3::new(30.0, 40.0, 50.0),
+        of: Box::new(rounded.clone()),
+    };
+    vec![
+        sphere(7.0),
+        Sdf::Box {
+            half: Vec3::new(3.0, 6.0, 2.0),
+        },
+        rounded.clone(),
+        capsule.clone(),
+        Sdf::Cylinder {
+            radius: 4.0,
+            half_height: 7.0,
+        },
+        Sdf::Torus {
+            major: 8.0,
+            minor: 2.5,
+        },
+        Sdf::Plane {
+            normal: Vec3::new(1.0, 2.0, -0.5),
+            offset: 3.0,
+        },
+        Sdf::HeightField {
+            noise: 0,
+            base: -2.0,
+            amplitude: 6.0,
+            step: 0.0,
+        },
+        Sdf::HeightField {
+            noise: 0,
+            base: -2.0,
+            amplitude: 6.0,
+            step: 1.0,
+        },
+        Sdf::Union(pair()),
+        Sdf::Intersection(pair()),
+        Sdf::Subtraction(pair()),
+        Sdf::SmoothUnion { k: 3.0, of: pair() },
+        Sdf::SmoothIntersection { k: 3.0, of: pair() },
+        Sdf::SmoothSubtraction { k: 3.0, of: pair() },
+        turned.clone(),
+        Sdf::Scale {
+            by: 2.5,
+            of: Box::new(capsule.clone()),
+        },
+        Sdf::Repeat {
+            period: Vec3::new(18.0, 0.0, 15.0),
+            of: Box::new(turned.clone()),
+        },
+        Sdf::Repeat {
+            period: Vec3::splat(12.0),
+            of: Box::new(moved([3.0, -2.0, 4.0], sphere(5.0))),
+        },
+        Sdf::Displace {
+            noise: 0,
+            amplitude: 3.0,
+            of: Box::new(sphere(9.0)),
+        },
+        Sdf::Displace {
+            noise: 1,
+            amplitude: 2.0,
+            of: Box::new(sphere(9.0)),
+        },
+        Sdf::Warp {
+            noise: 3,
+            amplitude: 2.0,
+            of: Box::new(capsule.clone()),
+        },
+        scattered(sphere(3.0), 8.0, 0.3, (0.5, 1.5), 3.0),
+        scattered(
+            moved(
+                [1.0, 1.0, 0.0],
+                Sdf::Cylinder {
+                    radius: 1.0,
+                    half_height: 3.0,
+                },
+            ),
+            14.0,
+            0.5,
+            (1.0, 1.4),
+            5.0,
+        ),
+        // Its own function crawls far from the copy: the cut-off must hold all the same.
+        scattered(
+            Sdf::Intersection(vec![
+                sphere(2.5),
+                Sdf::HeightField {
+                    noise: 0,
+                    base: 0.0,
+                    amplitude: 9.0,
+                    step: 0.0,
+                },
+            ]),
+            7.0,
+            0.2,
+            (0.8, 1.2),
+            2.5,
+        ),
+        Sdf::Subtraction(vec![
+            Sdf::Union(vec![
+                rounded,
+                Sdf::Plane {
+                    normal: Vec3::Y,
+                    offset: -4.0,
+                },
+            ]),
+            Sdf::Warp {
+                noise: 2,
+                amplitude: 1.5,
+                of: Box::new(moved([2.0, 3.0, 0.0], capsule)),
+            },
+            scattered(
+                Sdf::Displace {
+                    noise: 3,
+                    amplitude: 0.5,
+                    of: Box::new(sphere(2.0)),
+                },
+                6.0,
+                0.1,
+                (1.0, 1.5),
+                2.6,
+            ),
+        ]),
+    ]
+}
+
+/// Points of ±30, the same in every run, that do not lie on lattice planes.
+fn points(count: usize) -> impl Iterator<Item = DVec3> {
+    (0..count).map(|i| {
+        let i = i as f64 + 0.5;
+        DVec3::new(i * 8.191_725_134, i * 6.710_436_067, i * 5.497_004_779) % 60.0 - 30.0
+    })
+}
+
+fn direction(i: usize) -> DVec3 {
+    let (turn, height) = (
+        i as f64 * 2.399_963,
+        (i as f64 * 0.618_034) % 1.0 * 2.0 - 1.0,
+    );
+    let ring = (1.0 - height * height).sqrt();
+    DVec3::new(ring * turn.cos(), height, ring * turn.sin())
+}
+
+#[test]
+fn values_vary_no_faster_than_stated() {
+    for tree in trees() {
+        tree.check(&noises()).unwrap();
+        let shape = Shape::new(&tree, &noises());
+        let mut share: f64 = 0.0;
+        for (i, p) in points(6_000).enumerate() {
+            let radius = [1e-4, 0.05, 0.7, 2.6, 6.1][i % 5];
+            let (a, b) = (shape.eval(p), shape.eval(p + radius * direction(i)));
+            let bound = shape.variation(radius);
+            assert!(
+                (a - b).abs() <= bound + 1e-9,
+                "{tree:?}\nat {p}, radius {radius}: {} > {bound}",
+                (a - b).abs()
+            );
+            share = share.max((a - b).abs() / bound);
+        }
+        // A bound that is never approached culls nothing.
+        assert!(share > 0.25, "{tree:?}: {share}");
+        assert!(
+            shape.lipschitz() >= 0.99 && shape.lipschitz() < 12.0,
+            "{tree:?}: {}",
+            shape.lipschitz()
+        );
+    }
+}
+
+#[test]
+fn all_stone_lies_within_the_bounds() {
+    for tree in trees() {
+        let shape = Shape::new(&tree, &noises());
+        let bounds = shape.bounds();
+        let mut solid = 0;
+        for p in points(20_000) {
+            if shape.eval(p) < 0.0 {
+                solid += 1;
+                assert!(
+                    p.cmpge(bounds.min).all() && p.cmple(bounds.max).all(),
+                    "{tree:?} at {p}: {bounds:?}"
+                );
+            }
+        }
+        assert!(solid > 0, "{tree:?} has no stone");
+    }
+}
+
+#[test]
+fn signs_follow_from_the_definitions() {
+    let capsule = |p: DVec3| {
+        let (from, to) = (DVec3::new(-4.0, 0.0, 2.0), DVec3::new(6.0, 5.0, 0.0));
+        (0..=2000).any(|i| p.distance(from.lerp(to, f64::from(i) / 2000.0)) < 2.0)
+    };
+    let torus = |p: DVec3| {
+        (0..3000).any(|i| {
+            let turn = f64::from(i) / 3000.0 * std::f64::consts::TAU;
+            p.distance(8.0 * DVec3::new(turn.cos(), 0.0, turn.sin())) < 2.5
+        })
+    };
+    let cylinder = |p: DVec3| p.y.abs() < 7.0 && p.x * p.x + p.z * p.z < 16.0;
+    let cases: [(Sdf, &dyn Fn(DVec3) -> bool); 3] = [
+        (trees().swap_remove(3), &capsule),
+        (
+            Sdf::Torus {
+                major: 8.0,
+                minor: 2.5,
+            },
+            &torus,
+        ),
+        (
+            Sdf::Cylinder {
+                radius: 4.0,
+                half_height: 7.0,
+            },
+            &cylinder,
+        ),
+    ];
+    for (tree, inside) in cases {
+        let shape = Shape::new(&tree, &[]);
+        for p in points(3_000).map(|p| p / 2.5) {
+            let value = shape.eval(p);
+            assert!(
+                value.abs() < 2e-3 || (value < 0.0) == inside(p),
+                "{tree:?} at {p}: {value}"
+            );
+        }
+    }
+}
+
+#[test]
+fn rotation_turns_x_then_y_then_z() {
+    // A marker on +y: 90° about x brings it to +z, then 90° about y to +x, then 90° about z to +y.
+    let marker = moved([0.0, 5.0, 0.0], sphere(1.0));
+    let at = |degrees: [f32; 3], p: [f64; 3]| {
+        let tree = Sdf::Rotate {
+            degrees: degrees.into(),
+            of: Box::new(marker.clone()),
+        };
+        Shape::new(&tree, &[]).eval(p.into())
+    };
+    assert!(at([90.0, 0.0, 0.0], [0.0, 0.0, 5.0]) < -0.99);
+    assert!(at([90.0, 90.0, 0.0], [5.0, 0.0, 0.0]) < -0.99);
+    assert!(at([90.0, 90.0, 90.0], [0.0, 5.0, 0.0]) < -0.99);
+}
+
+#[test]
+fn a_stepped_height_field_is_flat_between_its_steps() {
+    let tree = Sdf::HeightField {
+        noise: 0,
+        base: -21.0,
+        amplitude: 5.0,
+        step: 1.0,
+    };
+    let shape = Shape::new(&tree, &noises());
+    for p in points(500) {
+        let top = (0..20)
+            .map(|i| -28.5 + f64::from(i))
+            .filter(|&y| shape.eval(p.with_y(y)) < 0.0)
+            .count();
+        let rise = 5.0 * shape.bank().value(0, p.with_y(0.0));
+        assert_eq!(-29.0 + top as f64, -21.0 + rise.floor());
+    }
+}
+
+#[test]
+fn scatter_finds_every_copy() {
+    let tree = scattered(sphere(3.0), 8.0, 0.3, (0.5, 1.5), 3.0);
+    let shape = Shape::new(&tree, &[]);
+    let super::shape::Node::Scatter(scatter) = &shape.root else {
+        panic!("a Scatter node")
+    };
+    let mut copies = Vec::new();
+    for x in 0..scatter.cells.x {
+        for y in 0..scatter.cells.y {
+            for z in 0..scatter.cells.z {
+                copies.extend(scatter.placed(glam::UVec3::new(x, y, z)));
+            }
+        }
+    }
+    let all = scatter.cells.element_product() as f64;
+    assert!(
+        (copies.len() as f64 / all - 0.6).abs() < 0.15,
+        "{} of {all}",
+        copies.len()
+    );
+    for p in points(5_000) {
+        let nearest = copies
+            .iter()
+            .map(|copy| p.distance(copy.centre.as_dvec3()) - 3.0 * f64::from(copy.scale));
+        let nearest = nearest.fold(f64::INFINITY, f64::min);
+        let value = shape.eval(p);
+        assert!(value <= nearest + 1e-9);
+        assert!(
+            (value - nearest).abs() < 1e-9 || value >= scatter.clearance() - 1e-9,
+            "at {p}: {value}, {nearest}"
+        );
+    }
+}
+
+#[test]
+fn repeat_equals_the_copies_laid_out() {
+    let tile = moved([3.0, -2.0, 4.0], sphere(5.0));
+    let shape = Shape::new(
+        &Sdf::Repeat {
+            period: Vec3::new(12.0, 0.0, 14.0),
+            of: Box::new(tile),
+        },
+        &[],
+    );
+    for p in points(3_000) {
+        let mut nearest = f64::INFINITY;
+        for x in -4..=4 {
+            for z in -4..=4 {
+                let centre = DVec3::new(3.0 + 12.0 * f64::from(x), -2.0, 4.0 + 14.0 * f64::from(z));
+                nearest = nearest.min(p.distance(centre) - 5.0);
+            }
+        }
+        let value = shape.eval(p);
+        // The two copies nearest along each axis are 12 − 8 away at least.
+        assert!(
+            (value - nearest.min(4.0)).abs() < 1e-9,
+            "at {p}: {value}, {nearest}"
+        );
+    }
+}
+
+#[test]
+fn empty_stays_empty_in_every_operator() {
+    let empty = || vec![Sdf::Empty, Sdf::Empty];
+    for tree in [
+        Sdf::Empty,
+        Sdf::Union(vec![]),
+        Sdf::Union(empty()),
+        Sdf::SmoothUnion {
+            k: 2.0,
+            of: empty(),
+        },
+        Sdf::SmoothIntersection {
+            k: 2.0,
+            of: empty(),
+        },
+        Sdf::Repeat {
+            period: Vec3::splat(5.0),
+            of: Box::new(Sdf::Empty),
+        },
+        Sdf::Displace {
+            noise: 0,
+            amplitude: 1.0,
+            of: Box::new(Sdf::Empty),
+        },
+    ] {
+        tree.check(&noises()).unwrap();
+        let value = Shape::new(&tree, &noises()).eval(DVec3::ONE);
+        assert_eq!(value, f64::INFINITY, "{tree:?}");
+    }
+    let untouched = Sdf::SmoothSubtraction {
+        k: 2.0,
+        of: vec![sphere(3.0), Sdf::Empty],
+    };
+    assert_eq!(Shape::new(&untouched, &[]).eval(DVec3::X), -2.0);
+}
+
+#[test]
+fn check_names_what_is_wrong() {
+    let wrong = [
+        (
+            sphere(-1.0),
+            "Sphere: radius must be finite and above 0, not -1",
+        ),
+        (sphere(f32::NAN), "not NaN"),
+        (
+            Sdf::HeightField {
+                noise: 9,
+                base: 0.0,
+                amplitude: 1.0,
+                step: 0.0,
+            },
+            "noise field 9",
+        ),
+        (
+            scattered(sphere(3.0), 8.0, 0.8, (0.5, 1.5), 3.0),
+            "more than the cell of 8",
+        ),
+        (
+            Sdf::Repeat {
+                period: Vec3::X * 4.0,
+                of: Box::new(sphere(5.0)),
+            },
+            "along x",
+        ),
+        (
+            Sdf::Repeat {
+                period: Vec3::Y * 4.0,
+                of: Box::new(Sdf::Plane {
+                    normal: Vec3::Y,
+                    offset: 0.0,
+                }),
+            },
+            "along y",
+        ),
+        (
+            Sdf::Union(vec![moved([0.0, f32::INFINITY, 0.0], sphere(1.0))]),
+            "Translate: by",
+        ),
+        (
+            (0..200).fold(sphere(1.0), |of, _| Sdf::Scale {
+                by: 1.0,
+                of: Box::new(of),
+            }),
+            "deeper than",
+        ),
+    ];
+    for (tree, message) in wrong {
+        let error = tree.check(&noises()).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+    assert!(matches!(
+        sphere(0.0).check(&[]),
+        Err(SdfError::Value { node: "Sphere", .. })
+    ));
+}
+
+#[test]
+fn pcg3d_is_the_published_function() {
+    // Worked out by hand from the paper's listing for v = 0: lcg gives c in every component.
+    let c: u32 = 1_013_904_223;
+    let step = |v: [u32; 3]| {
+        let x = v[0].wrapping_add(v[1].wrapping_mul(v[2]));
+        let y = v[1].wrapping_add(v[2].wrapping_mul(x));
+        [x, y, v[2].wrapping_add(x.wrapping_mul(y))]
+    };
+    let wanted = step(step([c; 3]).map(|v| v ^ (v >> 16)));
+    assert_eq!(pcg3d(glam::UVec3::ZERO).to_array(), wanted);
+}
+
+proptest! {
+    #[test]
+    fn smooth_operators_stay_near_the_sharp_ones(
+        x in -12.0..12.0f64, y in -12.0..12.0f64, z in -12.0..12.0f64, k in 0.0..5.0f32,
+    ) {
+        let pair = || vec![moved([-3.0, 0.0, 1.0], sphere(6.0)), moved([4.0, 2.0, 0.0], sphere(5.0))];
+        let p = DVec3::new(x, y, z);
+        let at = |tree: Sdf| Shape::new(&tree, &[]).eval(p);
+        let limit = f64::from(k) / 4.0 + 1e-9;
+        let union = at(Sdf::Union(pair())) - at(Sdf::SmoothUnion { k, of: pair() });
+        let intersection = at(Sdf::SmoothIntersection { k, of: pair() }) - at(Sdf::Intersection(pair()));
+        let subtraction = at(Sdf::SmoothSubtraction { k, of: pair() }) - at(Sdf::Subtraction(pair()));
+        for difference in [union, intersection, subtraction] {
+            prop_assert!((-1e-9..=limit).contains(&difference));
+        }
+    }
+}
