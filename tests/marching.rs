@@ -46,7 +46,11 @@ fn rubble(seed: u32) -> Voxels {
 fn directions() -> Vec<Vec3> {
     let mut state = 5;
     let mut all: Vec<Vec3> = (0..200)
-        .map(|_| Vec3::ZERO.map(|_| random(&mut state) * 2.0 - 1.0).normalize())
+        .map(|_| {
+            Vec3::ZERO
+                .map(|_| random(&mut state) * 2.0 - 1.0)
+                .normalize()
+        })
         .collect();
     // Along axes and diagonals every crossing is a tie.
     for i in 0..27 {
@@ -106,17 +110,39 @@ fn marching_equals_plain_dda_hit_for_hit() {
         )
         .expect("compiles");
         for kind in [RayKind::Camera, RayKind::Shadow, RayKind::Probe] {
-            let marched = bench.run(&gpu, kind, Marcher::BrickMap, 1).expect("runs").found;
-            let plain = bench.run(&gpu, kind, Marcher::PlainDda, 1).expect("runs").found;
+            let marched = bench
+                .run(&gpu, kind, Marcher::BrickMap, 1)
+                .expect("runs")
+                .found;
+            let plain = bench
+                .run(&gpu, kind, Marcher::PlainDda, 1)
+                .expect("runs")
+                .found;
             assert_eq!(mismatches(&marched, &plain), 0, "{kind:?}, seed {seed}");
-            let hits = marched.iter().filter(|hit| hit.place != FoundHit::MISS).count();
-            assert!(hits > marched.len() / 50, "{kind:?}, seed {seed}: only {hits} hits to compare");
+            let hits = marched
+                .iter()
+                .filter(|hit| hit.place != FoundHit::MISS)
+                .count();
+            assert!(
+                hits > marched.len() / 50,
+                "{kind:?}, seed {seed}: only {hits} hits to compare"
+            );
             if kind == RayKind::Probe {
                 against_the_cpu(&voxels, &probes, &directions, &marched);
             }
         }
-        assert!(mismatches(&[FoundHit { place: 1, face_and_steps: 0 }],
-            &[FoundHit { place: 1, face_and_steps: 1 }]) == 1);
+        assert!(
+            mismatches(
+                &[FoundHit {
+                    place: 1,
+                    face_and_steps: 0
+                }],
+                &[FoundHit {
+                    place: 1,
+                    face_and_steps: 1
+                }]
+            ) == 1
+        );
     }
 }
 
@@ -143,5 +169,8 @@ fn against_the_cpu(voxels: &Voxels, probes: &[UVec3], directions: &[Vec3], found
         rays += 1;
         differ += usize::from(expected != hit.place);
     }
-    assert!(differ * 2000 <= rays, "{differ} of {rays} rays differ from the CPU's");
+    assert!(
+        differ * 2000 <= rays,
+        "{differ} of {rays} rays differ from the CPU's"
+    );
 }
