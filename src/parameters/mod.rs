@@ -111,6 +111,17 @@ choice! {
 }
 
 choice! {
+    /// What becomes of a distance that is longer than `probes.distance_clamp`.
+    LongRays {
+        /// It counts as the clamp: the mean says "far".
+        Clamp = "clamp",
+        /// It is left out: the mean is that of what is near.
+        Reject = "reject",
+    }
+    later: []
+}
+
+choice! {
     /// Whether probes sleep, die and move by what surrounds them.
     ProbeStates {
         /// Every probe is traced and gathered.
@@ -144,7 +155,7 @@ parameters! {
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
         #[doc = "How a probe behind a wall loses its weight; none is faster and leaks, chebyshev reads one texel more per probe."]
         visibility: Visibility = Visibility::Chebyshev, Visibility::KIND, Nothing;
-        #[doc = "Whether probes in stone are skipped; off traces and gathers every probe."]
+        #[doc = "Whether probes sleep and move by what surrounds them; off updates every probe that is not in stone."]
         states: ProbeStates = ProbeStates::Off, ProbeStates::KIND, Probes;
         #[doc = "Edge of a probe's irradiance map; more resolves sharper bounced light, for memory and blend time by its square."]
         irradiance_texels: u32 = 8, Kind::Count { min: 4, max: 32 }, Probes;
@@ -152,6 +163,10 @@ parameters! {
         distance_texels: u32 = 16, Kind::Count { min: 4, max: 64 }, Probes;
         #[doc = "Power of the cosine that blends distances; higher separates walls better, lower is less noisy at few rays."]
         distance_sharpness: f32 = 50.0, Kind::Number { min: 1.0, max: 200.0 }, Nothing;
+        #[doc = "Longest distance a probe keeps, in diagonals of its cage; more keeps far walls apart, less keeps more precision near."]
+        distance_clamp: f32 = 1.5, Kind::Number { min: 1.0, max: 16.0 }, Nothing;
+        #[doc = "What becomes of longer distances: clamp counts them as the clamp, reject leaves them out and keeps near walls sharper."]
+        long_rays: LongRays = LongRays::Clamp, LongRays::KIND, Nothing;
         #[doc = "Voxels along the normal that a gather point is moved; more leaks less from behind, less keeps contact shadows."]
         normal_bias: f32 = 0.3, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
         #[doc = "Voxels towards the camera that a gather point is moved under chebyshev; more hides self-shadowing, less shifts light less."]
@@ -160,14 +175,24 @@ parameters! {
         wrap_offset: f32 = 0.2, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "Visibility weights below this are crushed to their cube; more leaks less, 0 crushes none and is smoother."]
         crush: f32 = 0.2, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
+        #[doc = "Power of the chebyshev bound; more leaks less, less shadows softer."]
+        chebyshev_power: f32 = 3.0, Kind::Number { min: 1.0, max: 20.0 }, Nothing;
         #[doc = "Least chebyshev weight; more never goes black, less leaks less."]
         chebyshev_floor: f32 = 0.05, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Frames over which a fresh probe's hysteresis rises from 0 to its value; more settles smoothly, fewer is noisy for longer."]
+        #[doc = "Weight of a whole cage below which its light fades to none; more leaks less into sealed rooms, less keeps light in tight corners."]
+        least_weight: f32 = 1e-4, Kind::Number { min: 1e-9, max: 1.0 }, Nothing;
+        #[doc = "Updates in which a fresh probe's history is replaced, one bounce each, before they are averaged; more carry bright surfaces farther, fewer settle sooner."]
         warmup_frames: u32 = 40, Kind::Count { min: 0, max: 1000 }, Nothing;
         #[doc = "Relative change of a texel that lowers its hysteresis; less reacts sooner, more boils less."]
         change_small: f32 = 0.25, Kind::Number { min: 0.0, max: 10.0 }, Nothing;
+        #[doc = "How much a small change lowers the hysteresis; more reacts sooner, less boils less."]
+        change_step: f32 = 0.15, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "Relative change of a texel that drops its history; less reacts at once, more boils less."]
         change_large: f32 = 0.8, Kind::Number { min: 0.0, max: 10.0 }, Nothing;
+        #[doc = "Standard deviations of its own noise that a texel's change must exceed to count; more boils less at few rays, 0 takes noise for change."]
+        change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 100.0 }, Nothing;
+        #[doc = "Most luminance of a probe ray in multiples of the probe's mean; less is steadier but loses the light of small bright things, 0 limits nothing."]
+        firefly_clamp: f32 = 0.0, Kind::Number { min: 0.0, max: 65504.0 }, Nothing;
     }
 
     #[doc = "The lamps."]

@@ -3,6 +3,7 @@
 
 pub mod camera_rays;
 pub mod distances;
+pub mod ray_bench;
 mod scene;
 mod view;
 

@@ -1,0 +1,190 @@
+//! How the maps of many probes share two textures, and what they cost.
+
+use super::ProbeError;
+use crate::parameters::ProbeParameters;
+
+/// The maps of slot s lie in tile (s & (2^columns_log2 − 1), (s >> columns_log2) & (2^rows_log2 − 1))
+/// of layer s >> (columns_log2 + rows_log2), in both textures. A tile is as wide as its map and its
+/// border of one texel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AtlasLayout {
+    pub slots: u32,
+    pub columns_log2: u32,
+    pub rows_log2: u32,
+    /// Rows of tiles that exist: fewer than 2^rows_log2 where one layer is enough.
+    pub rows: u32,
+    pub layers: u32,
+    /// Texels along a map, without its border.
+    pub irradiance_texels: u32,
+    pub distance_texels: u32,
+}
+
+/// Bytes of one texel of both textures (rgba16float).
+const TEXEL_BYTES: u64 = 8;
+/// History in f32: irradiance and its variance; mean distance and mean of squares.
+const IRRADIANCE_HISTORY_BYTES: u64 = 16;
+const DISTANCE_HISTORY_BYTES: u64 = 8;
+/// Radiance and distance of one ray (f32).
+const RAY_BYTES: u64 = 16;
+/// Updates so far, and the mean luminance.
+const STATE_BYTES: u64 = 8;
+
+/// What a probe field takes on the GPU, in bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ProbeMemory {
+    pub irradiance_atlas: u64,
+    pub distance_atlas: u64,
+    pub irradiance_history: u64,
+    pub distance_history: u64,
+    pub rays: u64,
+    pub states: u64,
+}
+
+impl ProbeMemory {
+    pub fn total(&self) -> u64 {
+        self.irradiance_atlas
+            + self.distance_atlas
+            + self.irradiance_history
+            + self.distance_history
+            + self.rays
+            + self.states
+    }
+}
+
+impl AtlasLayout {
+    /// A layout that is about square, within textures of `extent`² texels and `layers` layers.
+    ///
+    /// # Errors
+    /// [`ProbeError::Atlas`] when the maps do not fit.
+    pub fn new(
+        slots: u32,
+        parameters: &ProbeParameters,
+        extent: u32,
+        layers: u32,
+    ) -> Result<Self, ProbeError> {
+        let texels = parameters.irradiance_texels.max(parameters.distance_texels);
+        let refused = ProbeError::Atlas {
+            texels,
+            slots,
+            extent,
+            layers,
+        };
+        let Some(most_log2) = (extent / (texels + 2)).checked_ilog2() else {
+            return Err(refused);
+        };
+        let square_log2 = slots.next_power_of_two().ilog2().div_ceil(2);
+        let columns_log2 = square_log2.min(most_log2);
+        let all_rows = slots.div_ceil(1 << columns_log2);
+        let rows_log2 = all_rows.next_power_of_two().ilog2().min(most_log2);
+        let needed = all_rows.div_ceil(1 << rows_log2);
+        if needed > layers {
+            return Err(refused);
+        }
+        Ok(Self {
+            slots,
+            columns_log2,
+            rows_log2,
+            rows: all_rows.min(1 << rows_log2),
+            layers: needed,
+            irradiance_texels: parameters.irradiance_texels,
+            distance_texels: parameters.distance_texels,
+        })
+    }
+
+    /// Width, height and layers of a texture of maps this wide.
+    pub fn texture_extent(&self, texels: u32) -> [u32; 3] {
+        let tile = texels + 2;
+        [tile << self.columns_log2, tile * self.rows, self.layers]
+    }
+
+    /// Column, row and layer of a slot's tile.
+    pub fn tile(&self, slot: u32) -> [u32; 3] {
+        let low = |bits: u32| (1 << bits) - 1;
+        [
+            slot & low(self.columns_log2),
+            (slot >> self.columns_log2) & low(self.rows_log2),
+            slot >> (self.columns_log2 + self.rows_log2),
+        ]
+    }
+
+    /// What it all takes with this many rays a probe.
+    pub fn memory(&self, rays: u32) -> ProbeMemory {
+        let slots = u64::from(self.slots);
+        let texture = |texels: u32| {
+            let extent = self.texture_extent(texels).map(u64::from);
+            extent[0] * extent[1] * extent[2] * TEXEL_BYTES
+        };
+        let square = |texels: u32| u64::from(texels) * u64::from(texels);
+        ProbeMemory {
+            irradiance_atlas: texture(self.irradiance_texels),
+            distance_atlas: texture(self.distance_texels),
+            irradiance_history: slots * square(self.irradiance_texels) * IRRADIANCE_HISTORY_BYTES,
+            distance_history: slots * square(self.distance_texels) * DISTANCE_HISTORY_BYTES,
+            rays: slots * u64::from(rays) * RAY_BYTES,
+            states: slots * STATE_BYTES,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    fn layout(slots: u32, extent: u32, layers: u32) -> Result<AtlasLayout, ProbeError> {
+        AtlasLayout::new(slots, &ProbeParameters::default(), extent, layers)
+    }
+
+    #[test]
+    fn every_slot_has_a_tile_of_its_own_inside_the_texture() {
+        for (slots, extent) in [(1, 8192), (2, 8192), (567, 8192), (3375, 8192), (1000, 128)] {
+            let layout = layout(slots, extent, 256).expect("fits");
+            let [width, height, layers] = layout.texture_extent(layout.distance_texels);
+            assert!(
+                width <= extent && height <= extent && layers <= 256,
+                "{layout:?}"
+            );
+            let mut seen = HashSet::new();
+            for slot in 0..slots {
+                let [column, row, layer] = layout.tile(slot);
+                assert!((column + 1) * 18 <= width && (row + 1) * 18 <= height && layer < layers);
+                assert!(seen.insert([column, row, layer]));
+            }
+        }
+    }
+
+    #[test]
+    fn a_quarter_of_a_million_probes_fit_the_default_limits() {
+        let limits = wgpu_defaults();
+        let layout = layout(262_144, limits.0, limits.1).expect("fits");
+        assert_eq!(layout.layers, 4);
+    }
+
+    /// `max_texture_dimension_2d` and `max_texture_array_layers` of WebGPU's defaults.
+    fn wgpu_defaults() -> (u32, u32) {
+        (8192, 256)
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_by_name() {
+        let error = layout(100_000, 64, 4).expect_err("too many").to_string();
+        assert!(error.contains("probes.distance_texels"), "{error}");
+        assert!(
+            layout(1, 8, 1).is_err(),
+            "one tile is wider than the texture"
+        );
+    }
+
+    #[test]
+    fn memory_is_the_sum_of_its_parts() {
+        let layout = layout(64, 8192, 256).expect("fits");
+        let memory = layout.memory(100);
+        assert_eq!(memory.irradiance_atlas, 64 * 100 * 8);
+        assert_eq!(memory.distance_atlas, 64 * 324 * 8);
+        assert_eq!(
+            memory.total(),
+            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 8)
+        );
+    }
+}
