@@ -4,6 +4,7 @@
 pub mod camera_rays;
 pub mod distances;
 mod lighting;
+pub mod ray_bench;
 mod scene;
 pub mod tonemap;
 mod view;
