@@ -3,8 +3,11 @@
 
 pub mod camera_rays;
 pub mod distances;
+pub mod probe_blend;
+mod probe_field;
 mod scene;
 mod view;
 
+pub use probe_field::{GpuProbeInfo, ProbeField, ProbeFieldError};
 pub use scene::{GpuVoxels, MemoryUse};
 pub use view::{GpuView, View, ViewMode};
