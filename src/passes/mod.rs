@@ -5,6 +5,7 @@ pub mod camera_rays;
 pub mod distances;
 pub mod probe_blend;
 mod probe_field;
+pub mod ray_bench;
 mod scene;
 mod view;
 
