@@ -6,8 +6,10 @@ pub mod distances;
 mod lighting;
 pub mod probe_blend;
 mod probe_field;
+pub mod probe_rays;
 pub mod ray_bench;
 mod scene;
+pub mod shade;
 pub mod tonemap;
 mod view;
 
