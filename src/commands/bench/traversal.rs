@@ -148,6 +148,7 @@ fn still(camera: &Camera, size: [u32; 2]) -> View {
         exposure_ev: 0.0,
         mode: ViewMode::Full,
         time_s: 0.0,
+        textures: true,
     }
 }
 
