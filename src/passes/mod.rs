@@ -10,6 +10,7 @@ pub mod ray_bench;
 mod scene;
 pub mod tonemap;
 mod view;
+pub mod voxelise;
 
 pub use lighting::{GpuLights, GpuMaterials};
 pub use probe_field::{GpuProbeInfo, ProbeField, ProbeFieldError};
