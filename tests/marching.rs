@@ -90,6 +90,7 @@ fn marching_equals_plain_dda_hit_for_hit() {
             exposure_ev: 0.0,
             mode: ViewMode::Full,
             time_s: 0.0,
+            textures: true,
         };
         let view_buffer = gpu.uniform_buffer("view", &view.to_gpu());
         let probes: Vec<UVec3> = (0..64)
