@@ -18,8 +18,7 @@ use crate::{
     },
     probes::{ProbeError, Volume},
     world::{
-        LayoutSpec, World,
-        generate,
+        LayoutSpec, World, generate,
         materials::MaterialSet,
         voxels::{Edit, Voxels},
     },

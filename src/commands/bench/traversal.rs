@@ -89,7 +89,8 @@ pub fn measure(
             // Rays that face away from the lamp are not marched by either.
             let marched_rays = plain.found.iter().filter(|hit| hit.steps() > 0).count();
             let median = |times: &[f64]| {
-                statistics::median(times.get(WARM_UP as usize..).unwrap_or_default()).unwrap_or(f64::NAN)
+                statistics::median(times.get(WARM_UP as usize..).unwrap_or_default())
+                    .unwrap_or(f64::NAN)
             };
             let steps = |found: &[FoundHit]| {
                 found.iter().map(|hit| f64::from(hit.steps())).sum::<f64>()
@@ -126,14 +127,32 @@ pub fn measure(
 pub fn table(rows: &[Row]) -> String {
     let mut text = format!(
         "{:<10} {:<12} {:<7} {:>9} {:>9} {:>10} {:>7} {:>11} {:>7} {:>8} {:>10}\n",
-        "world", "camera", "rays", "count", "ms", "Grays/s", "steps", "DDA Grays/s", "steps",
-        "speedup", "mismatches"
+        "world",
+        "camera",
+        "rays",
+        "count",
+        "ms",
+        "Grays/s",
+        "steps",
+        "DDA Grays/s",
+        "steps",
+        "speedup",
+        "mismatches"
     );
     for row in rows {
         text += &format!(
             "{:<10} {:<12} {:<7} {:>9} {:>9.3} {:>10.2} {:>7.1} {:>11.2} {:>7.1} {:>7.1}x {:>10}\n",
-            row.world, row.camera, row.rays, row.count, row.ms, row.grays_per_s, row.steps_per_ray,
-            row.plain_grays_per_s, row.plain_steps_per_ray, row.speedup, row.mismatches
+            row.world,
+            row.camera,
+            row.rays,
+            row.count,
+            row.ms,
+            row.grays_per_s,
+            row.steps_per_ray,
+            row.plain_grays_per_s,
+            row.plain_steps_per_ray,
+            row.speedup,
+            row.mismatches
         );
     }
     text
@@ -155,7 +174,10 @@ fn still(camera: &Camera, size: [u32; 2]) -> View {
 /// World-space position of the lamp of the first preset that is nearest to the camera; a point
 /// high above it in a world without any.
 fn nearest_lamp(world: &World, camera: &Camera) -> Vec3 {
-    let lamps = world.lamp_presets.first().map_or(&[][..], |preset| &preset.lamps);
+    let lamps = world
+        .lamp_presets
+        .first()
+        .map_or(&[][..], |preset| &preset.lamps);
     lamps
         .iter()
         .map(|lamp| lamp.position)
@@ -172,7 +194,11 @@ fn air_lattice(voxels: &Voxels) -> Vec<UVec3> {
     let start = UVec3::splat(LATTICE / 2);
     (0..counts.element_product())
         .map(|i| {
-            let index = UVec3::new(i % counts.x, i / counts.x % counts.y, i / counts.x / counts.y);
+            let index = UVec3::new(
+                i % counts.x,
+                i / counts.x % counts.y,
+                i / counts.x / counts.y,
+            );
             index * LATTICE + start
         })
         .filter(|voxel| voxels.material(voxel.as_ivec3()) == 0)
