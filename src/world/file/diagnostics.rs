@@ -105,7 +105,12 @@ pub struct Source {
 
 impl Source {
     /// A problem at a value of the file.
-    pub fn at(&self, leaf: &Leaf, message: impl Into<String>, help: impl Into<String>) -> Box<Problem> {
+    pub fn at(
+        &self,
+        leaf: &Leaf,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Box<Problem> {
         match leaf.place_in(&self.text) {
             Some((offset, length)) => self.at_bytes(offset, length, message, help),
             None => Problem::of_file(format!("{}: {}", self.name, message.into()), help),
@@ -205,7 +210,11 @@ impl Source {
             !before.is_some_and(is_part) && !after.is_some_and(is_part)
         };
         let until = &self.text[..(end + word.len()).min(self.text.len())];
-        let until = if self.text.is_char_boundary(until.len()) { until } else { &self.text[..end] };
+        let until = if self.text.is_char_boundary(until.len()) {
+            until
+        } else {
+            &self.text[..end]
+        };
         let places = until.rmatch_indices(word).map(|(at, _)| at);
         match places.filter(|at| *at <= end).find(alone) {
             Some(at) => (at, word.len()),
@@ -343,7 +352,9 @@ fn explain(error: RonError) -> (String, String, Option<String>) {
 /// The candidate that looks most like `word`, if one is near enough to be meant.
 pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).max(1);
-    let distances = candidates.iter().map(|name| (edit_distance(word, name), *name));
+    let distances = candidates
+        .iter()
+        .map(|name| (edit_distance(word, name), *name));
     let (distance, name) = distances.min_by_key(|(distance, _)| *distance)?;
     (distance <= limit).then_some(name)
 }
@@ -389,9 +400,14 @@ mod tests {
             format!("r#\"{open}\"#"),
             "()".repeat(500),
         ] {
-            assert!(source(harmless.clone()).check_nesting().is_ok(), "{harmless}");
+            assert!(
+                source(harmless.clone()).check_nesting().is_ok(),
+                "{harmless}"
+            );
         }
-        let problem = source(format!("\n {open}")).check_nesting().expect_err("too deep");
+        let problem = source(format!("\n {open}"))
+            .check_nesting()
+            .expect_err("too deep");
         assert_eq!(problem.line_and_column(), Some((2, 2 + MAX_NESTING)));
     }
 }

@@ -94,7 +94,9 @@ pub fn block_comment_length(text: &str) -> usize {
 
 impl<'de> Deserialize<'de> for Leaf {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(Self::new(<&'de RawValue>::deserialize(deserializer)?.get_ron()))
+        Ok(Self::new(
+            <&'de RawValue>::deserialize(deserializer)?.get_ron(),
+        ))
     }
 }
 
@@ -110,9 +112,9 @@ impl<'de> Deserialize<'de> for OneOrThree {
         let text = <&'de RawValue>::deserialize(deserializer)?.get_ron();
         // Parsed from the same buffer again, so that the leaves know their place in it.
         if skip_blank(text).starts_with('(') {
-            ron::from_str(text)
-                .map(Self::Three)
-                .map_err(|error| D::Error::custom(format!("one number or three (x, y, z): {}", error.code)))
+            ron::from_str(text).map(Self::Three).map_err(|error| {
+                D::Error::custom(format!("one number or three (x, y, z): {}", error.code))
+            })
         } else {
             Ok(Self::One(Leaf::new(text)))
         }
