@@ -6,7 +6,10 @@ use std::mem::{offset_of, size_of};
 use grotto::{
     gpu::ShaderLibrary,
     lights::table::{self as lights, GpuLamp, GpuLightsHeader, GpuSky},
-    passes::GpuView,
+    passes::{
+        GpuView,
+        voxelise::{GpuVoxeliseCounters, GpuVoxeliseJob},
+    },
     world::materials::table::{self as materials, GpuColour, GpuMaterial},
 };
 
@@ -174,4 +177,31 @@ fn a_member_that_moved_is_found() {
     assert_ne!(shader_layout("data::lights", "Sky"), moved);
     let missing = rust_layout!(GpuSky { zenith, horizon });
     assert_ne!(shader_layout("data::lights", "Sky"), missing);
+}
+
+#[test]
+fn voxelisation() {
+    assert_eq!(
+        shader_layout("data::voxelise", "Job"),
+        rust_layout!(GpuVoxeliseJob {
+            size,
+            first,
+            cells,
+            end,
+            rows_at,
+            parts_at,
+            part_count,
+            all_stone,
+        })
+    );
+    assert_eq!(
+        shader_layout("data::voxelise", "Counters"),
+        rust_layout!(GpuVoxeliseCounters {
+            candidates,
+            mixed,
+            exposed,
+            varied,
+            bricks,
+        })
+    );
 }

@@ -12,6 +12,7 @@ mod scene;
 pub mod shade;
 pub mod tonemap;
 mod view;
+pub mod voxelise;
 
 pub use lighting::{GpuLights, GpuMaterials};
 pub use probe_field::{GpuProbeInfo, ProbeField, ProbeFieldError};
