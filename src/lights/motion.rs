@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DVec3};
 
 use crate::world::Motion;
+use crate::world::materials::hash::hash;
 
 /// What motions act upon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,13 +82,6 @@ fn value_noise(t: f64, seed: u32) -> f64 {
     let value = |cell: i64| f64::from(hash(seed ^ hash(cell as u32))) / f64::from(u32::MAX);
     let cell = cell as i64;
     value(cell) * (1.0 - fade) + value(cell + 1) * fade
-}
-
-/// PCG output permutation: Jarzynski & Olano 2020, "Hash Functions for GPU Rendering".
-fn hash(input: u32) -> u32 {
-    let state = input.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (word >> 22) ^ word
 }
 
 /// A closed uniform Catmull–Rom spline (Catmull & Rom 1974), walked by arc length.

@@ -4,10 +4,18 @@
 //! albedo = mix(a, b, mask), where a and b are colours of the voxel. Filtering the mask therefore
 //! filters the albedo exactly, which is why the baked tiles are masks with mip levels.
 
+pub mod bake;
+pub mod colour;
+pub mod hash;
+mod pattern;
+pub mod set;
+pub mod table;
+
 use glam::Vec3;
 use serde::Deserialize;
 
 use super::sdf::{NoiseId, Sdf};
+pub use set::MaterialSet;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
@@ -24,12 +32,13 @@ pub struct Material {
 #[serde(deny_unknown_fields)]
 pub enum Colour {
     Flat(Vec3),
-    /// The colour of the first stop whose height exceeds the voxel's y; else `above`.
+    /// The colour of the first stop whose height exceeds that of the voxel's centre; else `above`.
     Bands {
         below: Vec<(f32, Vec3)>,
         above: Vec3,
     },
-    /// `low` where x < from, `high` where x ≥ to, between them a dither by the voxel's hash.
+    /// `low` where x < from, `high` where x ≥ to (x of the voxel's centre), between them a dither
+    /// by the voxel's hash.
     DitherX {
         from: f32,
         to: f32,
@@ -40,7 +49,9 @@ pub enum Colour {
     Hash(Vec3, Vec3),
 }
 
-/// The mask over a face; u, v in blocks.
+/// The mask over a face. Lengths (pitch, radius, joint) are in blocks; `cells` and `rows` count along
+/// one block. Pitches and angles are adjusted a little so that the pattern repeats after a whole
+/// number of blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Pattern {
@@ -59,7 +70,7 @@ pub enum Pattern {
     Checker {
         squares: u32,
     },
-    /// Bricks of a × joints of b.
+    /// Bricks of a, each with a tone of its own towards b, and joints of b of this thickness.
     Bricks {
         rows: u32,
         joint: f32,
@@ -79,7 +90,7 @@ pub enum Pattern {
         cells: u32,
         octaves: u32,
     },
-    /// Noise over the distance from the block's centre.
+    /// Noise over the distance from the block's centre, about so many rings.
     Radial {
         rings: u32,
     },
