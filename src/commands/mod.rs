@@ -1,1 +1,59 @@
-//! One file a command.
+//! The commands, as a user types them. Each checks all of its input before it starts to work.
+
+mod failure;
+mod info;
+mod output;
+
+use std::panic::PanicHookInfo;
+
+use clap::{Parser, Subcommand};
+
+pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_NO_GPU, Failure};
+
+/// What is printed to those who type nothing but the name.
+const GREETING: &str = "\
+grotto renders procedural voxel worlds with real-time global illumination (DDGI).
+
+  grotto play   worlds/cave.ron               walk through the cave in a window
+  grotto render worlds/cave.ron -o cave.png   a picture of it; with --cpu on any machine
+
+The worlds lie in the folder worlds/ (copy worlds/minimal.ron to begin your own).
+`grotto info` says what this machine would run on, `grotto --help` lists every command.
+";
+
+/// Procedural voxel worlds with real-time global illumination.
+#[derive(Parser)]
+#[command(name = "grotto", version, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Info(info::Arguments),
+}
+
+/// Runs what was asked for.
+///
+/// # Errors
+/// Why it could not be done, with the exit code that says whose fault it is.
+pub fn run(cli: Cli) -> Result<(), Failure> {
+    match cli.command {
+        None => output::print(GREETING),
+        Some(Command::Info(arguments)) => info::run(&arguments),
+    }
+}
+
+/// What a panic says to a user: a broken invariant is ours, never theirs.
+pub fn bug_report(info: &PanicHookInfo<'_>) -> String {
+    let place = info
+        .location()
+        .map(|place| format!(" at {}:{}", place.file(), place.line()))
+        .unwrap_or_default();
+    let message = info.payload_as_str().unwrap_or("no message");
+    format!(
+        "error: this is a bug in grotto, not a fault of yours: {message}{place}\n\
+         Please report it with the command line and the world file."
+    )
+}

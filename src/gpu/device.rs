@@ -69,17 +69,57 @@ const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SUBGROUP)
     .union(wgpu::Features::SHADER_F16);
 
-/// Every adapter of this machine with its limits.
-pub fn adapters() -> Vec<(AdapterSummary, wgpu::Limits)> {
-    let instance = instance();
-    pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
+/// An adapter with all that decides whether and how grotto runs on it.
+#[derive(Clone, Debug)]
+pub struct AdapterReport {
+    pub summary: AdapterSummary,
+    pub limits: wgpu::Limits,
+    /// Those of the optional features that it offers.
+    pub features: wgpu::Features,
+    /// Whether every pass fits its limits.
+    pub usable: bool,
+}
+
+/// Every adapter of this machine, best first: the first usable one runs when none is named.
+pub fn adapters() -> Vec<AdapterReport> {
+    let mut found = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()));
+    found.sort_by_key(slowness);
+    found
         .iter()
-        .map(|adapter| (AdapterSummary::of(&adapter.get_info()), adapter.limits()))
+        .map(|adapter| AdapterReport {
+            summary: AdapterSummary::of(&adapter.get_info()),
+            limits: adapter.limits(),
+            features: adapter.features() & WANTED,
+            usable: is_usable(adapter),
+        })
         .collect()
 }
 
-fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+/// Compute with 8 storage buffers is the least that any pass needs.
+fn is_usable(adapter: &wgpu::Adapter) -> bool {
+    adapter.limits().max_storage_buffers_per_shader_stage >= 8
+}
+
+/// Ranks adapters: the lowest is the fastest.
+fn slowness(adapter: &wgpu::Adapter) -> (u8, bool) {
+    let info = adapter.get_info();
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    (kind, info.backend == wgpu::Backend::Gl)
+}
+
+/// Vulkan, Metal and Direct3D 12, or what `WGPU_BACKEND` asks for: OpenGL lacks what the passes
+/// are tested with.
+pub fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY),
+        ..wgpu::InstanceDescriptor::new_without_display_handle_from_env()
+    })
 }
 
 impl Gpu {
@@ -157,8 +197,8 @@ fn choose(
     if let Some(surface) = surface {
         found.retain(|adapter| adapter.is_surface_supported(surface));
     }
-    // Compute with 8 storage buffers is the least that any pass needs.
-    found.retain(|adapter| adapter.limits().max_storage_buffers_per_shader_stage >= 8);
+    found.retain(is_usable);
+    found.sort_by_key(slowness);
     let names = |found: &[wgpu::Adapter]| {
         found
             .iter()
@@ -182,16 +222,5 @@ fn choose(
                 available,
             });
     }
-    found.sort_by_key(|adapter| {
-        let info = adapter.get_info();
-        let kind = match info.device_type {
-            wgpu::DeviceType::DiscreteGpu => 0,
-            wgpu::DeviceType::IntegratedGpu => 1,
-            wgpu::DeviceType::VirtualGpu => 2,
-            wgpu::DeviceType::Other => 3,
-            wgpu::DeviceType::Cpu => 4,
-        };
-        (kind, info.backend == wgpu::Backend::Gl)
-    });
     Ok(found.swap_remove(0))
 }

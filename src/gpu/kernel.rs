@@ -213,6 +213,8 @@ fn constants<'a>(composed: &'a Composed, overrides: &[(&str, f64)]) -> Vec<(&'a 
 /// The bind group layouts that the entry point needs, from the declarations that it uses.
 fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str) -> Vec<Group> {
     let uses = composed.info.get_entry_point(entry);
+    // Formats without filtering (32-bit float) may be bound to textures that are only loaded from.
+    let filtered = |texture| uses.sampling_set.iter().any(|key| key.image == texture);
     let mut groups: BTreeMap<u32, Vec<(wgpu::BindGroupLayoutEntry, String)>> = BTreeMap::new();
     for (handle, variable) in composed.module.global_variables.iter() {
         let Some(place) = &variable.binding else {
@@ -226,7 +228,7 @@ fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str) -> Vec<Gro
             wgpu::BindGroupLayoutEntry {
                 binding: place.binding,
                 visibility: wgpu::ShaderStages::COMPUTE,
-                ty: binding_type(&composed.module, variable),
+                ty: binding_type(&composed.module, variable, filtered(handle)),
                 count: None,
             },
             name.to_owned(),
@@ -254,7 +256,11 @@ fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str) -> Vec<Gro
         .collect()
 }
 
-fn binding_type(module: &naga::Module, variable: &naga::GlobalVariable) -> wgpu::BindingType {
+fn binding_type(
+    module: &naga::Module,
+    variable: &naga::GlobalVariable,
+    filterable: bool,
+) -> wgpu::BindingType {
     let buffer = |ty| wgpu::BindingType::Buffer {
         ty,
         has_dynamic_offset: false,
@@ -293,7 +299,7 @@ fn binding_type(module: &naga::Module, variable: &naga::GlobalVariable) -> wgpu:
                     sample_type: match kind {
                         naga::ScalarKind::Sint => wgpu::TextureSampleType::Sint,
                         naga::ScalarKind::Uint => wgpu::TextureSampleType::Uint,
-                        _ => wgpu::TextureSampleType::Float { filterable: true },
+                        _ => wgpu::TextureSampleType::Float { filterable },
                     },
                     view_dimension,
                     multisampled: multi,

@@ -9,7 +9,7 @@ mod shader;
 mod timing;
 
 pub use buffers::Structured;
-pub use device::{AdapterSummary, Gpu, ShaderChecks, adapters};
+pub use device::{AdapterReport, AdapterSummary, Gpu, ShaderChecks, adapters, instance};
 pub use kernel::{Bindings, Kernel, KernelSpec};
 pub use shader::{Composed, ShaderLibrary};
 pub use timing::{PassTimes, Recorder, Timing};

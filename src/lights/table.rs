@@ -26,18 +26,25 @@ pub struct GpuLamp {
     pub _pad: [f32; 3],
 }
 
-/// What stands before the lamps: the start of `Lights` in `shaders/data/lights.wesl`.
+/// `Sky` in `shaders/data/lights.wesl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuLightsHeader {
+pub struct GpuSky {
     pub zenith: [f32; 3],
     pub _pad0: f32,
     pub horizon: [f32; 3],
     pub _pad1: f32,
     pub ground: [f32; 3],
     pub _pad2: f32,
+}
+
+/// What stands before the lamps: the start of `Lights` in `shaders/data/lights.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuLightsHeader {
+    pub sky: GpuSky,
     pub lamp_count: u32,
-    pub _pad3: [u32; 3],
+    pub _pad: [u32; 3],
 }
 
 /// Bytes of the uniform, the same for every world.
@@ -53,9 +60,12 @@ impl Lights {
             "a checked world has at most {MAX_LAMPS} lamps and a sun"
         );
         let header = GpuLightsHeader {
-            zenith: self.sky.zenith.to_array(),
-            horizon: self.sky.horizon.to_array(),
-            ground: self.sky.ground.to_array(),
+            sky: GpuSky {
+                zenith: self.sky.zenith.to_array(),
+                horizon: self.sky.horizon.to_array(),
+                ground: self.sky.ground.to_array(),
+                ..GpuSky::default()
+            },
             lamp_count: self.lamps.len() as u32,
             ..GpuLightsHeader::default()
         };

@@ -29,6 +29,17 @@ pub fn tone_mapped(linear: &Picture, exposure_ev: f32) -> Picture {
     }
 }
 
+/// Values that are not light, such as an albedo, as display values: sRGB-encoded and clamped, but
+/// neither exposed nor mapped.
+pub fn encoded(data: &Picture) -> Picture {
+    let encode = |value: f32| srgb_from_linear(guarded(f64::from(value)).min(1.0)) as f32;
+    Picture {
+        width: data.width,
+        height: data.height,
+        rgb: data.rgb.iter().map(|rgb| rgb.map(encode)).collect(),
+    }
+}
+
 /// One exposed linear colour to sRGB-encoded display values in [0, 1].
 pub fn tone_map(light: DVec3) -> DVec3 {
     agx(light.map(guarded)).map(srgb_from_linear)

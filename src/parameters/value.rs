@@ -108,13 +108,22 @@ impl Kind {
         match self {
             Self::Flag => "on | off".to_owned(),
             Self::Count { min, max } => format!("{min}…{max}"),
-            Self::Number { min, max } => format!("{min}…{max}"),
+            Self::Number { min, max } => format!("{}…{}", plain(*min), plain(*max)),
             Self::Choice { words, .. } => words.join(" | "),
             Self::Name => "name".to_owned(),
             Self::Seed => format!("0…{}", u32::MAX),
             Self::Colour { max } => format!("R,G,B in 0…{max}"),
             Self::Size { max } => format!("WxHxD in 1…{max}"),
         }
+    }
+}
+
+/// A number without a row of zeros in front.
+fn plain(number: f32) -> String {
+    if number != 0.0 && number.abs() < 1e-3 {
+        format!("{number:e}")
+    } else {
+        number.to_string()
     }
 }
 
@@ -146,7 +155,9 @@ impl fmt::Display for Kind {
         match self {
             Self::Flag => f.write_str("on or off"),
             Self::Count { min, max } => write!(f, "a whole number from {min} to {max}"),
-            Self::Number { min, max } => write!(f, "a number from {min} to {max}"),
+            Self::Number { min, max } => {
+                write!(f, "a number from {} to {}", plain(*min), plain(*max))
+            }
             Self::Choice { words: [word], .. } => write!(f, "only {word}"),
             Self::Choice { words, .. } => write!(f, "one of {}", words.join(", ")),
             Self::Name => f.write_str("a name"),
@@ -167,7 +178,7 @@ impl fmt::Display for Value {
         match self {
             Self::Flag(flag) => f.write_str(if *flag { "on" } else { "off" }),
             Self::Count(count) => write!(f, "{count}"),
-            Self::Number(number) => write!(f, "{number}"),
+            Self::Number(number) => f.write_str(&plain(*number)),
             Self::Choice(word) => f.write_str(word),
             Self::Name(name) => f.write_str(name),
             Self::Seed(Some(seed)) => write!(f, "{seed}"),

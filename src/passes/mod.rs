@@ -3,8 +3,15 @@
 
 pub mod camera_rays;
 pub mod distances;
+mod lighting;
+pub mod probe_blend;
+mod probe_field;
+pub mod ray_bench;
 mod scene;
+pub mod tonemap;
 mod view;
 
+pub use lighting::{GpuLights, GpuMaterials};
+pub use probe_field::{GpuProbeInfo, ProbeField, ProbeFieldError};
 pub use scene::{GpuVoxels, MemoryUse};
 pub use view::{GpuView, View, ViewMode};

@@ -25,8 +25,8 @@ pub struct GpuColour {
     pub high: [f32; 3],
     /// Bands: index of the first stop.
     pub first_stop: u32,
-    pub from: f32,
-    pub to: f32,
+    pub from_x: f32,
+    pub to_x: f32,
     pub stop_count: u32,
     pub _pad: u32,
 }
@@ -86,8 +86,8 @@ fn gpu_colour(colour: &Colour, stops: &mut Vec<[f32; 4]>) -> GpuColour {
             low,
             high,
         } => GpuColour {
-            from: *from,
-            to: *to,
+            from_x: *from,
+            to_x: *to,
             ..two(KIND_DITHER_X, *low, *high)
         },
         Colour::Bands { below, above } => {

@@ -203,7 +203,7 @@ impl Generator {
 }
 
 /// By how much a ridge weakens the octave after it.
-pub(super) const RIDGE_ATTENUATION: f64 = 2.0;
+pub(in crate::world) const RIDGE_ATTENUATION: f64 = 2.0;
 
 impl NoiseField {
     /// How many permutation tables the field reads: one to an octave.

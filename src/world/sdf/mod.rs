@@ -6,6 +6,7 @@ mod scatter;
 mod shape;
 #[cfg(test)]
 mod tests;
+mod wgsl;
 
 use glam::Vec3;
 
@@ -13,6 +14,7 @@ pub use bounds::Bounds;
 pub use check::SdfError;
 pub use scatter::pcg3d;
 pub use shape::Shape;
+pub use wgsl::shape_module;
 
 /// Index into [`super::World::noises`].
 pub type NoiseId = usize;

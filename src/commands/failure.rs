@@ -1,0 +1,82 @@
+//! Why a command ended without its result, and the exit code that says whose fault it is.
+
+use std::fmt;
+
+use crate::{gpu::GpuError, measure::picture_file::PictureError, parameters::ParameterError};
+
+/// A fault of ours or of the machine.
+pub const EXIT_FAULT: u8 = 1;
+/// A bad file or flag.
+pub const EXIT_BAD_INPUT: u8 = 2;
+/// No usable GPU.
+pub const EXIT_NO_GPU: u8 = 3;
+
+/// One message for a person, and the exit code.
+#[derive(Debug)]
+pub struct Failure {
+    exit_code: u8,
+    message: String,
+}
+
+impl Failure {
+    /// A fault of ours or of the machine.
+    pub fn fault(error: impl fmt::Display) -> Self {
+        Self::new(EXIT_FAULT, error)
+    }
+
+    /// A file or flag that cannot be used as it is: the message says what would be right.
+    pub fn bad_input(error: impl fmt::Display) -> Self {
+        Self::new(EXIT_BAD_INPUT, error)
+    }
+
+    fn new(exit_code: u8, error: impl fmt::Display) -> Self {
+        Self {
+            exit_code,
+            message: format!("error: {error}"),
+        }
+    }
+
+    pub fn exit_code(&self) -> u8 {
+        self.exit_code
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.message.trim_end())
+    }
+}
+
+impl From<GpuError> for Failure {
+    fn from(error: GpuError) -> Self {
+        let exit_code = match error {
+            GpuError::NoAdapter { .. } => EXIT_NO_GPU,
+            GpuError::AdapterNotFound { .. } | GpuError::TooLarge { .. } => EXIT_BAD_INPUT,
+            GpuError::Shader { .. } | GpuError::Device(_) => EXIT_FAULT,
+        };
+        Self::new(exit_code, error)
+    }
+}
+
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
+        let exit_code = match error {
+            PictureError::DiskFull(_)
+            | PictureError::Io { .. }
+            | PictureError::Unstorable { .. } => EXIT_FAULT,
+            PictureError::UnknownExtension(_)
+            | PictureError::NoFolder { .. }
+            | PictureError::IsFolder(_)
+            | PictureError::NoFile(_)
+            | PictureError::Denied(_)
+            | PictureError::Malformed { .. } => EXIT_BAD_INPUT,
+        };
+        Self::new(exit_code, error)
+    }
+}
+
+impl From<ParameterError> for Failure {
+    fn from(error: ParameterError) -> Self {
+        Self::bad_input(error)
+    }
+}

@@ -1,0 +1,47 @@
+//! Pass `probe_blend`: averages the rays of a frame into the maps of each probe.
+
+use super::ProbeField;
+use crate::{
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder},
+    probes::Layout as _,
+};
+
+/// Most workgroups along one axis that every device supports.
+const MOST_GROUPS: u32 = 65_535;
+
+pub struct ProbeBlend {
+    kernel: Kernel,
+    bindings: Bindings,
+    groups: [u32; 3],
+}
+
+impl ProbeBlend {
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
+        let atlas = field.atlas();
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "passes/probe_blend",
+                overrides: &[
+                    ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
+                    ("DISTANCE_TEXELS", f64::from(atlas.distance_texels)),
+                ],
+                ..Default::default()
+            },
+        )?;
+        let slots = field.volume().slots();
+        Ok(Self {
+            bindings: kernel.bind(gpu, &field.update_resources()),
+            kernel,
+            groups: [slots.min(MOST_GROUPS), slots.div_ceil(MOST_GROUPS), 1],
+        })
+    }
+
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        recorder.compute("probe_blend", |pass| {
+            self.kernel.dispatch(pass, &self.bindings, self.groups);
+        });
+    }
+}

@@ -1,0 +1,293 @@
+//! The probe field on the GPU: what the passes that trace, blend and gather probes share.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::{
+    gpu::{Gpu, GpuError},
+    parameters::{LongRays, ProbeParameters, Visibility},
+    probes::{AtlasLayout, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling},
+};
+
+/// Why a probe field cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ProbeFieldError {
+    #[error(transparent)]
+    Layout(#[from] ProbeError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+/// `ProbeInfo` of `shaders/data/probes.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuProbeInfo {
+    pub first_ws: [f32; 3],
+    pub slots: u32,
+    pub spacing: [f32; 3],
+    pub rays: u32,
+    pub inverse_spacing: [f32; 3],
+    pub columns_log2: u32,
+    pub counts: [u32; 3],
+    pub rows_log2: u32,
+    pub irradiance_scale: [f32; 2],
+    pub distance_scale: [f32; 2],
+    pub irradiance_texels: f32,
+    pub distance_texels: f32,
+    pub longest: f32,
+    pub reject_longer: u32,
+    pub normal_bias: f32,
+    pub view_bias: f32,
+    pub wrap_offset: f32,
+    pub crush: f32,
+    pub visibility: u32,
+    pub chebyshev_power: f32,
+    pub chebyshev_floor: f32,
+    pub least_weight: f32,
+    pub hysteresis: f32,
+    pub warmup_frames: u32,
+    pub distance_sharpness: f32,
+    pub distance_cutoff: f32,
+    pub change_small: f32,
+    pub change_step: f32,
+    pub change_large: f32,
+    pub change_deviations: f32,
+    pub firefly_clamp: f32,
+    pub _pad: [f32; 3],
+}
+
+/// Rays that count less than this in a texel's distance are not counted.
+const LEAST_DISTANCE_WEIGHT: f32 = 1e-4;
+
+/// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
+/// update takes no account of them, and a gather before it finds no light.
+pub struct ProbeField {
+    volume: Volume,
+    atlas: AtlasLayout,
+    memory: ProbeMemory,
+    rays_per_probe: u32,
+    info: wgpu::Buffer,
+    ray_directions: wgpu::Buffer,
+    rays: wgpu::Buffer,
+    irradiance_history: wgpu::Buffer,
+    distance_history: wgpu::Buffer,
+    states: wgpu::Buffer,
+    irradiance_atlas: wgpu::Texture,
+    distance_atlas: wgpu::Texture,
+    irradiance_view: wgpu::TextureView,
+    distance_view: wgpu::TextureView,
+    sampler: wgpu::Sampler,
+}
+
+impl ProbeField {
+    /// # Errors
+    /// [`ProbeFieldError`] when the adapter cannot hold it; nothing is allocated then.
+    pub fn new(
+        gpu: &Gpu,
+        volume: Volume,
+        parameters: &ProbeParameters,
+    ) -> Result<Self, ProbeFieldError> {
+        let atlas = AtlasLayout::new(
+            volume.slots(),
+            parameters,
+            gpu.limits.max_texture_dimension_2d,
+            gpu.limits.max_texture_array_layers,
+        )?;
+        let memory = atlas.memory(parameters.rays);
+        let parts = [
+            ("the rays of all probes (probes.rays)", memory.rays),
+            (
+                "the irradiance history of all probes",
+                memory.irradiance_history,
+            ),
+            (
+                "the distance history of all probes",
+                memory.distance_history,
+            ),
+        ];
+        for (what, bytes) in parts {
+            gpu.check_buffer(what, bytes)?;
+        }
+        let irradiance_atlas = texture(gpu, "irradiance_atlas", &atlas, atlas.irradiance_texels);
+        let distance_atlas = texture(gpu, "distance_atlas", &atlas, atlas.distance_texels);
+        Ok(Self {
+            info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
+            ray_directions: gpu
+                .storage_buffer("ray_directions", u64::from(parameters.rays) * 16)?,
+            rays: gpu.storage_buffer("probe_rays", memory.rays)?,
+            irradiance_history: gpu
+                .storage_buffer("irradiance_history", memory.irradiance_history)?,
+            distance_history: gpu.storage_buffer("distance_history", memory.distance_history)?,
+            states: gpu.storage_buffer("probe_states", memory.states)?,
+            irradiance_view: layers_of(&irradiance_atlas),
+            distance_view: layers_of(&distance_atlas),
+            irradiance_atlas,
+            distance_atlas,
+            sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("probe_sampler"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+            rays_per_probe: parameters.rays,
+            volume,
+            atlas,
+            memory,
+        })
+    }
+
+    /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
+    /// the probes: the writes take effect at its start.
+    ///
+    /// What [`crate::parameters::Remake`] says needs a new field (rays, texels) is taken from the
+    /// time when this one was made.
+    pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
+        let info = self.info(parameters);
+        gpu.queue
+            .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
+        let directions: Vec<[f32; 4]> = sampling::directions(self.rays_per_probe, seed, frame)
+            .map(|direction| direction.as_vec3().extend(0.0).to_array())
+            .collect();
+        gpu.queue
+            .write_buffer(&self.ray_directions, 0, bytemuck::cast_slice(&directions));
+    }
+
+    fn info(&self, parameters: &ProbeParameters) -> GpuProbeInfo {
+        let scale = |texels: u32| {
+            let [width, height, _] = self.atlas.texture_extent(texels);
+            [1.0 / width as f32, 1.0 / height as f32]
+        };
+        let sharpness = parameters.distance_sharpness;
+        GpuProbeInfo {
+            first_ws: self.volume.first().to_array(),
+            slots: self.volume.slots(),
+            spacing: self.volume.spacing().to_array(),
+            rays: self.rays_per_probe,
+            inverse_spacing: self.volume.spacing().recip().to_array(),
+            columns_log2: self.atlas.columns_log2,
+            counts: self.volume.counts().to_array(),
+            rows_log2: self.atlas.rows_log2,
+            irradiance_scale: scale(self.atlas.irradiance_texels),
+            distance_scale: scale(self.atlas.distance_texels),
+            irradiance_texels: self.atlas.irradiance_texels as f32,
+            distance_texels: self.atlas.distance_texels as f32,
+            longest: parameters.distance_clamp * self.volume.cage_diagonal(),
+            reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
+            normal_bias: parameters.normal_bias,
+            view_bias: parameters.view_bias,
+            wrap_offset: parameters.wrap_offset,
+            crush: parameters.crush,
+            visibility: match parameters.visibility {
+                Visibility::None => 0,
+                Visibility::Chebyshev => 1,
+            },
+            chebyshev_power: parameters.chebyshev_power,
+            chebyshev_floor: parameters.chebyshev_floor,
+            least_weight: parameters.least_weight,
+            hysteresis: parameters.hysteresis,
+            warmup_frames: parameters.warmup_frames,
+            distance_sharpness: sharpness,
+            distance_cutoff: LEAST_DISTANCE_WEIGHT.powf(1.0 / sharpness),
+            change_small: parameters.change_small,
+            change_step: parameters.change_step,
+            change_large: parameters.change_large,
+            change_deviations: parameters.change_deviations,
+            firefly_clamp: parameters.firefly_clamp,
+            _pad: [0.0; 3],
+        }
+    }
+
+    /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 5] {
+        use wgpu::BindingResource::{Sampler, TextureView};
+        [
+            ("probe_info", self.info.as_entire_binding()),
+            ("ray_directions", self.ray_directions.as_entire_binding()),
+            ("irradiance_atlas", TextureView(&self.irradiance_view)),
+            ("distance_atlas", TextureView(&self.distance_view)),
+            ("probe_sampler", Sampler(&self.sampler)),
+        ]
+    }
+
+    /// What is written when the field is updated: rays, histories, states, and the atlas.
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
+        use wgpu::BindingResource::TextureView;
+        [
+            ("probe_info", self.info.as_entire_binding()),
+            ("ray_directions", self.ray_directions.as_entire_binding()),
+            ("probe_rays", self.rays.as_entire_binding()),
+            (
+                "irradiance_history",
+                self.irradiance_history.as_entire_binding(),
+            ),
+            (
+                "distance_history",
+                self.distance_history.as_entire_binding(),
+            ),
+            ("probe_states", self.states.as_entire_binding()),
+            ("irradiance_out", TextureView(&self.irradiance_view)),
+            ("distance_out", TextureView(&self.distance_view)),
+        ]
+    }
+
+    pub fn volume(&self) -> &Volume {
+        &self.volume
+    }
+
+    pub fn atlas(&self) -> &AtlasLayout {
+        &self.atlas
+    }
+
+    /// Rays of each probe in a frame.
+    pub fn rays_per_probe(&self) -> u32 {
+        self.rays_per_probe
+    }
+
+    /// Radiance (linear RGB) and length (voxels; negative for a probe in stone) of every ray of the
+    /// last update, probe by probe: four f32 each.
+    pub fn rays(&self) -> &wgpu::Buffer {
+        &self.rays
+    }
+
+    /// Irradiance over π (RGB) and whether the probe gives light (A): rgba16float.
+    pub fn irradiance_atlas(&self) -> &wgpu::Texture {
+        &self.irradiance_atlas
+    }
+
+    /// Mean distance (R) and mean of squares (G) in units of the longest distance and its square:
+    /// rgba16float.
+    pub fn distance_atlas(&self) -> &wgpu::Texture {
+        &self.distance_atlas
+    }
+
+    /// Bytes of GPU memory.
+    pub fn memory(&self) -> ProbeMemory {
+        self.memory
+    }
+}
+
+fn texture(gpu: &Gpu, label: &str, atlas: &AtlasLayout, texels: u32) -> wgpu::Texture {
+    let [width, height, layers] = atlas.texture_extent(texels);
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: layers,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::STORAGE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+fn layers_of(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}

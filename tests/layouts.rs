@@ -1,0 +1,177 @@
+//! Structs that Rust and the shaders share: every member lies at the same offset on both sides.
+
+use std::collections::BTreeMap;
+use std::mem::{offset_of, size_of};
+
+use grotto::{
+    gpu::ShaderLibrary,
+    lights::table::{self as lights, GpuLamp, GpuLightsHeader, GpuSky},
+    passes::GpuView,
+    world::materials::table::{self as materials, GpuColour, GpuMaterial},
+};
+
+/// A struct as a shader lays it out.
+#[derive(Debug, PartialEq, Eq)]
+struct Layout {
+    /// Offset of each member by name.
+    members: BTreeMap<String, usize>,
+    /// Bytes from one array element to the next.
+    stride: usize,
+}
+
+/// The layout of `name` in the shader module `path` (as `data::lights`).
+fn shader_layout(path: &str, name: &str) -> Layout {
+    let source = format!(
+        "import package::{path}::{name};
+        @group(0) @binding(0) var<storage, read> value: {name};
+        @compute @workgroup_size(1) fn main() {{ let used = &value; }}"
+    );
+    let composed = ShaderLibrary::embedded()
+        .compose("generated/layout", &[("layout", &source)])
+        .unwrap_or_else(|error| panic!("{error}"));
+    let mut layouter = naga::proc::Layouter::default();
+    layouter
+        .update(composed.module.to_ctx())
+        .expect("a valid module");
+    let (handle, members) = composed
+        .module
+        .types
+        .iter()
+        .find_map(|(handle, ty)| match &ty.inner {
+            naga::TypeInner::Struct { members, .. }
+                if ty
+                    .name
+                    .as_deref()
+                    .is_some_and(|mangled| mangled.split("__").next() == Some(name)) =>
+            {
+                Some((handle, members))
+            }
+            _ => None,
+        })
+        .unwrap_or_else(|| panic!("no struct {name} in {path}"));
+    Layout {
+        members: members
+            .iter()
+            .map(|member| {
+                (
+                    member.name.clone().expect("members have names"),
+                    member.offset as usize,
+                )
+            })
+            .collect(),
+        stride: layouter[handle].to_stride() as usize,
+    }
+}
+
+/// The layout of a Rust struct by the members that are named here; padding has no name there.
+macro_rules! rust_layout {
+    ($ty:ty { $($member:ident),* $(,)? }) => {
+        Layout {
+            members: BTreeMap::from([$((stringify!($member).to_owned(), offset_of!($ty, $member))),*]),
+            stride: size_of::<$ty>(),
+        }
+    };
+}
+
+#[test]
+fn lamps_and_sky() {
+    assert_eq!(
+        shader_layout("data::lights", "Lamp"),
+        rust_layout!(GpuLamp {
+            position_ws,
+            radius,
+            direction_ws,
+            directional,
+            intensity,
+            spot_scale,
+            spot_offset,
+        })
+    );
+    assert_eq!(
+        shader_layout("data::lights", "Sky"),
+        rust_layout!(GpuSky {
+            zenith,
+            horizon,
+            ground
+        })
+    );
+    let whole = shader_layout("data::lights", "Lights");
+    let mut header = rust_layout!(GpuLightsHeader { sky, lamp_count });
+    header
+        .members
+        .insert("lamps".to_owned(), size_of::<GpuLightsHeader>());
+    header.stride = lights::BYTES;
+    assert_eq!(whole, header);
+}
+
+#[test]
+fn materials_and_colours() {
+    assert_eq!(
+        shader_layout("data::materials", "Colour"),
+        rust_layout!(GpuColour {
+            low,
+            kind,
+            high,
+            first_stop,
+            from_x,
+            to_x,
+            stop_count
+        })
+    );
+    assert_eq!(
+        shader_layout("data::materials", "Material"),
+        rust_layout!(GpuMaterial {
+            a,
+            b,
+            emission,
+            mask_mean,
+            layer,
+            tiles_per_block
+        })
+    );
+    let whole = shader_layout("data::materials", "Materials");
+    assert_eq!(
+        whole.members["stops"],
+        materials::CAPACITY * size_of::<GpuMaterial>()
+    );
+}
+
+#[test]
+fn the_view() {
+    assert_eq!(
+        shader_layout("data::frame", "View"),
+        rust_layout!(GpuView {
+            position_ws,
+            width,
+            forward_ws,
+            height,
+            right_ws,
+            frame,
+            up_ws,
+            seed,
+            pixel_angle,
+            exposure,
+            mode,
+            time_s,
+        })
+    );
+}
+
+#[test]
+fn a_member_that_moved_is_found() {
+    #[repr(C)]
+    struct Moved {
+        zenith: [f32; 3],
+        horizon: [f32; 3],
+        ground: [f32; 3],
+        _pad: [f32; 3],
+    }
+    let moved = rust_layout!(Moved {
+        zenith,
+        horizon,
+        ground
+    });
+    assert_ne!(shader_layout("data::lights", "Sky"), moved);
+    let missing = rust_layout!(GpuSky { zenith, horizon });
+    assert_ne!(shader_layout("data::lights", "Sky"), missing);
+}

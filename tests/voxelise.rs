@@ -1,0 +1,452 @@
+//! Worlds made voxels: the CPU's reference against the definition, and the GPU against the CPU.
+
+use glam::{DVec3, IVec3, UVec3, Vec3};
+use grotto::gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks};
+use grotto::world::generate::generate;
+use grotto::world::materials::Condition;
+use grotto::world::noise::{Basis, Fractal, NoiseField};
+use grotto::world::rules::RuleSet;
+use grotto::world::sdf::{Sdf, Shape, shape_module};
+use grotto::world::voxels::Voxels;
+use grotto::world::{FeaturePart, Rule, Sky, World};
+
+fn noises() -> Vec<NoiseField> {
+    let field = |basis, fractal, frequency: f64| NoiseField {
+        name: String::new(),
+        basis,
+        fractal,
+        frequency: DVec3::splat(frequency),
+        offset: DVec3::new(0.2, 0.4, 0.6),
+        seed: 11,
+    };
+    let (lacunarity, persistence) = (2.0, 0.5);
+    vec![
+        field(
+            Basis::Perlin,
+            Fractal::Fbm {
+                octaves: 4,
+                lacunarity,
+                persistence,
+            },
+            0.07,
+        ),
+        field(
+            Basis::OpenSimplex,
+            Fractal::Ridged {
+                octaves: 3,
+                lacunarity,
+                persistence,
+            },
+            0.05,
+        ),
+        field(Basis::Worley, Fractal::None, 0.1),
+        field(
+            Basis::Value,
+            Fractal::Billow {
+                octaves: 2,
+                lacunarity,
+                persistence,
+            },
+            0.09,
+        ),
+        field(Basis::OpenSimplex, Fractal::None, 0.2),
+        field(Basis::Value, Fractal::None, 0.3),
+    ]
+}
+
+fn world(size: UVec3, shape: Sdf, rules: Vec<Rule>, features: Vec<FeaturePart>) -> World {
+    let noises = noises();
+    shape.check(&noises).expect("a sound tree");
+    World {
+        name: "test".into(),
+        title: "A world for one test.".into(),
+        size,
+        origin: IVec3::new(-20, -12, -24),
+        voxel_m: 1.0,
+        seed: 1,
+        shape,
+        noises,
+        materials: Vec::new(),
+        rules,
+        features,
+        sky: Sky {
+            zenith: Vec3::ONE,
+            horizon: Vec3::ONE,
+            ground: Vec3::ZERO,
+        },
+        sun: None,
+        lamp_presets: Vec::new(),
+        cameras: Vec::new(),
+        layouts: Vec::new(),
+    }
+}
+
+fn moved(by: [f32; 3], of: Sdf) -> Sdf {
+    Sdf::Translate {
+        by: by.into(),
+        of: Box::new(of),
+    }
+}
+
+fn sphere(radius: f32) -> Sdf {
+    Sdf::Sphere { radius }
+}
+
+/// Rock with caves, pillars and a stepped floor: every node kind once.
+fn everything() -> Sdf {
+    let scattered = Sdf::Scatter {
+        min: Vec3::new(-20.0, -12.0, -24.0),
+        max: Vec3::new(20.0, 14.0, 24.0),
+        cell: 9.0,
+        probability: 0.5,
+        jitter: 0.3,
+        scale: (0.6, 1.4),
+        reach: 4.2,
+        seed: 77,
+        of: Box::new(Sdf::SmoothUnion {
+            k: 1.0,
+            of: vec![
+                sphere(2.0),
+                Sdf::Capsule {
+                    from: Vec3::ZERO,
+                    to: Vec3::new(0.0, 3.0, 1.0),
+                    radius: 1.0,
+                },
+            ],
+        }),
+    };
+    let tiles = Sdf::Repeat {
+        period: Vec3::new(13.0, 0.0, 11.0),
+        of: Box::new(Sdf::Rotate {
+            degrees: Vec3::new(20.0, 30.0, 40.0),
+            of: Box::new(Sdf::RoundedBox {
+                half: Vec3::new(1.5, 3.0, 1.0),
+                radius: 0.5,
+            }),
+        }),
+    };
+    let rock = Sdf::Subtraction(vec![
+        Sdf::Plane {
+            normal: Vec3::new(0.1, 1.0, 0.0),
+            offset: 6.0,
+        },
+        Sdf::Displace {
+            noise: 0,
+            amplitude: 4.0,
+            of: Box::new(sphere(11.0)),
+        },
+        moved(
+            [-9.0, 2.0, 8.0],
+            Sdf::Warp {
+                noise: 2,
+                amplitude: 2.0,
+                of: Box::new(Sdf::Torus {
+                    major: 8.0,
+                    minor: 3.0,
+                }),
+            },
+        ),
+        moved(
+            [10.0, 4.0, -12.0],
+            Sdf::Displace {
+                noise: 4,
+                amplitude: 2.0,
+                of: Box::new(Sdf::Cylinder {
+                    radius: 5.0,
+                    half_height: 6.0,
+                }),
+            },
+        ),
+    ]);
+    Sdf::Union(vec![
+        Sdf::SmoothSubtraction {
+            k: 2.0,
+            of: vec![
+                rock,
+                moved(
+                    [0.0, 8.0, 0.0],
+                    Sdf::Scale {
+                        by: 2.0,
+                        of: Box::new(Sdf::Box {
+                            half: Vec3::new(3.0, 2.0, 4.0),
+                        }),
+                    },
+                ),
+            ],
+        },
+        Sdf::HeightField {
+            noise: 1,
+            base: -6.0,
+            amplitude: 3.0,
+            step: 0.0,
+        },
+        Sdf::Intersection(vec![
+            Sdf::HeightField {
+                noise: 3,
+                base: -4.0,
+                amplitude: 3.0,
+                step: 1.0,
+            },
+            Sdf::Box {
+                half: Vec3::new(9.0, 30.0, 9.0),
+            },
+        ]),
+        Sdf::SmoothIntersection {
+            k: 1.5,
+            of: vec![scattered, moved([0.0, 3.0, 0.0], sphere(22.0))],
+        },
+        moved([0.0, 12.0, 0.0], tiles),
+        Sdf::Empty,
+    ])
+}
+
+fn rules() -> Vec<Rule> {
+    let rule = |material, when| Rule { material, when };
+    vec![
+        rule(
+            1,
+            Condition::All(vec![
+                Condition::FacesUp,
+                Condition::NoiseBelow {
+                    noise: 5,
+                    value: 0.1,
+                },
+            ]),
+        ),
+        rule(
+            2,
+            Condition::Any(vec![
+                Condition::FacesDown,
+                Condition::InBox {
+                    min: Vec3::splat(-6.0),
+                    max: Vec3::splat(-1.0),
+                },
+            ]),
+        ),
+        rule(
+            3,
+            Condition::All(vec![
+                Condition::Below(-3.0),
+                Condition::Not(Box::new(Condition::Above(-8.0))),
+            ]),
+        ),
+        rule(4, Condition::Inside(moved([4.0, 0.0, 4.0], sphere(9.0)))),
+        rule(5, Condition::ShallowerThan(2.5)),
+        rule(6, Condition::Always),
+    ]
+}
+
+fn features() -> Vec<FeaturePart> {
+    let part = |min: [i32; 3], max: [i32; 3], material, without_corners| FeaturePart {
+        min: min.into(),
+        max: max.into(),
+        material,
+        without_corners,
+    };
+    vec![
+        part([-2, -9, -2], [-2, 3, -2], 7, false),
+        part([-5, 3, -5], [2, 4, 2], 8, true),
+        part([-4, 3, -4], [-1, 3, -1], 9, false),
+        part([-40, -3, 0], [-18, -2, 5], 9, false),
+        part([14, 0, 14], [60, 2, 60], 7, true),
+    ]
+}
+
+/// The definition, voxel by voxel, with nothing skipped.
+fn by_definition(world: &World) -> Vec<u8> {
+    let shape = Shape::new(&world.shape, &world.noises);
+    let rules = RuleSet::new(&world.rules, &shape);
+    let size = world.size.as_ivec3();
+    let centre = |voxel: IVec3| (world.origin + voxel).as_dvec3() + 0.5;
+    let inside = |voxel: IVec3| voxel.cmpge(IVec3::ZERO).all() && voxel.cmplt(size).all();
+    let solid = |voxel: IVec3| !inside(voxel) || shape.eval(centre(voxel)) < 0.0;
+    let material = |voxel: IVec3| {
+        let value = shape.eval(centre(voxel));
+        rules.material(centre(voxel), value, &shape)
+    };
+    let full =
+        |cell: IVec3| (0..512).all(|i| solid(cell * 8 + IVec3::new(i & 7, i >> 3 & 7, i >> 6)));
+    let mut buried = std::collections::HashMap::new();
+    let mut voxels = Vec::new();
+    for z in 0..size.z {
+        for y in 0..size.y {
+            for x in 0..size.x {
+                let voxel = IVec3::new(x, y, z);
+                if !solid(voxel) {
+                    let here = world
+                        .features
+                        .iter()
+                        .rev()
+                        .find(|part| part.contains(world.origin + voxel));
+                    voxels.push(here.map_or(0, |part| part.material));
+                    continue;
+                }
+                let cell = voxel / 8;
+                let is_buried = *buried.entry(cell).or_insert_with(|| {
+                    let beside = [
+                        IVec3::X,
+                        IVec3::Y,
+                        IVec3::Z,
+                        -IVec3::X,
+                        -IVec3::Y,
+                        -IVec3::Z,
+                    ];
+                    inside(cell * 8 + 7)
+                        && full(cell)
+                        && beside.iter().all(|side| full(cell + side))
+                });
+                voxels.push(material(if is_buried { cell * 8 + 4 } else { voxel }));
+            }
+        }
+    }
+    voxels
+}
+
+fn listed(voxels: &Voxels) -> Vec<u8> {
+    let size = voxels.size().as_ivec3();
+    let each = (0..size.z)
+        .flat_map(|z| (0..size.y).flat_map(move |y| (0..size.x).map(move |x| IVec3::new(x, y, z))));
+    each.map(|voxel| voxels.material(voxel)).collect()
+}
+
+#[test]
+fn generation_equals_the_definition() {
+    for (size, shape) in [
+        (UVec3::new(45, 30, 50), everything()),
+        (UVec3::splat(40), sphere(14.0)),
+        (UVec3::splat(33), Sdf::Empty),
+        (
+            UVec3::splat(33),
+            moved(
+                [3.0, 0.0, 0.0],
+                Sdf::Subtraction(vec![sphere(90.0), sphere(6.0)]),
+            ),
+        ),
+    ] {
+        let world = world(size, shape, rules(), features());
+        let voxels = generate(&world);
+        let (found, wanted) = (listed(&voxels), by_definition(&world));
+        let differing = found.iter().zip(&wanted).filter(|(a, b)| a != b).count();
+        assert_eq!(differing, 0, "{:?}", world.shape);
+        assert!(
+            wanted.iter().any(|m| *m > 6) && wanted.iter().any(|m| *m == 0),
+            "features and air"
+        );
+    }
+}
+
+const PROBE: &str = "
+import package::generated::shape::{shape, material_at};
+
+@group(3) @binding(0) var<storage, read> points: array<vec4f>;
+@group(3) @binding(1) var<storage, read_write> found: array<vec2f>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x < arrayLength(&points) {
+        let p = points[id.x].xyz;
+        found[id.x] = vec2f(shape(p), f32(material_at(p)));
+    }
+}
+";
+
+fn gpu() -> Gpu {
+    Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device")
+}
+
+/// (shape, material) at each point.
+fn on_gpu(gpu: &Gpu, world: &World, points: &[[f32; 4]]) -> Vec<[f32; 2]> {
+    let module = shape_module(world);
+    let spec = KernelSpec {
+        shader: "generated/probe",
+        generated: &[("probe", PROBE), ("shape", &module)],
+        ..Default::default()
+    };
+    let kernel = Kernel::new(gpu, &spec).expect("the module compiles");
+    let bank = grotto::world::noise::NoiseBank::new(&world.noises);
+    let tables = gpu
+        .storage_buffer_of("noise_tables", &bank.packed_tables())
+        .expect("fits");
+    let input = gpu.storage_buffer_of("points", points).expect("fits");
+    let found = gpu
+        .storage_buffer("found", points.len() as u64 * 8)
+        .expect("fits");
+    let bindings = kernel.bind(
+        gpu,
+        &[
+            ("noise_tables", tables.as_entire_binding()),
+            ("points", input.as_entire_binding()),
+            ("found", found.as_entire_binding()),
+        ],
+    );
+    let mut recorder = Recorder::new(gpu, None);
+    recorder.compute("probe", |pass| {
+        kernel.dispatch_threads(pass, &bindings, [points.len() as u32, 1, 1]);
+    });
+    recorder.submit(gpu).expect("submits");
+    let mut values = gpu.read_buffer(&found).expect("reads back");
+    values.truncate(points.len());
+    values
+}
+
+fn points(count: usize) -> Vec<[f32; 4]> {
+    let point = |i: usize| {
+        let i = i as f64 + 0.5;
+        let p = DVec3::new(i * 8.191_725_134, i * 6.710_436_067, i * 5.497_004_779) % 60.0 - 30.0;
+        [p.x as f32, p.y as f32, p.z as f32, 0.0]
+    };
+    (0..count).map(point).collect()
+}
+
+#[test]
+fn the_shader_computes_the_values_of_the_cpu() {
+    let gpu = gpu();
+    let far_from_steps = |p: DVec3| (p.y - p.y.round()).abs() > 1e-3;
+    let mut trees: Vec<Sdf> = (0..6)
+        .map(|noise| Sdf::Displace {
+            noise,
+            amplitude: 5.0,
+            of: Box::new(sphere(9.0)),
+        })
+        .collect();
+    trees.push(everything());
+    for tree in trees {
+        let world = world(UVec3::splat(8), tree, rules(), Vec::new());
+        let shape = Shape::new(&world.shape, &world.noises);
+        let rules = RuleSet::new(&world.rules, &shape);
+        let points = points(4000);
+        let mut disagreeing = 0;
+        for (point, [value, material]) in points.iter().zip(on_gpu(&gpu, &world, &points)) {
+            let p = Vec3::from_slice(&point[..3]).as_dvec3();
+            let wanted = shape.eval(p);
+            // Between steps the two may round a height to different ones.
+            if far_from_steps(p) {
+                assert!(
+                    (f64::from(value) - wanted).abs() < 2e-3,
+                    "{:?}\nat {p}: {value}, {wanted}",
+                    world.shape
+                );
+            }
+            disagreeing += usize::from(material != f32::from(rules.material(p, wanted, &shape)));
+        }
+        assert!(disagreeing <= 4, "{disagreeing} of 4000 materials differ");
+    }
+}
+
+#[test]
+fn a_tree_of_hundreds_of_nodes_compiles_in_time() {
+    let spheres = (0..400).map(|i| moved([i as f32, 0.0, (i * 7 % 31) as f32], sphere(3.0)));
+    let world = world(
+        UVec3::splat(8),
+        Sdf::SmoothUnion {
+            k: 1.0,
+            of: spheres.collect(),
+        },
+        rules(),
+        Vec::new(),
+    );
+    let start = std::time::Instant::now();
+    let found = on_gpu(&gpu(), &world, &points(64));
+    assert_eq!(found.len(), 64);
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
