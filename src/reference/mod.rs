@@ -10,4 +10,4 @@ pub mod random;
 pub mod render;
 
 pub use path_trace::Scene;
-pub use render::{RenderOptions, View, render, render_scene};
+pub use render::{FilmOptions, RenderOptions, View, render, render_scene};

@@ -91,9 +91,8 @@ impl Scene<'_> {
             let cosine = normal.as_dvec3().dot(ray.direction).abs();
             let footprint = pixel_angle * hit.distance / cosine;
             let position_ws = position + self.origin.as_dvec3();
-            let face = u32::from(hit.face);
             self.materials
-                .albedo(hit.material, voxel_ws, face, position_ws, footprint)
+                .albedo(hit.material, voxel_ws, hit.face, position_ws, footprint)
         } else {
             self.materials.mean_albedo(hit.material, voxel_ws)
         };
@@ -176,8 +175,7 @@ impl Scene<'_> {
                 Outcome::Inside(_) => return radiance,
             };
             // Gather what this surface emits and reflects of the lamps.
-            radiance +=
-                throughput * (vertex.emission + self.one_lamp_reflected(&vertex, random));
+            radiance += throughput * (vertex.emission + self.one_lamp_reflected(&vertex, random));
             // End paths that carry little, and make the survivors stand for them.
             throughput *= vertex.albedo;
             if bounce >= ROULETTE_FROM {

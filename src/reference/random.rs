@@ -93,21 +93,31 @@ mod tests {
     fn neighbouring_streams_are_uniform_and_unrelated() {
         let first = |pixel, sample| Pcg::new(7, pixel, sample).unit();
         for (name, values) in [
-            ("pixels", (0..20_000).map(|i| first(i, 0)).collect::<Vec<_>>()),
+            (
+                "pixels",
+                (0..20_000).map(|i| first(i, 0)).collect::<Vec<_>>(),
+            ),
             ("samples", (0..20_000).map(|i| first(3, i)).collect()),
         ] {
             let mean = MeanEstimate::of(values.iter().copied()).expect("not empty");
             assert!(mean.agrees_with(0.5, 4.0, 0.0), "{name}: {mean:?}");
-            let lagged = values.windows(2).map(|pair| (pair[0] - 0.5) * (pair[1] - 0.5));
+            let lagged = values
+                .windows(2)
+                .map(|pair| (pair[0] - 0.5) * (pair[1] - 0.5));
             let correlation = MeanEstimate::of(lagged).expect("not empty");
-            assert!(correlation.agrees_with(0.0, 4.0, 0.0), "{name}: {correlation:?}");
+            assert!(
+                correlation.agrees_with(0.0, 4.0, 0.0),
+                "{name}: {correlation:?}"
+            );
         }
     }
 
     #[test]
     fn cosine_directions_have_the_moments_of_their_density() {
         let mut random = Pcg::new(1, 2, 3);
-        let directions: Vec<DVec3> = (0..50_000).map(|_| random.cosine_direction(1, false)).collect();
+        let directions: Vec<DVec3> = (0..50_000)
+            .map(|_| random.cosine_direction(1, false))
+            .collect();
         let agrees = |truth: f64, value: &dyn Fn(DVec3) -> f64| {
             let mean = MeanEstimate::of(directions.iter().map(|&d| value(d))).expect("not empty");
             assert!(mean.agrees_with(truth, 4.0, 0.0), "{truth}: {mean:?}");
@@ -116,6 +126,10 @@ mod tests {
         agrees(0.5, &|d| d.y * d.y);
         agrees(0.0, &|d| d.x);
         agrees(0.25, &|d| d.z * d.z);
-        assert!(directions.iter().all(|d| d.y < 0.0 && (d.length() - 1.0).abs() < 1e-12));
+        assert!(
+            directions
+                .iter()
+                .all(|d| d.y < 0.0 && (d.length() - 1.0).abs() < 1e-12)
+        );
     }
 }

@@ -36,21 +36,27 @@ pub enum View {
     Depth,
 }
 
-/// How to render a picture.
+/// How to render a picture of a world.
 #[derive(Clone, Copy, Debug)]
 pub struct RenderOptions<'a> {
-    pub camera: &'a Camera,
     pub lamps: &'a LampPreset,
     /// World time (seconds), for lamps that move.
     pub time_s: f64,
+    /// Whether textures are seen; else every texture is its mean.
+    pub textures: bool,
+    pub film: FilmOptions<'a>,
+}
+
+/// How to take a picture of a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmOptions<'a> {
+    pub camera: &'a Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Samples (paths) per pixel, at least 1. The error falls with its root.
     pub samples: u32,
     pub seed: u64,
     pub view: View,
-    /// Whether textures are seen; else every texture is its mean.
-    pub textures: bool,
     /// Spreads the samples over the pixel. Off, all of them look through its centre, as the
     /// renderer on the GPU does.
     pub antialias: bool,
@@ -82,14 +88,13 @@ pub fn render(
         lights: &lights,
         textures: options.textures,
     };
-    render_scene(&scene, options, progress, cancel)
+    render_scene(&scene, &options.film, progress, cancel)
 }
 
-/// As [`render`], of a scene whose materials and lights are ready (`options.lamps`, `time_s` and
-/// `textures` have had their say by then).
+/// As [`render`], of a scene whose materials and lights are ready.
 pub fn render_scene(
     scene: &Scene,
-    options: &RenderOptions,
+    options: &FilmOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
     cancel: &AtomicBool,
 ) -> Picture {
@@ -105,6 +110,9 @@ pub fn render_scene(
     // Every row gets its next samples before any row gets more.
     for first in (0..film.samples).step_by(SAMPLES_AT_ONCE as usize) {
         let samples = first..film.samples.min(first + SAMPLES_AT_ONCE);
+        if cancel.load(Ordering::Relaxed) {
+            break;
+        }
         rows.par_iter_mut().for_each(|row| {
             if cancel.load(Ordering::Relaxed) {
                 return;
@@ -150,7 +158,7 @@ impl Row {
 /// From pixels to samples of what the camera sees through them.
 struct Film<'a> {
     scene: &'a Scene<'a>,
-    options: &'a RenderOptions<'a>,
+    options: &'a FilmOptions<'a>,
     camera: CameraBasis,
     /// Samples per pixel that make a difference to this view.
     samples: u32,
@@ -165,7 +173,7 @@ struct Look {
 }
 
 impl<'a> Film<'a> {
-    fn new(scene: &'a Scene<'a>, options: &'a RenderOptions<'a>) -> Self {
+    fn new(scene: &'a Scene<'a>, options: &'a FilmOptions<'a>) -> Self {
         let [width, height] = options.size.map(f64::from);
         let camera = options.camera.basis(width / height);
         let random = options.antialias || options.view.is_random();
