@@ -6,8 +6,11 @@ use std::mem::{offset_of, size_of};
 use grotto::{
     gpu::ShaderLibrary,
     lights::table::{self as lights, GpuLamp, GpuLightsHeader, GpuSky},
-    passes::GpuView,
-    world::materials::table::{self as materials, GpuColour, GpuMaterial},
+    passes::{
+        GpuView,
+        voxelise::{GpuVoxeliseCounters, GpuVoxeliseJob},
+    },
+    world::materials::table::{CAPACITY, GpuMaterial},
 };
 
 /// A struct as a shader lays it out.
@@ -105,19 +108,7 @@ fn lamps_and_sky() {
 }
 
 #[test]
-fn materials_and_colours() {
-    assert_eq!(
-        shader_layout("data::materials", "Colour"),
-        rust_layout!(GpuColour {
-            low,
-            kind,
-            high,
-            first_stop,
-            from_x,
-            to_x,
-            stop_count
-        })
-    );
+fn materials() {
     assert_eq!(
         shader_layout("data::materials", "Material"),
         rust_layout!(GpuMaterial {
@@ -125,14 +116,13 @@ fn materials_and_colours() {
             b,
             emission,
             mask_mean,
-            layer,
-            tiles_per_block
+            texture
         })
     );
     let whole = shader_layout("data::materials", "Materials");
     assert_eq!(
-        whole.members["stops"],
-        materials::CAPACITY * size_of::<GpuMaterial>()
+        whole.members["details"],
+        CAPACITY * size_of::<GpuMaterial>()
     );
 }
 
@@ -153,6 +143,7 @@ fn the_view() {
             exposure,
             mode,
             time_s,
+            textures,
         })
     );
 }
@@ -174,4 +165,31 @@ fn a_member_that_moved_is_found() {
     assert_ne!(shader_layout("data::lights", "Sky"), moved);
     let missing = rust_layout!(GpuSky { zenith, horizon });
     assert_ne!(shader_layout("data::lights", "Sky"), missing);
+}
+
+#[test]
+fn voxelisation() {
+    assert_eq!(
+        shader_layout("data::voxelise", "Job"),
+        rust_layout!(GpuVoxeliseJob {
+            size,
+            first,
+            cells,
+            end,
+            rows_at,
+            parts_at,
+            part_count,
+            all_stone,
+        })
+    );
+    assert_eq!(
+        shader_layout("data::voxelise", "Counters"),
+        rust_layout!(GpuVoxeliseCounters {
+            candidates,
+            mixed,
+            exposed,
+            varied,
+            bricks,
+        })
+    );
 }

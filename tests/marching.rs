@@ -90,6 +90,7 @@ fn marching_equals_plain_dda_hit_for_hit() {
             exposure_ev: 0.0,
             mode: ViewMode::Full,
             time_s: 0.0,
+            textures: true,
         };
         let view_buffer = gpu.uniform_buffer("view", &view.to_gpu());
         let probes: Vec<UVec3> = (0..64)
@@ -124,7 +125,7 @@ fn marching_equals_plain_dda_hit_for_hit() {
                 .filter(|hit| hit.place != FoundHit::MISS)
                 .count();
             assert!(
-                hits > marched.len() / 50,
+                hits > 100,
                 "{kind:?}, seed {seed}: only {hits} hits to compare"
             );
             if kind == RayKind::Probe {

@@ -2,6 +2,8 @@
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks};
+use grotto::passes::distances::Distances;
+use grotto::passes::voxelise::{Voxelise, VoxeliseReport};
 use grotto::world::generate::generate;
 use grotto::world::materials::Condition;
 use grotto::world::noise::{Basis, Fractal, NoiseField};
@@ -449,4 +451,107 @@ fn a_tree_of_hundreds_of_nodes_compiles_in_time() {
     let found = on_gpu(&gpu(), &world, &points(64));
     assert_eq!(found.len(), 64);
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+/// The voxels that the GPU builds, with their distances.
+fn voxelised(gpu: &Gpu, world: &World) -> (Voxels, VoxeliseReport) {
+    let pass = Voxelise::new(gpu, world).expect("compiles");
+    let (voxels, report) = pass.run(gpu, world).expect("fits");
+    let mut recorder = Recorder::new(gpu, None);
+    Distances::new(gpu)
+        .expect("compiles")
+        .record(gpu, &mut recorder, &voxels);
+    recorder.submit(gpu).expect("submits");
+    (voxels.read_back(gpu).expect("reads back"), report)
+}
+
+/// How many voxels of the two differ; each must lie within rounding of a boundary, that is, some
+/// point within `tolerance` of its centre has the other's material.
+fn differing(
+    world: &World,
+    found: &Voxels,
+    wanted: &Voxels,
+    tolerance: f64,
+) -> Result<usize, String> {
+    let shape = Shape::new(&world.shape, &world.noises);
+    let rules = RuleSet::new(&world.rules, &shape);
+    let size = world.size;
+    let mut count = 0;
+    for (i, (a, b)) in listed(found).iter().zip(listed(wanted)).enumerate() {
+        if *a == b {
+            continue;
+        }
+        count += 1;
+        let i = i as u32;
+        let voxel = UVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y);
+        let centre = (world.origin + voxel.as_ivec3()).as_dvec3() + 0.5;
+        let near = (0..27).any(|k| {
+            let p = centre + tolerance * (IVec3::new(k % 3, k / 3 % 3, k / 9) - 1).as_dvec3();
+            let value = shape.eval(p);
+            value.abs() < tolerance || value < 0.0 && rules.material(p, value, &shape) == *a
+        });
+        if !near {
+            return Err(format!(
+                "voxel {voxel} is {a}, not {b}; shape {}",
+                shape.eval(centre)
+            ));
+        }
+    }
+    Ok(count)
+}
+
+#[test]
+fn the_gpu_builds_the_voxels_of_the_cpu() {
+    let gpu = gpu();
+    for (size, shape, features) in [
+        (UVec3::new(45, 30, 50), everything(), features()),
+        (UVec3::splat(40), sphere(14.0), features()),
+        (
+            UVec3::splat(48),
+            moved(
+                [3.0, 0.0, 0.0],
+                Sdf::Subtraction(vec![sphere(90.0), sphere(9.0)]),
+            ),
+            features(),
+        ),
+        (UVec3::splat(24), Sdf::Empty, Vec::new()),
+    ] {
+        let world = world(size, shape, rules(), features);
+        let (found, report) = voxelised(&gpu, &world);
+        let wanted = generate(&world);
+        assert_eq!(found.validate(), Ok(()));
+        let count = differing(&world, &found, &wanted, 1e-3).unwrap();
+        let all = size.element_product();
+        println!("{count} of {all} voxels differ, within rounding ({report:?})");
+        assert!(
+            f64::from(count as u32) <= 1e-4 * f64::from(all),
+            "{count} of {all}"
+        );
+        assert_eq!(found.bricks(), report.bricks as usize);
+    }
+}
+
+#[test]
+fn the_comparison_notices_a_voxel_out_of_place() {
+    let world = world(UVec3::splat(40), sphere(14.0), rules(), Vec::new());
+    let wanted = generate(&world);
+    let mut found = wanted.clone();
+    found.set(IVec3::new(20, 12, 24), 0);
+    assert!(differing(&world, &found, &wanted, 1e-3).is_err());
+}
+
+#[test]
+fn a_world_beyond_the_limits_is_refused() {
+    let gpu = gpu();
+    let world = world(
+        UVec3::new(1 << 20, 1 << 14, 1 << 20),
+        sphere(14.0),
+        rules(),
+        Vec::new(),
+    );
+    let result = Voxelise::new(&gpu, &world)
+        .expect("compiles")
+        .run(&gpu, &world);
+    let error = result.err().expect("too large");
+    assert!(error.to_string().contains("bytes"), "{error}");
 }

@@ -6,10 +6,13 @@ pub mod distances;
 mod lighting;
 pub mod probe_blend;
 mod probe_field;
+pub mod probe_rays;
 pub mod ray_bench;
 mod scene;
+pub mod shade;
 pub mod tonemap;
 mod view;
+pub mod voxelise;
 
 pub use lighting::{GpuLights, GpuMaterials};
 pub use probe_field::{GpuProbeInfo, ProbeField, ProbeFieldError};

@@ -18,7 +18,7 @@ pub enum ViewMode {
     Irradiance,
     Albedo,
     Normal,
-    /// White near, black at the far end of the picture's depths.
+    /// White near, half as bright with every 32 voxels.
     Depth,
     /// Steps of the camera ray, in the colours of magma.
     Steps,
@@ -52,6 +52,8 @@ pub struct GpuView {
     pub exposure: f32,
     pub mode: u32,
     pub time_s: f32,
+    pub textures: u32,
+    pub _pad: [u32; 3],
 }
 
 /// What a frame is to show.
@@ -67,6 +69,8 @@ pub struct View {
     pub mode: ViewMode,
     /// World time (seconds).
     pub time_s: f64,
+    /// Whether faces show their textures or the mean of them.
+    pub textures: bool,
 }
 
 impl View {
@@ -86,6 +90,8 @@ impl View {
             exposure: self.exposure_ev.exp2(),
             mode: self.mode as u32,
             time_s: self.time_s as f32,
+            textures: u32::from(self.textures && self.mode != ViewMode::TexturesOff),
+            _pad: [0; 3],
         }
     }
 

@@ -20,7 +20,7 @@ use super::sdf::Shape;
 use super::voxels::{BRICK_VOXELS, CELL, NewCell, Voxels, brick_index};
 
 /// Edge in voxels of the blocks that a cell is tried in before its voxels.
-pub const BLOCK: u32 = 4;
+pub const BLOCK: u32 = 2;
 
 /// Distance from the centre of a block of `edge`³ voxels to its farthest voxel centre.
 pub fn block_radius(edge: u32) -> f64 {
@@ -100,8 +100,8 @@ impl<'a> Generator<'a> {
         }
         let mut bits = Box::new([0; 8]);
         let (mut inside, mut solid) = (0, 0);
-        for block in 0..8 {
-            let block = UVec3::new(block & 1, block >> 1 & 1, block >> 2) * BLOCK;
+        for block in 0..(CELL / BLOCK).pow(3) {
+            let block = UVec3::new(block & 3, block >> 2 & 3, block >> 4) * BLOCK;
             let value = self.shape.eval(self.centre_ws(corner + block, BLOCK));
             let decided = (value.abs() > self.block_variation).then_some(value < 0.0);
             for z in block.z..block.z + BLOCK {

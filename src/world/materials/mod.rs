@@ -50,7 +50,7 @@ pub enum Colour {
 }
 
 /// The mask over a face. Lengths (pitch, radius, joint) are in blocks; `cells` and `rows` count along
-/// one block. Pitches and angles are adjusted a little so that the pattern repeats after a whole
+/// one block; [`Pattern::fault`] tells their limits. Pitches and angles are adjusted a little so that the pattern repeats after a whole
 /// number of blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -96,6 +96,59 @@ pub enum Pattern {
     },
 }
 
+/// Most cells, rows, squares or rings along one block: beyond it a texel holds several.
+pub const MAX_REPEATS: u32 = 64;
+/// Finer octaves than these are smaller than a texel.
+pub const MAX_OCTAVES: u32 = 8;
+/// Narrowest and widest pitch in blocks: the widest fills a whole tile.
+pub const PITCHES: std::ops::RangeInclusive<f32> = 0.02..=4.0;
+
+impl Pattern {
+    /// What keeps the pattern from being baked, in words for the person who wrote it.
+    pub fn fault(&self) -> Option<String> {
+        let count = |name: &str, value: u32, most: u32| {
+            (!(1..=most).contains(&value))
+                .then(|| format!("{name} is {value}; it must be between 1 and {most}"))
+        };
+        let number = |name: &str, value: f32, range: std::ops::RangeInclusive<f32>| {
+            (!range.contains(&value)).then(|| {
+                format!(
+                    "{name} is {value}; it must be between {} and {}",
+                    range.start(),
+                    range.end()
+                )
+            })
+        };
+        let noise = |cells, octaves| {
+            count("cells", cells, MAX_REPEATS).or_else(|| count("octaves", octaves, MAX_OCTAVES))
+        };
+        match *self {
+            Self::Plain => None,
+            Self::Stripes { pitch, width } => {
+                number("pitch", pitch, PITCHES).or_else(|| number("width", width, 0.0..=1.0))
+            }
+            Self::Dots {
+                radius,
+                pitch,
+                angle_deg,
+            } => number("radius", radius, 0.0..=4.0)
+                .or_else(|| number("pitch", pitch, PITCHES))
+                .or_else(|| number("angle_deg", angle_deg, -360.0..=360.0)),
+            Self::Checker { squares } => count("squares", squares, MAX_REPEATS),
+            Self::Bricks { rows, joint } => {
+                count("rows", rows, MAX_REPEATS).or_else(|| number("joint", joint, 0.0..=1.0))
+            }
+            Self::Worley { cells, radius } => {
+                count("cells", cells, MAX_REPEATS).or_else(|| number("radius", radius, 0.0..=4.0))
+            }
+            Self::Fbm { cells, octaves } | Self::StripesFbm { cells, octaves } => {
+                noise(cells, octaves)
+            }
+            Self::Radial { rings } => count("rings", rings, MAX_REPEATS),
+        }
+    }
+}
+
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rule {
     /// 1-based index into the world's materials.
@@ -128,4 +181,117 @@ pub enum Condition {
     All(Vec<Condition>),
     Any(Vec<Condition>),
     Not(Box<Condition>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pattern_that_cannot_be_baked_says_why() {
+        for (pattern, word) in [
+            (
+                Pattern::Stripes {
+                    pitch: 0.0,
+                    width: 0.5,
+                },
+                "pitch",
+            ),
+            (
+                Pattern::Stripes {
+                    pitch: f32::NAN,
+                    width: 0.5,
+                },
+                "pitch",
+            ),
+            (
+                Pattern::Stripes {
+                    pitch: 1.0,
+                    width: -0.1,
+                },
+                "width",
+            ),
+            (
+                Pattern::Dots {
+                    radius: 0.1,
+                    pitch: 1.0,
+                    angle_deg: f32::INFINITY,
+                },
+                "angle_deg",
+            ),
+            (Pattern::Checker { squares: 0 }, "squares"),
+            (
+                Pattern::Bricks {
+                    rows: 4,
+                    joint: 2.0,
+                },
+                "joint",
+            ),
+            (
+                Pattern::Worley {
+                    cells: 1_000_000,
+                    radius: 0.1,
+                },
+                "cells",
+            ),
+            (
+                Pattern::Fbm {
+                    cells: 2,
+                    octaves: 0,
+                },
+                "octaves",
+            ),
+            (Pattern::Radial { rings: 65 }, "rings"),
+        ] {
+            let fault = pattern
+                .fault()
+                .unwrap_or_else(|| panic!("{pattern:?} is accepted"));
+            assert!(fault.starts_with(word), "{fault}");
+        }
+        assert_eq!(Pattern::Plain.fault(), None);
+        assert_eq!(
+            Pattern::Worley {
+                cells: 3,
+                radius: 0.1
+            }
+            .fault(),
+            None
+        );
+    }
+
+    /// What is accepted is baked, also at its limits.
+    #[test]
+    fn patterns_at_their_limits_are_baked() {
+        for pattern in [
+            Pattern::Stripes {
+                pitch: 0.02,
+                width: 1.0,
+            },
+            Pattern::Stripes {
+                pitch: 4.0,
+                width: 0.0,
+            },
+            Pattern::Dots {
+                radius: 4.0,
+                pitch: 4.0,
+                angle_deg: -360.0,
+            },
+            Pattern::Worley {
+                cells: MAX_REPEATS,
+                radius: 0.0,
+            },
+            Pattern::Fbm {
+                cells: MAX_REPEATS,
+                octaves: MAX_OCTAVES,
+            },
+            Pattern::Bricks {
+                rows: MAX_REPEATS,
+                joint: 1.0,
+            },
+        ] {
+            assert_eq!(pattern.fault(), None);
+            let mean = bake::Tile::bake(&pattern, 1).mean;
+            assert!((0.0..=1.0).contains(&mean), "{pattern:?}: {mean}");
+        }
+    }
 }

@@ -36,9 +36,8 @@ enum Kind {
         grain: TorusFbm,
     },
     Worley {
-        cells: u32,
+        points: FeaturePoints,
         radius: f64,
-        seed: u32,
     },
     Fbm(TorusFbm),
     StripesFbm {
@@ -117,12 +116,11 @@ impl Mask {
                 rows: rows.max(1),
                 joint: f64::from(joint),
                 seed: hash(seed),
-                grain: TorusFbm::new(extent, 6, 6, 2, seed),
+                grain: TorusFbm::new(extent, 7, 7, 1, seed),
             },
             Pattern::Worley { cells, radius } => Kind::Worley {
-                cells: cells.max(1) * blocks,
+                points: FeaturePoints::new(extent, cells.max(1) * blocks, hash(seed)),
                 radius: f64::from(radius),
-                seed: hash(seed),
             },
             Pattern::Fbm { cells, octaves } => {
                 Kind::Fbm(TorusFbm::new(extent, cells, cells, octaves, seed))
@@ -163,11 +161,7 @@ impl Mask {
                 seed,
                 grain,
             } => bricks(u, v, *rows, *joint, *seed, grain),
-            Kind::Worley {
-                cells,
-                radius,
-                seed,
-            } => step(worley(u, v, *cells, self.extent, *seed) < *radius),
+            Kind::Worley { points, radius } => step(points.distance(u, v) < *radius),
             Kind::Fbm(field) => field.at(u, v),
             Kind::StripesFbm { streaks, strength } => streaks.at(u, v) * (1.0 + strength.at(u, v)),
             Kind::Radial {
@@ -259,23 +253,50 @@ fn distance_to_edge(value: f64) -> f64 {
     0.5 - distance_to_half(value)
 }
 
-/// Distance (blocks) to the nearest feature point of a jittered grid that repeats with the tile
-/// (Worley 1996).
-fn worley(u: f64, v: f64, cells: u32, extent: f64, seed: u32) -> f64 {
-    let edge = extent / f64::from(cells);
-    let (x, y) = (u / edge, v / edge);
-    let mut nearest = f64::INFINITY;
-    for j in -1..=1 {
-        for i in -1..=1 {
-            let (cx, cy) = (x.floor() + f64::from(i), y.floor() + f64::from(j));
-            let wrap = |c: f64| c.rem_euclid(f64::from(cells)) as u32;
-            let random = hash(seed ^ hash(wrap(cx) ^ hash(wrap(cy))));
-            let px = cx + jitter(random);
-            let py = cy + jitter(hash(random));
-            nearest = nearest.min((px - x).hypot(py - y));
+/// Feature points in a jittered grid that repeats with the tile (Worley 1996).
+struct FeaturePoints {
+    /// Cells along the tile's edge, and the edge of one in blocks.
+    cells: i64,
+    edge: f64,
+    /// By cell, in cells from the tile's corner.
+    points: Vec<(f64, f64)>,
+}
+
+impl FeaturePoints {
+    fn new(extent: f64, cells: u32, seed: u32) -> Self {
+        let point = |index: u32| {
+            let (x, y) = (index % cells, index / cells);
+            let random = hash(seed ^ hash(x ^ hash(y)));
+            (
+                f64::from(x) + jitter(random),
+                f64::from(y) + jitter(hash(random)),
+            )
+        };
+        Self {
+            cells: i64::from(cells),
+            edge: extent / f64::from(cells),
+            points: (0..cells * cells).map(point).collect(),
         }
     }
-    nearest * edge
+
+    /// Distance (blocks) from a place in the tile to the nearest point.
+    fn distance(&self, u: f64, v: f64) -> f64 {
+        let (x, y) = (u / self.edge, v / self.edge);
+        let (cx, cy) = (x.floor() as i64, y.floor() as i64);
+        // The point of a cell beyond the tile's edge is that of the opposite side, moved over.
+        let wrap = |cell: i64| {
+            let inside = cell.rem_euclid(self.cells);
+            (inside, (cell - inside) as f64)
+        };
+        let mut nearest = f64::INFINITY;
+        for (row, up) in (cy - 1..=cy + 1).map(wrap) {
+            for (column, right) in (cx - 1..=cx + 1).map(wrap) {
+                let (px, py) = self.points[(row * self.cells + column) as usize];
+                nearest = nearest.min((px + right - x).powi(2) + (py + up - y).powi(2));
+            }
+        }
+        nearest.sqrt() * self.edge
+    }
 }
 
 /// Feature points keep off the edges of their cells, so that spots rarely touch.

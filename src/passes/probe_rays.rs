@@ -1,0 +1,53 @@
+//! Pass `probe_rays`: every ray of every probe, shaded where it hits.
+
+use super::ProbeField;
+use crate::{
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder},
+    probes::Layout as _,
+};
+
+/// Most workgroups along one axis that every device supports.
+const MOST_GROUPS: u32 = 65_535;
+
+pub struct ProbeRays {
+    kernel: Kernel,
+    bindings: Bindings,
+    groups: [u32; 3],
+}
+
+impl ProbeRays {
+    /// `resources` are those of the voxels, the lights and the materials.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(
+        gpu: &Gpu,
+        field: &ProbeField,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, GpuError> {
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "passes/probe_rays",
+                ..Default::default()
+            },
+        )?;
+        let mut all = resources.to_vec();
+        all.extend(field.resources());
+        all.push(("probe_rays_out", field.rays().as_entire_binding()));
+        // The buffer of the rays fits a binding, so that their number fits an u32.
+        let rays = field.volume().slots() * field.rays_per_probe();
+        let groups = rays.div_ceil(kernel.workgroup_size[0]);
+        Ok(Self {
+            bindings: kernel.bind(gpu, &all),
+            kernel,
+            groups: [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1],
+        })
+    }
+
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        recorder.compute("probe_rays", |pass| {
+            self.kernel.dispatch(pass, &self.bindings, self.groups);
+        });
+    }
+}
