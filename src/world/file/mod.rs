@@ -89,7 +89,9 @@ pub fn check(path: &Path) -> Result<Summary, Report> {
 
 fn load_plain(path: &Path, overrides: &Overrides) -> Read<World> {
     let source = source_file::read(path)?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
     read(&source, Some(folder.unwrap_or(Path::new("."))), overrides)
 }
 

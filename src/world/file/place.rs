@@ -176,7 +176,8 @@ impl Reader<'_> {
 
     pub(super) fn clearance(&self, clearance: &Option<Leaf>, default: u32) -> Read<u32> {
         or(clearance, default, |leaf| {
-            self.source.count(leaf, "clearance", 0..=super::resolve::MAX_EDGE)
+            self.source
+                .count(leaf, "clearance", 0..=super::resolve::MAX_EDGE)
         })
     }
 
@@ -264,7 +265,10 @@ impl Reader<'_> {
 
     fn part(&self, part: &schema::Part) -> Read<FeaturePart> {
         let source = self.source;
-        let (min, max) = (source.voxel(&part.min, "min")?, source.voxel(&part.max, "max")?);
+        let (min, max) = (
+            source.voxel(&part.min, "min")?,
+            source.voxel(&part.max, "max")?,
+        );
         if min.cmpgt(max).any() {
             return Err(source.at_vector(
                 &part.max,

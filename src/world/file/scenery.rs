@@ -77,7 +77,9 @@ impl Reader<'_> {
             },
             kind,
             position: offset + or(&lamp.position, Vec3::ZERO, |v| source.point(v, "position"))?,
-            colour: or(&lamp.colour, Vec3::ONE, |v| source.not_negative3(v, "colour"))?,
+            colour: or(&lamp.colour, Vec3::ONE, |v| {
+                source.not_negative3(v, "colour")
+            })?,
             radius: or(&lamp.radius, 0.5, |leaf| source.positive(leaf, "radius"))?,
             motion: motion.collect::<Read<_>>()?,
         })
@@ -120,9 +122,8 @@ impl Reader<'_> {
             Ok(source.number_in(leaf, "rate", -1000.0..=1000.0)? as f32)
         };
         let phase = |phase: &Option<Leaf>| or(phase, 0.0, |leaf| source.length(leaf, "phase"));
-        let amount = |leaf: &Leaf| -> Read<f32> {
-            Ok(source.number_in(leaf, "amount", 0.0..=1.0)? as f32)
-        };
+        let amount =
+            |leaf: &Leaf| -> Read<f32> { Ok(source.number_in(leaf, "amount", 0.0..=1.0)? as f32) };
         Ok(match motion {
             Written::Orbit {
                 radius,
@@ -304,7 +305,12 @@ impl Reader<'_> {
         let (centre, half) = ((low + high) / 2.0, (high - low) / 2.0);
         let mut places = Vec::new();
         for share in [0.9, 0.6, 0.3] {
-            for (x, y, z) in [(0.8, 0.6, 1.0), (-0.8, 0.6, 1.0), (0.8, 0.2, -1.0), (-0.8, -0.2, -1.0)] {
+            for (x, y, z) in [
+                (0.8, 0.6, 1.0),
+                (-0.8, 0.6, 1.0),
+                (0.8, 0.2, -1.0),
+                (-0.8, -0.2, -1.0),
+            ] {
                 places.push(centre + half * Vec3::new(x, y, z) * share);
             }
         }
@@ -394,7 +400,10 @@ mod tests {
                 fov_deg: DEFAULT_FOV_DEG,
             };
             let forward = camera.basis(1.0).forward.as_vec3();
-            assert!(forward.distance(along.normalize()) < 1e-5, "{along}: {forward}");
+            assert!(
+                forward.distance(along.normalize()) < 1e-5,
+                "{along}: {forward}"
+            );
         }
     }
 }

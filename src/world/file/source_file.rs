@@ -13,7 +13,9 @@ pub const MAX_BYTES: u64 = 16 << 20;
 /// The text of a world file.
 pub fn read(path: &Path) -> Read<Source> {
     let name = path.display().to_string();
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     if path.is_dir() {
         return Err(Problem::of_file(
@@ -57,7 +59,9 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(cannot)?;
     // One byte more, to notice that the file has grown.
-    file.take(most + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    file.take(most + 1)
+        .read_to_end(&mut bytes)
+        .map_err(cannot)?;
     if bytes.len() as u64 > most {
         return Err(too_large(bytes.len() as u64));
     }
@@ -84,7 +88,10 @@ fn text(name: &str, bytes: Vec<u8>) -> Read<Source> {
     }
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
-        let line = 1 + error.as_bytes()[..valid].iter().filter(|&&b| b == b'\n').count();
+        let line = 1 + error.as_bytes()[..valid]
+            .iter()
+            .filter(|&&b| b == b'\n')
+            .count();
         Problem::of_file(
             format!("{name} is not UTF-8 text: line {line} has a byte that is no character"),
             "save the file as UTF-8 in the text editor",

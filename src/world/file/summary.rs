@@ -42,7 +42,12 @@ impl Summary {
             sun: world.sun.is_some(),
             cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),
             layouts: layouts
-                .map(|l| (l.name.clone(), l.counts.to_array().map(u64::from).iter().product()))
+                .map(|l| {
+                    (
+                        l.name.clone(),
+                        l.counts.to_array().map(u64::from).iter().product(),
+                    )
+                })
                 .collect(),
             grid_bytes: cells.iter().product::<u64>() * size_of::<u32>() as u64,
         }
@@ -62,7 +67,11 @@ impl fmt::Display for Summary {
             "  size       {x} × {y} × {z} voxels of {} m, seed {}",
             self.voxel_m, self.seed
         )?;
-        writeln!(f, "  grid       {:.1} MB, and the bricks of its surface", self.grid_bytes as f64 / 1e6)?;
+        writeln!(
+            f,
+            "  grid       {:.1} MB, and the bricks of its surface",
+            self.grid_bytes as f64 / 1e6
+        )?;
         writeln!(f, "  materials  {}", self.materials.join(", "))?;
         writeln!(f, "  features   {} boxes", self.parts)?;
         let sun = if self.sun { ", and a sun" } else { "" };

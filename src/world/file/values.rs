@@ -69,7 +69,11 @@ impl Source {
             return Ok(value);
         }
         let help = format!("write a `{key}` above 0");
-        Err(self.at(leaf, format!("`{key}` is {value}; it must be above 0"), help))
+        Err(self.at(
+            leaf,
+            format!("`{key}` is {value}; it must be above 0"),
+            help,
+        ))
     }
 
     /// A number of at least 0.
@@ -79,7 +83,11 @@ impl Source {
             return Ok(value);
         }
         let help = format!("write a `{key}` of at least 0");
-        Err(self.at(leaf, format!("`{key}` is {value}; it must not be negative"), help))
+        Err(self.at(
+            leaf,
+            format!("`{key}` is {value}; it must not be negative"),
+            help,
+        ))
     }
 
     /// A coordinate or a length, in voxels.
@@ -152,13 +160,16 @@ impl Source {
         names: impl Iterator<Item = &'n str> + Clone,
     ) -> Read<usize> {
         let wanted = self.text(leaf, what)?;
-        names.clone().position(|name| name == wanted).ok_or_else(|| {
-            self.at(
-                leaf,
-                format!("there is no {what} called `{wanted}`"),
-                suggest(&wanted, names),
-            )
-        })
+        names
+            .clone()
+            .position(|name| name == wanted)
+            .ok_or_else(|| {
+                self.at(
+                    leaf,
+                    format!("there is no {what} called `{wanted}`"),
+                    suggest(&wanted, names),
+                )
+            })
     }
 
     /// A point or an offset in world space, voxels.
@@ -190,7 +201,11 @@ impl Source {
     pub fn voxel(&self, vector: &Vector, key: &str) -> Read<IVec3> {
         let farthest = FARTHEST as i64;
         let axis = |leaf| -> Read<i32> { Ok(self.whole(leaf, key, -farthest..=farthest)? as i32) };
-        Ok(IVec3::new(axis(&vector.0)?, axis(&vector.1)?, axis(&vector.2)?))
+        Ok(IVec3::new(
+            axis(&vector.0)?,
+            axis(&vector.1)?,
+            axis(&vector.2)?,
+        ))
     }
 
     /// Three numbers of at least 0.

@@ -37,8 +37,9 @@ impl Reader<'_> {
             };
             let bytes = source_file::read_bytes(&path, MAX_BYTES)
                 .map_err(|message| refuse(format!("`{name}` {message}")))?;
-            let data = parse(&bytes)
-                .map_err(|message| refuse(format!("`{name}` is not a MagicaVoxel model: {message}")))?;
+            let data = parse(&bytes).map_err(|message| {
+                refuse(format!("`{name}` is not a MagicaVoxel model: {message}"))
+            })?;
             let voxels = scene_voxels(&data).map_err(|m| refuse(format!("`{name}` {m}")))?;
             self.add_model(&model.file, &name, &data, &voxels, at, features)?;
         }
@@ -54,7 +55,12 @@ impl Reader<'_> {
         };
         let inside = "keep models in the folder of the world file, or in folders within it";
         let escapes = |path: &Path| {
-            let up = |part| !matches!(part, std::path::Component::Normal(_) | std::path::Component::CurDir);
+            let up = |part| {
+                !matches!(
+                    part,
+                    std::path::Component::Normal(_) | std::path::Component::CurDir
+                )
+            };
             path.components().any(up)
         };
         // Refused before the disk is asked, so that a world cannot even ask what lies elsewhere.
@@ -121,25 +127,38 @@ impl Reader<'_> {
     }
 
     /// A new material of a palette colour. An emitting one radiates colour · `_emit` · 10^`_flux`.
-    fn model_material(&mut self, leaf: &Leaf, name: &str, data: &DotVoxData, index: u8) -> Read<u8> {
+    fn model_material(
+        &mut self,
+        leaf: &Leaf,
+        name: &str,
+        data: &DotVoxData,
+        index: u8,
+    ) -> Read<u8> {
         if self.materials.len() >= MAX_MATERIALS {
             return Err(self.source.at(
                 leaf,
-                format!("with the colours of `{name}` there are more than {MAX_MATERIALS} materials"),
+                format!(
+                    "with the colours of `{name}` there are more than {MAX_MATERIALS} materials"
+                ),
                 "use fewer colours in the model, or fewer materials in the world",
             ));
         }
         let colour = data.palette.get(usize::from(index));
         let colour = colour.map_or(Vec3::ONE, |c| Vec3::from([c.r, c.g, c.b].map(linear)));
         let number = u32::from(index) + 1;
-        let emits = data.materials.iter().find(|material| {
-            material.id == number && material.material_type() == Some("_emit")
-        });
+        let emits = data
+            .materials
+            .iter()
+            .find(|material| material.id == number && material.material_type() == Some("_emit"));
         let strength = emits.map_or(0.0, |material| {
             let flux = material.radiant_flux().unwrap_or(0.0);
             material.emission().unwrap_or(0.0) * 10_f32.powf(flux)
         });
-        let strength = if strength.is_finite() { strength.clamp(0.0, 65504.0) } else { 0.0 };
+        let strength = if strength.is_finite() {
+            strength.clamp(0.0, 65504.0)
+        } else {
+            0.0
+        };
         self.materials.push(Material {
             name: format!("{name} {number}"),
             a: Colour::Flat(colour),
@@ -283,7 +302,9 @@ fn pose_of(attributes: &Dict) -> Result<Pose, String> {
             return Err(format!("has a place `{text}` that is none"));
         };
         // Model files reach ±1000; this keeps sums of them exact in f32.
-        position = IVec3::new(x, y, z).clamp(IVec3::splat(-65536), IVec3::splat(65536)).as_vec3();
+        position = IVec3::new(x, y, z)
+            .clamp(IVec3::splat(-65536), IVec3::splat(65536))
+            .as_vec3();
     }
     Ok(Pose { turn, position })
 }
@@ -298,7 +319,11 @@ fn add_voxels(
     let model = model.ok_or("refers to a model that it does not have")?;
     // A model turns about the corner in its middle.
     let size = &model.size;
-    let pivot = Vec3::new((size.x / 2) as f32, (size.y / 2) as f32, (size.z / 2) as f32);
+    let pivot = Vec3::new(
+        (size.x / 2) as f32,
+        (size.y / 2) as f32,
+        (size.z / 2) as f32,
+    );
     for voxel in &model.voxels {
         let centre = Vec3::new(f32::from(voxel.x), f32::from(voxel.y), f32::from(voxel.z)) + 0.5;
         let turned = pose.turn * (centre - pivot) + pose.position;
