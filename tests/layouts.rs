@@ -180,6 +180,7 @@ fn voxelisation() {
             parts_at,
             part_count,
             all_stone,
+            entry_count,
         })
     );
     assert_eq!(
