@@ -106,6 +106,43 @@ impl<'a> Recorder<'a> {
         }
     }
 
+    /// A render pass under this label that draws on black over all of `target`.
+    pub fn render(
+        &mut self,
+        label: &str,
+        target: &wgpu::TextureView,
+        record: impl FnOnce(&mut wgpu::RenderPass<'static>),
+    ) {
+        let query = self
+            .timing
+            .as_ref()
+            .map(|timing| timing.profiler.begin_pass_query(label, &mut self.encoder));
+        {
+            let timestamp_writes = query
+                .as_ref()
+                .and_then(|query| query.render_pass_timestamp_writes());
+            let pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(label),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: target,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                timestamp_writes,
+                ..Default::default()
+            });
+            // It ends with this block, before the encoder is used again.
+            record(&mut pass.forget_lifetime());
+        }
+        if let (Some(timing), Some(query)) = (&self.timing, query) {
+            timing.profiler.end_query(&mut self.encoder, query);
+        }
+    }
+
     /// Submits the work; its times come from [`Timing::next_frame`] when it is done.
     ///
     /// # Errors
