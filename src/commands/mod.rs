@@ -1,8 +1,13 @@
 //! The commands, as a user types them. Each checks all of its input before it starts to work.
 
+mod check;
 mod failure;
 mod info;
+mod memory;
+mod options;
 mod output;
+mod record;
+mod render;
 
 use std::panic::PanicHookInfo;
 
@@ -21,9 +26,12 @@ The worlds lie in the folder worlds/ (copy worlds/minimal.ron to begin your own)
 `grotto info` says what this machine would run on, `grotto --help` lists every command.
 ";
 
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 a fault of grotto's or of the machine; 2 a bad file or flag; 3 no usable GPU.";
+
 /// Procedural voxel worlds with real-time global illumination.
 #[derive(Parser)]
-#[command(name = "grotto", version, max_term_width = 100)]
+#[command(name = "grotto", version, max_term_width = 100, after_help = EXIT_CODES)]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -31,6 +39,8 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Render(render::Arguments),
+    Check(check::Arguments),
     Info(info::Arguments),
 }
 
@@ -41,6 +51,8 @@ enum Command {
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         None => output::print(GREETING),
+        Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
     }
 }
