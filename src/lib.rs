@@ -11,6 +11,7 @@
 
 pub mod app;
 pub mod commands;
+pub mod frame;
 pub mod gpu;
 pub mod lights;
 pub mod measure;

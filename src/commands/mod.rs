@@ -1,5 +1,6 @@
 //! The commands, as a user types them. Each checks all of its input before it starts to work.
 
+pub mod bench;
 mod check;
 mod failure;
 mod info;

@@ -1,8 +1,11 @@
 //! Choosing an adapter and opening a device with what it offers.
 
-use std::sync::Arc;
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex},
+};
 
-use super::{GpuError, ShaderLibrary};
+use super::{GpuError, Kernel, ShaderLibrary};
 
 /// Whether shader modules get the run-time checks that wgpu adds (bounds, loop counters, division).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -26,6 +29,8 @@ pub struct Gpu {
     pub features: wgpu::Features,
     pub checks: ShaderChecks,
     pub shaders: Arc<ShaderLibrary>,
+    /// What has been compiled so far, so that a resize need not compile again.
+    pub(super) kernels: Arc<Mutex<HashMap<u64, Kernel>>>,
 }
 
 /// An adapter in words, as `--json` and `grotto info` print it.
@@ -166,6 +171,7 @@ impl Gpu {
         Ok(Self {
             summary: AdapterSummary::of(&adapter.get_info()),
             shaders: Arc::new(ShaderLibrary::embedded()),
+            kernels: Arc::default(),
             instance,
             adapter,
             device,

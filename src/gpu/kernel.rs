@@ -1,7 +1,11 @@
 //! A compute pipeline whose resources are bound by name: the group and binding numbers are the
 //! shader's business alone.
 
-use std::collections::BTreeMap;
+use std::{
+    collections::BTreeMap,
+    hash::{DefaultHasher, Hash as _, Hasher as _},
+    sync::Arc,
+};
 
 use naga::{AddressSpace, ImageClass, TypeInner};
 
@@ -20,11 +24,24 @@ pub struct KernelSpec<'a> {
     pub generated: &'a [(&'a str, &'a str)],
 }
 
-/// A compiled compute shader.
+impl KernelSpec<'_> {
+    /// What tells one kernel of a device from another.
+    fn key(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        (self.shader, self.entry, self.generated).hash(&mut hasher);
+        for (name, value) in self.overrides {
+            (name, value.to_bits()).hash(&mut hasher);
+        }
+        hasher.finish()
+    }
+}
+
+/// A compiled compute shader. Cheap to clone.
+#[derive(Clone)]
 pub struct Kernel {
     pub label: String,
     pipeline: wgpu::ComputePipeline,
-    groups: Vec<Group>,
+    groups: Arc<[Group]>,
     pub workgroup_size: [u32; 3],
 }
 
@@ -38,7 +55,7 @@ struct Group {
 pub struct Bindings(Vec<Option<wgpu::BindGroup>>);
 
 impl Kernel {
-    /// Composes, compiles and reflects.
+    /// Composes, compiles and reflects, or takes what the device has compiled before.
     ///
     /// # Errors
     /// [`GpuError::Shader`] when the shader does not compile.
@@ -46,6 +63,20 @@ impl Kernel {
     /// # Panics
     /// When an override is named that the shader does not have: that is a fault of the caller.
     pub fn new(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
+        if gpu.shaders.changes() {
+            return Self::compile(gpu, spec);
+        }
+        let key = spec.key();
+        let cache = || gpu.kernels.lock().expect("nobody panics holding it");
+        if let Some(known) = cache().get(&key) {
+            return Ok(known.clone());
+        }
+        let compiled = Self::compile(gpu, spec)?;
+        cache().insert(key, compiled.clone());
+        Ok(compiled)
+    }
+
+    fn compile(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
         let composed = gpu.shaders.compose(spec.shader, spec.generated)?;
         let label = spec.shader.rsplit('/').next().unwrap_or(spec.shader);
         let entry = if spec.entry.is_empty() {
@@ -94,7 +125,7 @@ impl Kernel {
         Ok(Self {
             label: label.to_owned(),
             pipeline,
-            groups,
+            groups: groups.into(),
             workgroup_size: composed.module.entry_points[index].workgroup_size,
         })
     }

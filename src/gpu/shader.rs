@@ -38,6 +38,11 @@ impl ShaderLibrary {
         }
     }
 
+    /// Whether the same name may give another text tomorrow.
+    pub fn changes(&self) -> bool {
+        self.folder.is_some()
+    }
+
     /// The names of all embedded modules, as `passes/shade`.
     pub fn names(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.embedded.keys().copied()

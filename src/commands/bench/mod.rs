@@ -1,0 +1,3 @@
+//! `grotto bench SUITE`: one file a suite.
+
+pub mod traversal;

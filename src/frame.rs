@@ -1,0 +1,296 @@
+//! The whole frame on one page, as data flow.
+//!
+//! ```text
+//! camera_rays ─ surfaces ─────────────────────────────┐
+//! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ─ shade ─ hdr ─ tonemap ─ display
+//!     └────────────── atlas of the last frame ◄────────┘
+//! ```
+
+use crate::{
+    gpu::{Gpu, GpuError, Recorder},
+    lights::Lights,
+    measure::picture::Picture,
+    parameters::ProbeParameters,
+    passes::{
+        GpuLights, GpuMaterials, GpuVoxels, MemoryUse, ProbeField, ProbeFieldError, View,
+        camera_rays::CameraRays, distances::Distances, probe_blend::ProbeBlend,
+        probe_rays::ProbeRays, shade::Shade, tonemap::Tonemap,
+    },
+    probes::{ProbeError, Volume},
+    world::{
+        LayoutSpec, World, generate,
+        materials::MaterialSet,
+        voxels::{Edit, Voxels},
+    },
+};
+
+/// Why a world cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum FrameError {
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error(transparent)]
+    Probes(#[from] ProbeError),
+}
+
+impl From<ProbeFieldError> for FrameError {
+    fn from(error: ProbeFieldError) -> Self {
+        match error {
+            ProbeFieldError::Layout(error) => Self::Probes(error),
+            ProbeFieldError::Gpu(error) => Self::Gpu(error),
+        }
+    }
+}
+
+/// A world on the GPU, before anyone looks at it: its voxels and what they are made of.
+pub struct Stage {
+    pub voxels: GpuVoxels,
+    pub materials: GpuMaterials,
+}
+
+impl Stage {
+    /// Voxelises the world and bakes its textures.
+    ///
+    /// # Errors
+    /// [`FrameError::Gpu`] when the adapter cannot hold it.
+    pub fn build(gpu: &Gpu, world: &World) -> Result<Self, FrameError> {
+        let voxels = GpuVoxels::upload(gpu, &generate::generate(world), world.origin)?;
+        let mut recorder = Recorder::new(gpu, None);
+        Distances::new(gpu)?.record(gpu, &mut recorder, &voxels);
+        recorder.submit(gpu)?;
+        Ok(Self {
+            voxels,
+            materials: bake(gpu, world)?,
+        })
+    }
+
+    /// From voxels that are already on the CPU; `world` gives the materials and the place.
+    ///
+    /// # Errors
+    /// [`FrameError::Gpu`] when the adapter cannot hold it.
+    pub fn upload(gpu: &Gpu, world: &World, voxels: &Voxels) -> Result<Self, FrameError> {
+        Ok(Self {
+            voxels: GpuVoxels::upload(gpu, voxels, world.origin)?,
+            materials: bake(gpu, world)?,
+        })
+    }
+
+    /// Reads the voxels back, once, for collision, picking and edits.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_back(&self, gpu: &Gpu) -> Result<Voxels, GpuError> {
+        self.voxels.read_back(gpu)
+    }
+}
+
+fn bake(gpu: &Gpu, world: &World) -> Result<GpuMaterials, GpuError> {
+    GpuMaterials::upload(gpu, &MaterialSet::bake(&world.materials, world.seed))
+}
+
+/// Everything between a [`Stage`] and a picture of one size, lit by one field of probes.
+pub struct Frame {
+    pub stage: Stage,
+    size: [u32; 2],
+    frames: u32,
+    view: wgpu::Buffer,
+    lights: GpuLights,
+    field: ProbeField,
+    passes: Passes,
+}
+
+struct Passes {
+    camera_rays: CameraRays,
+    probe_rays: ProbeRays,
+    probe_blend: ProbeBlend,
+    shade: Shade,
+    tonemap: Tonemap,
+}
+
+impl Frame {
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold the picture or the probes, or the layout is none.
+    pub fn new(
+        gpu: &Gpu,
+        stage: Stage,
+        layout: &LayoutSpec,
+        probes: &ProbeParameters,
+        size: [u32; 2],
+    ) -> Result<Self, FrameError> {
+        let view = View::buffer(gpu);
+        let lights = GpuLights::new(gpu);
+        let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let passes = Passes::new(gpu, size, &field, &resources(&stage, &view, &lights))?;
+        Ok(Self {
+            stage,
+            size,
+            frames: 0,
+            view,
+            lights,
+            field,
+            passes,
+        })
+    }
+
+    /// Records one frame. The view's size must be the frame's.
+    pub fn record(
+        &mut self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        view: &View,
+        lights: &Lights,
+        probes: &ProbeParameters,
+    ) {
+        debug_assert_eq!(view.size, self.size, "the view's size is the frame's");
+        let uniform = view.to_gpu();
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        self.lights.set(gpu, lights);
+        self.field
+            .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
+        self.passes.camera_rays.record(recorder);
+        self.passes.probe_rays.record(recorder);
+        self.passes.probe_blend.record(recorder);
+        self.passes.shade.record(recorder);
+        self.passes.tonemap.record(recorder);
+        self.frames += 1;
+    }
+
+    /// Frames that the probes have lived through.
+    pub fn frames(&self) -> u32 {
+        self.frames
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Makes the picture anew at another size; the probes keep their light.
+    ///
+    /// # Errors
+    /// [`FrameError::Gpu`] when the adapter cannot hold it; the frame is as before then.
+    pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), FrameError> {
+        let resources = resources(&self.stage, &self.view, &self.lights);
+        self.passes = Passes::new(gpu, size, &self.field, &resources)?;
+        self.size = size;
+        Ok(())
+    }
+
+    /// Replaces the probes: another layout, or parameters that their buffers depend on.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold them; the frame is as before then.
+    pub fn replace_probes(
+        &mut self,
+        gpu: &Gpu,
+        layout: &LayoutSpec,
+        probes: &ProbeParameters,
+    ) -> Result<(), FrameError> {
+        let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let resources = resources(&self.stage, &self.view, &self.lights);
+        self.passes = Passes::new(gpu, self.size, &field, &resources)?;
+        self.field = field;
+        self.frames = 0;
+        Ok(())
+    }
+
+    /// Follows an edit of the CPU's copy of the voxels.
+    ///
+    /// # Errors
+    /// [`FrameError::Gpu`] when the adapter cannot hold the bricks.
+    pub fn apply(&mut self, gpu: &Gpu, voxels: &Voxels, edit: &Edit) -> Result<(), FrameError> {
+        if self.stage.voxels.apply(gpu, voxels, edit)? {
+            self.rebuild_passes(gpu)?;
+        }
+        Ok(())
+    }
+
+    /// Compiles and binds every pass again, as after an edit of the folder `shaders/`; the probes
+    /// keep their light.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] with the place; the frame is as before then.
+    pub fn rebuild_passes(&mut self, gpu: &Gpu) -> Result<(), FrameError> {
+        self.resize(gpu, self.size)
+    }
+
+    /// The picture after tone mapping: `rgba8unorm`, sRGB-encoded.
+    pub fn display(&self) -> &wgpu::Texture {
+        &self.passes.tonemap.display
+    }
+
+    /// The picture on the display, as values in [0, 1].
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_display(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
+        self.passes.tonemap.read_back(gpu)
+    }
+
+    /// The linear radiance before tone mapping.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_radiance(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
+        let texels: Vec<[half::f16; 4]> = gpu.read_texture(&self.passes.shade.hdr)?;
+        Ok(Picture {
+            width: self.size[0],
+            height: self.size[1],
+            rgb: texels
+                .iter()
+                .map(|[r, g, b, _]| [r.to_f32(), g.to_f32(), b.to_f32()])
+                .collect(),
+        })
+    }
+
+    pub fn field(&self) -> &ProbeField {
+        &self.field
+    }
+
+    /// Bytes of GPU memory.
+    pub fn memory(&self) -> MemoryUse {
+        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
+        let picture = self.passes.camera_rays.surfaces.size() + pixels * (8 + 4);
+        let voxels = self.stage.voxels.bytes();
+        let probes = self.field.memory().total();
+        MemoryUse {
+            voxels,
+            probes,
+            total: voxels + probes + picture,
+        }
+    }
+}
+
+impl Passes {
+    fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        field: &ProbeField,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, GpuError> {
+        let camera_rays = CameraRays::new(gpu, size, resources)?;
+        let shade = Shade::new(gpu, size, &camera_rays.surfaces, field, resources)?;
+        let hdr = shade.hdr.create_view(&Default::default());
+        Ok(Self {
+            tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
+            probe_rays: ProbeRays::new(gpu, field, resources)?,
+            probe_blend: ProbeBlend::new(gpu, field)?,
+            camera_rays,
+            shade,
+        })
+    }
+}
+
+/// What every pass may bind by name.
+fn resources<'a>(
+    stage: &'a Stage,
+    view: &'a wgpu::Buffer,
+    lights: &'a GpuLights,
+) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
+    let mut all = stage.voxels.resources().to_vec();
+    all.extend(stage.materials.resources());
+    all.extend(lights.resources());
+    all.push(("view", view.as_entire_binding()));
+    all
+}
