@@ -18,7 +18,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut bad = 0;
     for path in &arguments.worlds {
-        match world::file::load(path) {
+        match world::file::load(path, &Default::default()) {
             Ok(world) => output::print(&summary(path, &world))?,
             Err(error) => {
                 bad += 1;

@@ -14,7 +14,7 @@ use std::panic::PanicHookInfo;
 
 use clap::{Parser, Subcommand};
 
-pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_NO_GPU, Failure};
+pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_GATE, EXIT_NO_GPU, Failure};
 
 /// What is printed to those who type nothing but the name.
 const GREETING: &str = "\
@@ -28,7 +28,8 @@ The worlds lie in the folder worlds/ (copy worlds/minimal.ron to begin your own)
 ";
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 a fault of grotto's or of the machine; 2 a bad file or flag; 3 no usable GPU.";
+Exit codes: 0 done; 1 a fault of grotto's or of the machine; 2 a bad file or flag; 3 no usable GPU; \
+4 a comparison failed.";
 
 /// Procedural voxel worlds with real-time global illumination.
 #[derive(Parser)]
@@ -42,6 +43,7 @@ pub struct Cli {
 enum Command {
     Render(render::Arguments),
     Check(check::Arguments),
+    Bench(bench::Arguments),
     Info(info::Arguments),
 }
 
@@ -54,6 +56,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         None => output::print(GREETING),
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
     }
 }

@@ -8,15 +8,12 @@ use super::Failure;
 use crate::{
     parameters::{Parameters, nearest},
     passes::ViewMode,
-    world::{self, Camera, LampPreset, LayoutSpec, World},
+    world::{self, Camera, LampPreset, LayoutSpec, World, file::Overrides},
 };
 
 /// Options of everything that runs on an adapter.
 #[derive(Args)]
 pub struct RunOptions {
-    /// Seed of the random rays; the world's own is `--set world.seed=N`
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub seed: u32,
     /// The adapter whose name contains this, in place of the fastest
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -49,6 +46,9 @@ pub struct PictureOptions {
     /// World time of the picture, in seconds
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = world_time, allow_negative_numbers = true)]
     pub time: f64,
+    /// Seed of the random rays; the world's own is `--set world.seed=N`
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
     /// What the picture shows
     #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
     pub view: ViewMode,
@@ -59,7 +59,8 @@ pub const DEFAULT_FRAMES: u32 = 64;
 /// Longest edge of a picture.
 const MAX_EDGE: u32 = 16384;
 
-fn picture_size(text: &str) -> Result<[u32; 2], String> {
+/// Reads `WIDTHxHEIGHT`.
+pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
     let edges = text
         .split_once(['x', 'X', '×'])
         .and_then(|(width, height)| {
@@ -151,7 +152,12 @@ impl Scene {
 
 /// Reads a world and applies the parameters that change it.
 pub fn load_world(path: &Path, parameters: &Parameters) -> Result<World, Failure> {
-    let mut world = world::file::load(path)?;
+    let overrides = Overrides {
+        size: parameters.world.size,
+        seed: parameters.world.seed,
+        ..Default::default()
+    };
+    let mut world = world::file::load(path, &overrides)?;
     world.override_materials(&parameters.materials);
     Ok(world)
 }

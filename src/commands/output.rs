@@ -6,6 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::{Failure, options::RunOptions};
+use crate::gpu::{Gpu, ShaderChecks};
 
 /// Prints a result. A reader that has gone (`grotto info | head -1`) is no fault.
 ///
@@ -52,4 +53,23 @@ pub fn progress(run: &RunOptions, unit: &'static str, length: u64) -> ProgressBa
     ProgressBar::new(length)
         .with_style(style)
         .with_message(unit)
+}
+
+/// Opens the adapter that was asked for, or the fastest; says so loudly if it is a CPU.
+///
+/// # Errors
+/// Without any adapter, and when none has that name.
+pub fn open_gpu(run: &RunOptions) -> Result<Gpu, Failure> {
+    let gpu = Gpu::open(run.adapter.as_deref(), ShaderChecks::default())?;
+    if gpu.summary.is_software() {
+        note(
+            run,
+            &format!(
+                "WARNING: {} is a software adapter: a CPU does the work of the GPU. Its times say \
+                 nothing about a GPU's.",
+                gpu.summary.name
+            ),
+        );
+    }
+    Ok(gpu)
 }

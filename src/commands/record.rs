@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::{
-    gpu::{AdapterSummary, PassTimes},
+    gpu::{AdapterSummary, Gpu, GpuError, PassTimes},
     measure::statistics,
-    passes::MemoryUse,
+    passes::{MemoryUse, ProbeField},
+    probes::Layout as _,
 };
 
 /// Fields in the order in which they are printed.
@@ -28,6 +29,7 @@ pub struct Record {
     pub frame_ms: FrameTimes,
     /// Median milliseconds of each pass.
     pub passes: BTreeMap<String, f64>,
+    /// In one frame.
     pub rays: Rays<u64>,
     pub mrays_per_s: Rays<f64>,
     pub probes: ProbeCounts,
@@ -42,7 +44,8 @@ pub struct FrameTimes {
     pub low1_fps: f64,
 }
 
-/// A figure for each kind of ray; `null` where that kind was not counted.
+/// A figure for each kind of ray; `null` where that kind was not counted. Shadow rays end at many
+/// places of one pass and are not, as counting costs time; `grotto bench traversal` measures them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Rays<T> {
     pub camera: Option<T>,
@@ -56,6 +59,23 @@ pub struct ProbeCounts {
     pub alive: u32,
     pub sleeping: u32,
     pub dead: u32,
+}
+
+impl ProbeCounts {
+    /// Of a field that has been updated: what is not alive then lies in stone.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
+        let total = field.volume().slots();
+        let alive = field.alive(gpu)?;
+        Ok(Self {
+            total,
+            alive,
+            sleeping: 0,
+            dead: total - alive,
+        })
+    }
 }
 
 impl FrameTimes {

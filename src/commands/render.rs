@@ -12,16 +12,18 @@ use super::{
     Failure, memory,
     options::{DEFAULT_FRAMES, PictureOptions, RunOptions, Scene},
     output,
-    record::{FrameTimes, ProbeCounts, Rays, Record, mrays_per_s},
+    record::{FrameTimes, ProbeCounts, Rays, Record, median_passes, mrays_per_s},
 };
 use crate::{
-    gpu::AdapterSummary,
+    frame::{Frame, Stage},
+    gpu::{AdapterSummary, Recorder, Timing},
+    lights::Lights,
     measure::{
         picture::Picture,
         picture_file::{self, PictureFormat},
         tonemap,
     },
-    passes::{MemoryUse, ViewMode},
+    passes::{MemoryUse, View, ViewMode},
     reference,
     world::{generate, voxels::grid_cells},
 };
@@ -115,7 +117,7 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         time_s: scene.lamp_time_s,
         size: picture_options.size,
         samples: arguments.spp,
-        seed: u64::from(run.seed),
+        seed: u64::from(picture_options.seed),
         view,
         textures: scene.parameters.textures.enabled
             && picture_options.view != ViewMode::TexturesOff,
@@ -176,8 +178,78 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     Ok((picture, record))
 }
 
-fn on_the_gpu(_: &Arguments, _: &Scene) -> Result<(Picture, Record), Failure> {
-    todo!()
+fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record), Failure> {
+    let (options, run) = (&arguments.picture, &arguments.run);
+    let gpu = output::open_gpu(run)?;
+    let stage = Stage::build(&gpu, &scene.world)?;
+    let probes = &scene.parameters.probes;
+    let mut frame = Frame::new(&gpu, stage, &scene.layout, probes, options.size)?;
+    let mut timing = Timing::new(&gpu)?;
+    let lights = Lights::at(&scene.world, &scene.lamps, scene.lamp_time_s);
+    let settling = options.frames.unwrap_or(DEFAULT_FRAMES);
+    let bar = output::progress(run, "frames", u64::from(settling) + 1);
+    let mut wall_ms = Vec::new();
+    let mut times = Vec::new();
+    for index in 0..=settling {
+        let start = Instant::now();
+        let view = View {
+            camera: scene.camera.clone(),
+            size: options.size,
+            frame: index,
+            seed: options.seed,
+            exposure_ev: scene.parameters.picture.exposure_ev,
+            mode: options.view,
+            time_s: options.time,
+            textures: scene.parameters.textures.enabled,
+        };
+        let mut recorder = Recorder::new(&gpu, Some(&mut timing));
+        frame.record(&gpu, &mut recorder, &view, &lights, probes);
+        recorder.submit(&gpu)?;
+        gpu.wait()?;
+        wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
+        times.extend(std::iter::from_fn(|| timing.next_frame()));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let picture = frame.read_radiance(&gpu)?;
+
+    // The GPU's own clock knows nothing of the waits in between.
+    let frames_ms = if timing.supported() && !times.is_empty() {
+        times.iter().map(|times| times.frame_ms).collect()
+    } else {
+        wall_ms
+    };
+    let frame_ms = FrameTimes::of(&frames_ms).expect("one frame was rendered");
+    let passes = median_passes(&times);
+    let probe_counts = ProbeCounts::read(&gpu, frame.field())?;
+    let [width, height] = options.size.map(u64::from);
+    let rays = Rays {
+        camera: Some(width * height),
+        shadow: None,
+        probe: Some(u64::from(probe_counts.alive) * u64::from(frame.field().rays_per_probe())),
+    };
+    let rate = |rays, pass: &str| mrays_per_s(rays, passes.get(pass).copied());
+    let record = Record {
+        world: scene.world.name.clone(),
+        camera: scene.camera.name.clone(),
+        layout: Some(scene.layout.name.clone()),
+        view: view_name(options.view),
+        size: options.size,
+        frames: settling,
+        adapter: gpu.summary.clone(),
+        fps: frame_ms.fps(),
+        frame_ms,
+        rays,
+        mrays_per_s: Rays {
+            camera: rate(rays.camera, "camera_rays"),
+            shadow: None,
+            probe: rate(rays.probe, "probe_rays"),
+        },
+        passes,
+        probes: probe_counts,
+        memory_bytes: frame.memory(),
+    };
+    Ok((picture, record))
 }
 
 /// Writes light as it is (EXR) or tone-mapped (PNG), and data without exposure and curve.
