@@ -1,0 +1,144 @@
+//! A number, name or text as it stands in the file: read later, when a message can point at it.
+
+use ron::value::RawValue;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
+
+use super::schema::Vector;
+
+/// One value of the file, kept as text together with the place where it stands.
+///
+/// Reading numbers and names only after the whole file is parsed lets every message about their
+/// meaning (a negative radius, an unknown material) point at the very characters.
+#[derive(Clone, Debug)]
+pub struct Leaf {
+    /// The RON text, which may carry comments before and after the value.
+    text: String,
+    /// Address of the text's first byte in the buffer it was parsed from. Never dereferenced.
+    address: usize,
+}
+
+impl Leaf {
+    fn new(text: &str) -> Self {
+        Self {
+            text: text.to_owned(),
+            address: text.as_ptr() as usize,
+        }
+    }
+
+    /// The text of the value, without comments.
+    pub fn text(&self) -> &str {
+        let (start, end) = self.token();
+        &self.text[start..end]
+    }
+
+    /// The whole RON text, comments included.
+    pub fn ron(&self) -> &str {
+        &self.text
+    }
+
+    /// Byte offset and length of the value in `source`, the text that it was parsed from.
+    pub fn place_in(&self, source: &str) -> Option<(usize, usize)> {
+        let (start, end) = self.token();
+        let offset = self.address.checked_sub(source.as_ptr() as usize)? + start;
+        let found = source.get(offset..offset + (end - start))?;
+        (found == self.text()).then_some((offset, end - start))
+    }
+
+    /// Where the value begins and ends within the text.
+    fn token(&self) -> (usize, usize) {
+        let start = self.text.len() - skip_blank(&self.text).len();
+        let rest = &self.text[start..];
+        let simple = |c: char| c.is_alphanumeric() || "+-._#".contains(c);
+        let end = match rest.find(|c| !simple(c)) {
+            // A string, a list or the like: all of it, up to trailing blanks.
+            Some(0) => rest.trim_end().len(),
+            Some(end) if skip_blank(&rest[end..]).is_empty() => end,
+            Some(_) => rest.trim_end().len(),
+            None => rest.len(),
+        };
+        (start, start + end)
+    }
+}
+
+/// The text after leading white space and comments.
+pub fn skip_blank(mut text: &str) -> &str {
+    loop {
+        text = text.trim_start();
+        if text.starts_with("//") {
+            text = text.find('\n').map_or("", |end| &text[end..]);
+        } else if text.starts_with("/*") {
+            text = &text[block_comment_length(text)..];
+        } else {
+            return text;
+        }
+    }
+}
+
+/// Length of the block comment that `text` begins with; comments nest in RON.
+pub fn block_comment_length(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let (mut depth, mut at) = (0, 0);
+    while at + 1 < bytes.len() {
+        match &bytes[at..at + 2] {
+            b"/*" => (depth, at) = (depth + 1, at + 2),
+            b"*/" => (depth, at) = (depth - 1, at + 2),
+            _ => at += 1,
+        }
+        if depth == 0 {
+            return at;
+        }
+    }
+    bytes.len()
+}
+
+impl<'de> Deserialize<'de> for Leaf {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(Self::new(
+            <&'de RawValue>::deserialize(deserializer)?.get_ron(),
+        ))
+    }
+}
+
+/// One number for all three axes, or `(x, y, z)`.
+#[derive(Clone, Debug)]
+pub enum OneOrThree {
+    One(Leaf),
+    Three(Vector),
+}
+
+impl<'de> Deserialize<'de> for OneOrThree {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = <&'de RawValue>::deserialize(deserializer)?.get_ron();
+        // Parsed from the same buffer again, so that the leaves know their place in it.
+        if skip_blank(text).starts_with('(') {
+            ron::from_str(text).map(Self::Three).map_err(|error| {
+                D::Error::custom(format!("one number or three (x, y, z): {}", error.code))
+            })
+        } else {
+            Ok(Self::One(Leaf::new(text)))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Deserialize)]
+    struct Pair {
+        a: Leaf,
+        b: Leaf,
+    }
+
+    #[test]
+    fn points_at_the_value_alone() {
+        let source = "(a: /* x, /* y */ */ 1.5e3 // z\n , b : \"q // r\" )";
+        let pair: Pair = ron::from_str(source).expect("valid");
+        assert_eq!(pair.a.text(), "1.5e3");
+        assert_eq!(pair.a.place_in(source), Some((21, 5)));
+        assert_eq!(pair.b.text(), "\"q // r\"");
+        assert_eq!(pair.b.place_in(source), Some((39, 8)));
+        assert_eq!(pair.b.place_in(&source.to_owned()[1..]), None);
+    }
+}

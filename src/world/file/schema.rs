@@ -1,0 +1,567 @@
+//! The keys of a world file, as they are written. `worlds/README.md` explains each with unit,
+//! default and example; a test holds that it names them all.
+//!
+//! Numbers, names and texts stay [`Leaf`]s here: `resolve` reads them, so that a message about what
+//! they mean can point at the very characters. A key whose type is an `Option`, or that has a
+//! `default`, may be left out.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, Visitor};
+
+use super::leaf::{Leaf, OneOrThree};
+
+/// Three numbers: `(x, y, z)`, or `(r, g, b)` in linear Rec. 709.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Vector(pub Leaf, pub Leaf, pub Leaf);
+
+/// `{"name": value, …}` in the file's order; `resolve` refuses a name that comes twice.
+#[derive(Clone, Debug)]
+pub struct Named<T>(pub Vec<(Leaf, T)>);
+
+impl<T> Default for Named<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entries<T>(std::marker::PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+            type Value = Named<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("names and their values, {\"name\": value, …}")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(Named(entries))
+            }
+        }
+
+        deserializer.deserialize_map(Entries(std::marker::PhantomData))
+    }
+}
+
+/// The whole file. Lengths are in voxels, +Y is up; only lamp powers know of metres.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct World {
+    /// One sentence: what the world is for.
+    pub title: Leaf,
+    /// Extent in voxels, whole numbers.
+    pub size: Vector,
+    /// World-space coordinates of the lowest corner, whole numbers. Default (0, 0, 0).
+    pub origin: Option<Vector>,
+    /// Metres per voxel. Default 1.
+    pub voxel_m: Option<Leaf>,
+    /// Seeds what names no seed of its own. Default 0.
+    pub seed: Option<Leaf>,
+    /// `{"name": (basis: …), …}`
+    #[serde(default)]
+    pub noises: Named<Noise>,
+    /// Where stone is.
+    pub shape: Shape,
+    /// `{"name": (a: …), …}`. Default: one grey rock.
+    #[serde(default)]
+    pub materials: Named<Material>,
+    /// The first rule that holds names a voxel's material; where none does, the first material.
+    #[serde(default)]
+    pub rules: Vec<Rule>,
+    #[serde(default)]
+    pub features: Features,
+    /// MagicaVoxel models.
+    #[serde(default)]
+    pub models: Vec<Model>,
+    /// Default: one preset `none` without lamps.
+    #[serde(default)]
+    pub lamps: Vec<Preset>,
+    pub sun: Option<Sun>,
+    /// Default: a dim grey.
+    pub sky: Option<Sky>,
+    /// Default: one camera that looks into the world's middle.
+    #[serde(default)]
+    pub cameras: Vec<Camera>,
+    /// Default: one layout `auto` over the whole box.
+    #[serde(default)]
+    pub layouts: Vec<Layout>,
+}
+
+/// A scalar field over space: `(basis: Perlin, fractal: Fbm(octaves: 4), frequency: 0.05)`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Noise {
+    pub basis: Basis,
+    /// Default `Plain`.
+    #[serde(default)]
+    pub fractal: Fractal,
+    /// Per voxel: one number, or one for each axis (0: constant along it).
+    pub frequency: OneOrThree,
+    /// Added to the coordinates after the frequency. Default (0, 0, 0).
+    pub offset: Option<Vector>,
+    /// Default: the world's.
+    pub seed: Option<Leaf>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub enum Basis {
+    Perlin,
+    OpenSimplex,
+    Worley,
+    Value,
+}
+
+/// How octaves are summed. Lacunarity 2 and persistence 0.5 unless said.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Fractal {
+    /// The basis alone.
+    #[default]
+    Plain,
+    Fbm {
+        octaves: Leaf,
+        lacunarity: Option<Leaf>,
+        persistence: Option<Leaf>,
+    },
+    Ridged {
+        octaves: Leaf,
+        lacunarity: Option<Leaf>,
+        persistence: Option<Leaf>,
+    },
+    Billow {
+        octaves: Leaf,
+        lacunarity: Option<Leaf>,
+        persistence: Option<Leaf>,
+    },
+}
+
+/// A signed distance function; [`crate::world::Sdf`] says what each form means.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Shape {
+    Empty,
+    Sphere {
+        radius: Leaf,
+    },
+    Box {
+        half: Vector,
+    },
+    RoundedBox {
+        half: Vector,
+        radius: Leaf,
+    },
+    Capsule {
+        from: Vector,
+        to: Vector,
+        radius: Leaf,
+    },
+    Cylinder {
+        radius: Leaf,
+        half_height: Leaf,
+    },
+    Torus {
+        major: Leaf,
+        minor: Leaf,
+    },
+    Plane {
+        normal: Vector,
+        offset: Leaf,
+    },
+    /// `step` default 0: smooth.
+    HeightField {
+        noise: Leaf,
+        base: Leaf,
+        amplitude: Leaf,
+        step: Option<Leaf>,
+    },
+    Union(Vec<Shape>),
+    Intersection(Vec<Shape>),
+    /// The first without all the others.
+    Subtraction(Vec<Shape>),
+    SmoothUnion {
+        k: Leaf,
+        of: Vec<Shape>,
+    },
+    SmoothIntersection {
+        k: Leaf,
+        of: Vec<Shape>,
+    },
+    SmoothSubtraction {
+        k: Leaf,
+        of: Vec<Shape>,
+    },
+    Translate {
+        by: Vector,
+        of: Box<Shape>,
+    },
+    Rotate {
+        degrees: Vector,
+        of: Box<Shape>,
+    },
+    Scale {
+        by: Leaf,
+        of: Box<Shape>,
+    },
+    Repeat {
+        period: Vector,
+        of: Box<Shape>,
+    },
+    Displace {
+        noise: Leaf,
+        amplitude: Leaf,
+        of: Box<Shape>,
+    },
+    Warp {
+        noise: Leaf,
+        amplitude: Leaf,
+        of: Box<Shape>,
+    },
+    /// `min` and `max` default to the world's box, probability to 1, jitter to 0, scale to (1, 1),
+    /// seed to the world's.
+    Scatter {
+        min: Option<Vector>,
+        max: Option<Vector>,
+        cell: Leaf,
+        probability: Option<Leaf>,
+        jitter: Option<Leaf>,
+        scale: Option<(Leaf, Leaf)>,
+        reach: Leaf,
+        seed: Option<Leaf>,
+        of: Box<Shape>,
+    },
+}
+
+/// `(a: Flat(r, g, b), b: …, pattern: …, emission: (r, g, b))`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    pub a: Colour,
+    /// Default: the same as `a`.
+    pub b: Option<Colour>,
+    /// Default `Plain`.
+    #[serde(default)]
+    pub pattern: Pattern,
+    /// Emitted radiance. Default (0, 0, 0).
+    pub emission: Option<Vector>,
+}
+
+/// A colour of a voxel; [`crate::world::Colour`] says what each form means.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Colour {
+    Flat(Leaf, Leaf, Leaf),
+    Bands {
+        below: Vec<(Leaf, Vector)>,
+        above: Vector,
+    },
+    DitherX {
+        from: Leaf,
+        to: Leaf,
+        low: Vector,
+        high: Vector,
+    },
+    Hash(Vector, Vector),
+}
+
+/// The texture of a block; [`crate::world::Pattern`] says what each form means.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Pattern {
+    #[default]
+    Plain,
+    Stripes {
+        pitch: Leaf,
+        width: Leaf,
+    },
+    Dots {
+        radius: Leaf,
+        pitch: Leaf,
+        angle_deg: Leaf,
+    },
+    Checker {
+        squares: Leaf,
+    },
+    Bricks {
+        rows: Leaf,
+        joint: Leaf,
+    },
+    Worley {
+        cells: Leaf,
+        radius: Leaf,
+    },
+    Fbm {
+        cells: Leaf,
+        octaves: Leaf,
+    },
+    StripesFbm {
+        cells: Leaf,
+        octaves: Leaf,
+    },
+    Radial {
+        rings: Leaf,
+    },
+}
+
+/// `(material: "moss", when: Below(-18))`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rule {
+    pub material: Leaf,
+    /// Default `Always`.
+    #[serde(default)]
+    pub when: Condition,
+}
+
+/// Asked at a solid voxel's centre.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Condition {
+    #[default]
+    Always,
+    Below(Leaf),
+    Above(Leaf),
+    InBox {
+        min: Vector,
+        max: Vector,
+    },
+    Inside(Shape),
+    NoiseBelow {
+        noise: Leaf,
+        value: Leaf,
+    },
+    ShallowerThan(Leaf),
+    FacesUp,
+    FacesDown,
+    All(Vec<Condition>),
+    Any(Vec<Condition>),
+    Not(Box<Condition>),
+}
+
+/// Boxes of voxels that are stamped into air.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Features {
+    /// `{"tiny": [part, …], …}`
+    #[serde(default)]
+    pub kinds: Named<Vec<Part>>,
+    #[serde(default)]
+    pub place: Vec<Place>,
+}
+
+/// One box of a kind, both ends inclusive, whole numbers, relative to where the feature stands.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    pub min: Vector,
+    pub max: Vector,
+    pub material: Leaf,
+    /// Leaves out the four vertical edge columns.
+    #[serde(default)]
+    pub without_corners: bool,
+}
+
+/// Where features stand. A feature's (0, 0, 0) comes to the named voxel; scattered, it comes to the
+/// lowest free voxel over a floor or the highest free one under a ceiling.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Place {
+    /// `At(kind: "tiny", places: [(x, y, z), …])`, whole numbers.
+    At { kind: Leaf, places: Vec<Vector> },
+    /// `Scatter(kinds: ["tiny", "large"], density: 4, on: Floor)`
+    Scatter {
+        /// One of these each, by chance; a kind named twice is twice as likely.
+        kinds: Vec<Leaf>,
+        /// How many, or `density`: how many for each 1000 columns of the box.
+        count: Option<Leaf>,
+        density: Option<Leaf>,
+        /// Default `Floor`.
+        #[serde(default)]
+        on: Ground,
+        /// Box to scatter in. Default: the world's.
+        min: Option<Vector>,
+        max: Option<Vector>,
+        /// Free voxels that the place must have above the floor (below the ceiling). Default 1.
+        clearance: Option<Leaf>,
+        /// Least horizontal distance between two of them, voxels. Default 0.
+        spacing: Option<Leaf>,
+        /// Default: the world's.
+        seed: Option<Leaf>,
+    },
+}
+
+/// What a scattered feature stands on or hangs from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum Ground {
+    #[default]
+    Floor,
+    Ceiling,
+}
+
+/// `(file: "model.vox", at: (x, y, z))`: the model's lowest corner comes to this voxel; its voxels
+/// fill air, and its palette's colours become materials.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Relative to the world file, and within its folder.
+    pub file: Leaf,
+    pub at: Vector,
+}
+
+/// `Preset(name: "one", lamps: [(position: …, power: …)])`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Preset {
+    pub name: Leaf,
+    #[serde(default)]
+    pub lamps: Vec<Lamp>,
+    #[serde(default)]
+    pub scatter: Vec<LampScatter>,
+}
+
+/// A lamp. Of a scattered one, `position` is added to the place that was found.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lamp {
+    /// Default: `lamp 1`, `lamp 2`, …
+    pub name: Option<Leaf>,
+    /// Default `Point`.
+    #[serde(default)]
+    pub kind: LampKind,
+    /// Needed by point and spot lamps that are not scattered.
+    pub position: Option<Vector>,
+    /// Default (1, 1, 1).
+    pub colour: Option<Vector>,
+    /// Watts; of a directional lamp W/m² on a facing surface.
+    pub power: Leaf,
+    /// Voxels; distances below it count as it. Default 0.5.
+    pub radius: Option<Leaf>,
+    #[serde(default)]
+    pub motion: Vec<Motion>,
+}
+
+/// Lamps at places found by chance.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LampScatter {
+    pub lamp: Lamp,
+    /// Each lamp takes one of these, by chance. Default: the lamp's own colour.
+    #[serde(default)]
+    pub colours: Vec<Vector>,
+    /// How many, or `density`: how many for each 1000 columns of the box.
+    pub count: Option<Leaf>,
+    pub density: Option<Leaf>,
+    /// Default `Floor`.
+    #[serde(default)]
+    pub on: Ground,
+    /// Voxels from the floor (ceiling) to the lamp. Default 2.
+    pub height: Option<Leaf>,
+    /// Box to scatter in. Default: the world's.
+    pub min: Option<Vector>,
+    pub max: Option<Vector>,
+    /// Free voxels above the floor (below the ceiling). Default: height + 1.
+    pub clearance: Option<Leaf>,
+    /// Least horizontal distance between two of them, voxels. Default 0.
+    pub spacing: Option<Leaf>,
+    /// Default: the world's.
+    pub seed: Option<Leaf>,
+}
+
+/// Angles are half angles, from the axis.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum LampKind {
+    #[default]
+    Point,
+    Spot {
+        direction: Vector,
+        inner_deg: Leaf,
+        outer_deg: Leaf,
+    },
+    Directional {
+        direction: Vector,
+    },
+}
+
+/// How a lamp changes with time; [`crate::world::Motion`] says what each form means. Rates in
+/// radians a second (flicker: changes a second; hue: turns a second); `phase` default 0.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Motion {
+    Orbit {
+        radius: Vector,
+        rate: Leaf,
+        phase: Option<Leaf>,
+    },
+    Bob {
+        amplitude: Vector,
+        rate: Leaf,
+        phase: Option<Leaf>,
+    },
+    Flicker {
+        amount: Leaf,
+        rate: Leaf,
+    },
+    Pulse {
+        amount: Leaf,
+        rate: Leaf,
+        phase: Option<Leaf>,
+    },
+    Path {
+        points: Vec<Vector>,
+        speed: Leaf,
+    },
+    HueCycle {
+        rate: Leaf,
+    },
+}
+
+/// `(towards: (0.3, 1, 0.2), irradiance: (3, 3, 2.5))`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sun {
+    pub towards: Vector,
+    pub irradiance: Vector,
+}
+
+/// Radiance of the sky. `horizon` and `ground` default to `zenith`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sky {
+    pub zenith: Vector,
+    pub horizon: Option<Vector>,
+    pub ground: Option<Vector>,
+}
+
+/// `look_at`, or `yaw_deg` (default 0: towards −Z; positive turns left) and `pitch_deg` (default 0;
+/// positive looks up).
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    pub name: Leaf,
+    pub position: Vector,
+    pub look_at: Option<Vector>,
+    pub yaw_deg: Option<Leaf>,
+    pub pitch_deg: Option<Leaf>,
+    /// Vertical, 1 … 170. Default 60.
+    pub fov_deg: Option<Leaf>,
+}
+
+/// A uniform volume of probes: `(name: "layout1", counts: (7, 5, 5), spacing: 18)`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Layout {
+    pub name: Leaf,
+    /// Whole numbers.
+    pub counts: Vector,
+    /// Voxels between probes: one number, or one for each axis.
+    pub spacing: OneOrThree,
+    /// Default: the middle of the world's box.
+    pub centre: Option<Vector>,
+}
