@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Failure, output};
-use crate::world::{self, World};
+use crate::world::{self, World, file::Overrides};
 
 /// Validate world files
 #[derive(Args)]
@@ -16,22 +16,25 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut bad = 0;
+    let mut failures = Vec::new();
     for path in &arguments.worlds {
-        match world::file::load(path, &Default::default()) {
+        match world::file::load(path, &Overrides::default()) {
             Ok(world) => output::print(&summary(path, &world))?,
-            Err(error) => {
-                bad += 1;
-                eprintln!("{}", Failure::from(error));
-            }
+            Err(error) => failures.push(Failure::from(error)),
         }
     }
-    match (bad, arguments.worlds.len()) {
-        (0, _) => Ok(()),
-        (_, 1) => Err(Failure::bad_input("the file cannot be used as it is")),
-        (bad, all) => Err(Failure::bad_input(format!(
-            "{bad} of {all} files cannot be used as they are"
-        ))),
+    let (bad, all) = (failures.len(), arguments.worlds.len());
+    match failures.pop() {
+        None => Ok(()),
+        Some(failure) if all == 1 => Err(failure),
+        Some(last) => {
+            for failure in failures.iter().chain([&last]) {
+                eprintln!("{failure}");
+            }
+            Err(Failure::bad_input(format!(
+                "{bad} of {all} files cannot be used as they are"
+            )))
+        }
     }
 }
 

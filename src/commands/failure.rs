@@ -43,7 +43,7 @@ impl Failure {
     fn new(exit_code: u8, error: impl fmt::Display) -> Self {
         Self {
             exit_code,
-            message: format!("error: {error}"),
+            message: format!("error: {}", error.to_string().trim_end()),
         }
     }
 
@@ -54,7 +54,7 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.message.trim_end())
+        f.write_str(&self.message)
     }
 }
 
@@ -104,6 +104,9 @@ impl From<FrameError> for Failure {
 /// A world file that cannot be read: the report shows the place and a remedy.
 impl From<miette::Report> for Failure {
     fn from(report: miette::Report) -> Self {
-        Self::bad_input(format!("{report:?}"))
+        Self {
+            exit_code: EXIT_BAD_INPUT,
+            message: format!("{report:?}").trim_end().to_owned(),
+        }
     }
 }

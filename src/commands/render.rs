@@ -112,17 +112,19 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     let bar = output::progress(run, "samples", samples);
     let start = Instant::now();
     let options = reference::RenderOptions {
-        camera: &scene.camera,
         lamps: &scene.lamps,
         time_s: scene.lamp_time_s,
-        size: picture_options.size,
-        samples: arguments.spp,
-        seed: u64::from(picture_options.seed),
-        view,
         textures: scene.parameters.textures.enabled
             && picture_options.view != ViewMode::TexturesOff,
-        antialias: false,
-        max_bounces: u32::MAX,
+        film: reference::FilmOptions {
+            camera: &scene.camera,
+            size: picture_options.size,
+            samples: arguments.spp,
+            seed: u64::from(picture_options.seed),
+            view,
+            antialias: false,
+            max_bounces: u32::MAX,
+        },
     };
     let progress = |done, total| {
         bar.set_length(total);
