@@ -7,18 +7,23 @@
 //! ```
 
 use crate::{
-    gpu::{Gpu, GpuError, Recorder},
+    gpu::{Gpu, GpuError, Recorder, Timing},
     lights::Lights,
     measure::picture::Picture,
     parameters::ProbeParameters,
     passes::{
         GpuLights, GpuMaterials, GpuVoxels, MemoryUse, ProbeField, ProbeFieldError, View,
-        camera_rays::CameraRays, distances::Distances, probe_blend::ProbeBlend,
-        probe_rays::ProbeRays, shade::Shade, tonemap::Tonemap,
+        camera_rays::CameraRays,
+        distances::Distances,
+        probe_blend::ProbeBlend,
+        probe_rays::ProbeRays,
+        shade::Shade,
+        tonemap::Tonemap,
+        voxelise::{Voxelise, VoxeliseReport},
     },
     probes::{ProbeError, Volume},
     world::{
-        LayoutSpec, World, generate,
+        LayoutSpec, World,
         materials::MaterialSet,
         voxels::{Edit, Voxels},
     },
@@ -46,6 +51,16 @@ impl From<ProbeFieldError> for FrameError {
 pub struct Stage {
     pub voxels: GpuVoxels,
     pub materials: GpuMaterials,
+    /// What building it took; `None` for voxels that came from the CPU.
+    pub built: Option<BuildReport>,
+}
+
+/// What it took to build a world's voxels on the GPU.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BuildReport {
+    pub voxelise: VoxeliseReport,
+    /// GPU milliseconds of the distances; `None` where the adapter cannot time them.
+    pub distances_ms: Option<f64>,
 }
 
 impl Stage {
@@ -54,13 +69,21 @@ impl Stage {
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold it.
     pub fn build(gpu: &Gpu, world: &World) -> Result<Self, FrameError> {
-        let voxels = GpuVoxels::upload(gpu, &generate::generate(world), world.origin)?;
-        let mut recorder = Recorder::new(gpu, None);
-        Distances::new(gpu)?.record(gpu, &mut recorder, &voxels);
+        let (voxels, voxelise) = Voxelise::new(gpu, world)?.run(gpu, world)?;
+        let distances = Distances::new(gpu)?;
+        let mut timing = Timing::new(gpu)?;
+        let mut recorder = Recorder::new(gpu, Some(&mut timing));
+        distances.record(gpu, &mut recorder, &voxels);
         recorder.submit(gpu)?;
+        gpu.wait()?;
+        let timed = timing.next_frame().filter(|_| timing.supported());
         Ok(Self {
             voxels,
             materials: bake(gpu, world)?,
+            built: Some(BuildReport {
+                voxelise,
+                distances_ms: timed.map(|times| times.frame_ms),
+            }),
         })
     }
 
@@ -72,6 +95,7 @@ impl Stage {
         Ok(Self {
             voxels: GpuVoxels::upload(gpu, voxels, world.origin)?,
             materials: bake(gpu, world)?,
+            built: None,
         })
     }
 

@@ -10,7 +10,7 @@ use grotto::{
         GpuView,
         voxelise::{GpuVoxeliseCounters, GpuVoxeliseJob},
     },
-    world::materials::table::{self as materials, GpuColour, GpuMaterial},
+    world::materials::table::{CAPACITY, GpuMaterial},
 };
 
 /// A struct as a shader lays it out.
@@ -108,19 +108,7 @@ fn lamps_and_sky() {
 }
 
 #[test]
-fn materials_and_colours() {
-    assert_eq!(
-        shader_layout("data::materials", "Colour"),
-        rust_layout!(GpuColour {
-            low,
-            kind,
-            high,
-            first_stop,
-            from_x,
-            to_x,
-            stop_count
-        })
-    );
+fn materials() {
     assert_eq!(
         shader_layout("data::materials", "Material"),
         rust_layout!(GpuMaterial {
@@ -128,14 +116,13 @@ fn materials_and_colours() {
             b,
             emission,
             mask_mean,
-            layer,
-            tiles_per_block
+            texture
         })
     );
     let whole = shader_layout("data::materials", "Materials");
     assert_eq!(
-        whole.members["stops"],
-        materials::CAPACITY * size_of::<GpuMaterial>()
+        whole.members["details"],
+        CAPACITY * size_of::<GpuMaterial>()
     );
 }
 
@@ -156,6 +143,7 @@ fn the_view() {
             exposure,
             mode,
             time_s,
+            textures,
         })
     );
 }
@@ -192,6 +180,7 @@ fn voxelisation() {
             parts_at,
             part_count,
             all_stone,
+            entry_count,
         })
     );
     assert_eq!(

@@ -316,8 +316,15 @@ fn mean_colours_are_the_same_on_both_sides() {
         .iter()
         .map(|at| set.mean_albedo(at.material, at.voxel).as_dvec3())
         .collect();
-    let error = worst(&on_gpu, &on_cpu, 1.0);
-    assert!(error < 1e-5, "{error}");
+    // The GPU's colours are 16-bit floats.
+    let error = worst(&on_gpu, &on_cpu, 0.1);
+    assert!(error < 6e-4, "{error}");
+    // A neighbour's dither must show.
+    let beside: Vec<DVec3> = places
+        .iter()
+        .map(|at| set.mean_albedo(at.material, at.voxel + 1).as_dvec3())
+        .collect();
+    assert!(worst(&on_gpu, &beside, 0.1) > 0.1);
 }
 
 #[test]

@@ -195,8 +195,6 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         least_weight,
         hysteresis,
         warmup_frames,
-        distance_sharpness,
-        distance_cutoff,
         change_small,
         change_step,
         change_large,

@@ -162,7 +162,7 @@ parameters! {
         #[doc = "Edge of a probe's distance map; more leaks less at thin walls, for memory and blend time by its square."]
         distance_texels: u32 = 16, Kind::Count { min: 4, max: 64 }, Probes;
         #[doc = "Power of the cosine that blends distances; higher separates walls better, lower is less noisy at few rays."]
-        distance_sharpness: f32 = 50.0, Kind::Number { min: 1.0, max: 200.0 }, Nothing;
+        distance_sharpness: u32 = 50, Kind::Count { min: 1, max: 255 }, Probes;
         #[doc = "Longest distance a probe keeps, in diagonals of its cage; more keeps far walls apart, less keeps more precision near."]
         distance_clamp: f32 = 1.5, Kind::Number { min: 1.0, max: 16.0 }, Nothing;
         #[doc = "What becomes of longer distances: clamp counts them as the clamp, reject leaves them out and keeps near walls sharper."]

@@ -27,6 +27,7 @@ impl ProbeBlend {
                 overrides: &[
                     ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
                     ("DISTANCE_TEXELS", f64::from(atlas.distance_texels)),
+                    ("DISTANCE_SHARPNESS", f64::from(field.distance_sharpness())),
                 ],
                 ..Default::default()
             },

@@ -45,18 +45,13 @@ pub struct GpuProbeInfo {
     pub least_weight: f32,
     pub hysteresis: f32,
     pub warmup_frames: u32,
-    pub distance_sharpness: f32,
-    pub distance_cutoff: f32,
     pub change_small: f32,
     pub change_step: f32,
     pub change_large: f32,
     pub change_deviations: f32,
     pub firefly_clamp: f32,
-    pub _pad: [f32; 3],
+    pub _pad: f32,
 }
-
-/// Rays that count less than this in a texel's distance are not counted.
-const LEAST_DISTANCE_WEIGHT: f32 = 1e-4;
 
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
 /// update takes no account of them, and a gather before it finds no light.
@@ -65,6 +60,7 @@ pub struct ProbeField {
     atlas: AtlasLayout,
     memory: ProbeMemory,
     rays_per_probe: u32,
+    distance_sharpness: u32,
     info: wgpu::Buffer,
     ray_directions: wgpu::Buffer,
     rays: wgpu::Buffer,
@@ -129,6 +125,7 @@ impl ProbeField {
                 ..Default::default()
             }),
             rays_per_probe: parameters.rays,
+            distance_sharpness: parameters.distance_sharpness,
             volume,
             atlas,
             memory,
@@ -138,7 +135,7 @@ impl ProbeField {
     /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
     /// the probes: the writes take effect at its start.
     ///
-    /// What [`crate::parameters::Remake`] says needs a new field (rays, texels) is taken from the
+    /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
     /// time when this one was made.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
         let info = self.info(parameters);
@@ -156,7 +153,6 @@ impl ProbeField {
             let [width, height, _] = self.atlas.texture_extent(texels);
             [1.0 / width as f32, 1.0 / height as f32]
         };
-        let sharpness = parameters.distance_sharpness;
         GpuProbeInfo {
             first_ws: self.volume.first().to_array(),
             slots: self.volume.slots(),
@@ -185,14 +181,12 @@ impl ProbeField {
             least_weight: parameters.least_weight,
             hysteresis: parameters.hysteresis,
             warmup_frames: parameters.warmup_frames,
-            distance_sharpness: sharpness,
-            distance_cutoff: LEAST_DISTANCE_WEIGHT.powf(1.0 / sharpness),
             change_small: parameters.change_small,
             change_step: parameters.change_step,
             change_large: parameters.change_large,
             change_deviations: parameters.change_deviations,
             firefly_clamp: parameters.firefly_clamp,
-            _pad: [0.0; 3],
+            _pad: 0.0,
         }
     }
 
@@ -240,6 +234,11 @@ impl ProbeField {
     /// Rays of each probe in a frame.
     pub fn rays_per_probe(&self) -> u32 {
         self.rays_per_probe
+    }
+
+    /// Exponent of the lobe that averages distances.
+    pub fn distance_sharpness(&self) -> u32 {
+        self.distance_sharpness
     }
 
     /// Radiance (linear RGB) and length (voxels; negative for a probe in stone) of every ray of the

@@ -3,7 +3,7 @@
 //! `classify` decides every cell that the shape's bound decides at its centre and lists the others;
 //! `stone` finds which of their voxels are stone; `survey` gives buried cells their material and
 //! lists those beside air; `exposed` settles the ones of a single material; `fill` makes the bricks
-//! of all that is left. The counts are read back between them, so that every buffer has the size
+//! of all that is left, and `place` enters them into the grid. The counts are read back between them, so that every buffer has the size
 //! that it needs, and so that the work goes out in slices: no dispatch holds the GPU for long.
 //!
 //! What becomes of what is defined in `world::generate`, the CPU's reference.
@@ -34,6 +34,9 @@ pub struct GpuVoxeliseJob {
     pub parts_at: u32,
     pub part_count: u32,
     pub all_stone: u32,
+    pub entry_count: u32,
+    /// A uniform struct's size is a multiple of 16 bytes.
+    pub padding: [u32; 3],
 }
 
 /// `Counters` of `shaders/data/voxelise.wesl`.
@@ -50,11 +53,27 @@ pub struct GpuVoxeliseCounters {
 /// Bytes of a stone record: its cell and sixteen mask words.
 const RECORD_BYTES: u64 = 17 * 4;
 
+/// Bytes of an entry of `fill`.
+const ENTRY_BYTES: u64 = 8;
+
+/// The entry points in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Classify,
+    Stone,
+    Survey,
+    Exposed,
+    Fill,
+    Place,
+}
+
 /// What voxelisation did and took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VoxeliseReport {
     /// Sum of the dispatches; none where the adapter cannot time them.
     pub gpu_ms: Option<f64>,
+    /// Its parts: classify, stone, survey, exposed, fill, place.
+    pub stages_ms: [f64; 6],
     /// From start to end, compilation left out, read-backs of counts included.
     pub wall_ms: f64,
     /// Cells that had to be looked into.
@@ -72,6 +91,7 @@ pub struct Voxelise {
     survey: Kernel,
     exposed: Kernel,
     fill: Kernel,
+    place: Kernel,
 }
 
 impl Voxelise {
@@ -98,6 +118,7 @@ impl Voxelise {
             survey: kernel("survey")?,
             exposed: kernel("exposed")?,
             fill: kernel("fill")?,
+            place: kernel("place")?,
         })
     }
 
@@ -132,73 +153,79 @@ impl Voxelise {
             ("noise_tables", tables.as_entire_binding()),
             ("features", features.as_entire_binding()),
         ];
-        let bindings = self
-            .classify
-            .bind(gpu, &joined(&common, &[("candidates", &candidates)]));
-        work.dispatch(&self.classify, &bindings, touched.div_ceil(64), false)?;
+        let bind = |kernel: &Kernel, more: &[(&'static str, &wgpu::Buffer)]| {
+            let more = more
+                .iter()
+                .map(|(name, buffer)| (*name, buffer.as_entire_binding()));
+            kernel.bind(gpu, &common.iter().cloned().chain(more).collect::<Vec<_>>())
+        };
+
+        let bindings = bind(&self.classify, &[("candidates", &candidates)]);
+        work.dispatch(
+            Stage::Classify,
+            &self.classify,
+            &bindings,
+            touched.div_ceil(64),
+        )?;
         let counted = work.counted()?;
 
-        let records = u64::from(counted.candidates) * RECORD_BYTES;
-        let stone_records = held.take(gpu, "stone records", records)?;
-        let mixed = held.take(gpu, "mixed cells", u64::from(counted.candidates) * 4)?;
-        let bindings = self.stone.bind(
-            gpu,
-            &joined(
-                &common,
-                &[
-                    ("candidates", &candidates),
-                    ("stone_records", &stone_records),
-                    ("entries", &mixed),
-                ],
-            ),
-        );
-        work.dispatch(&self.stone, &bindings, counted.candidates, false)?;
+        let candidate_count = u64::from(counted.candidates);
+        let stone_records = held.take(gpu, "stone records", candidate_count * RECORD_BYTES)?;
+        let mixed = held.take(gpu, "mixed cells", candidate_count * ENTRY_BYTES)?;
+        let lists = [
+            ("candidates", &candidates),
+            ("stone_records", &stone_records),
+            ("entries", &mixed),
+        ];
+        let bindings = bind(&self.stone, &lists);
+        work.dispatch(Stage::Stone, &self.stone, &bindings, counted.candidates)?;
         held.release(candidates);
 
         let exposed_cells = held.take(gpu, "exposed cells", list_bytes)?;
-        let bindings = self
-            .survey
-            .bind(gpu, &joined(&common, &[("exposed_cells", &exposed_cells)]));
-        work.dispatch(&self.survey, &bindings, touched.div_ceil(64), false)?;
+        let lists = [
+            ("stone_records", &stone_records),
+            ("exposed_cells", &exposed_cells),
+        ];
+        let bindings = bind(&self.survey, &lists);
+        work.dispatch(Stage::Survey, &self.survey, &bindings, touched.div_ceil(64))?;
         let counted = work.counted()?;
 
-        let varied = held.take(gpu, "varied cells", u64::from(counted.exposed) * 4)?;
-        let bindings = self.exposed.bind(
+        let varied = held.take(
             gpu,
-            &joined(
-                &common,
-                &[("exposed_cells", &exposed_cells), ("entries", &varied)],
-            ),
-        );
-        work.dispatch(&self.exposed, &bindings, counted.exposed, false)?;
+            "varied cells",
+            u64::from(counted.exposed) * ENTRY_BYTES,
+        )?;
+        let [records, cells] = lists;
+        let bindings = bind(&self.exposed, &[records, cells, ("entries", &varied)]);
+        work.dispatch(Stage::Exposed, &self.exposed, &bindings, counted.exposed)?;
         held.release(exposed_cells);
         let counted = work.counted()?;
 
         let bricks = u64::from(counted.mixed) + u64::from(counted.varied);
         let masks = held.take(gpu, "masks", bricks * MASK_BYTES)?;
         let materials = held.take(gpu, "voxel_materials", bricks * MATERIAL_BYTES)?;
-        for (entries, count, all_stone) in [
-            (&mixed, counted.mixed, false),
-            (&varied, counted.varied, true),
-        ] {
-            let bindings = self.fill.bind(
-                gpu,
-                &joined(
-                    &common,
-                    &[
-                        ("stone_records", &stone_records),
-                        ("entries", entries),
-                        ("masks_out", &masks),
-                        ("materials_out", &materials),
-                    ],
-                ),
-            );
-            work.dispatch(&self.fill, &bindings, count, all_stone)?;
+        let parts = [(&mixed, counted.mixed, 0), (&varied, counted.varied, 1)];
+        // All bricks before any is placed: until then the grid tells where stone is.
+        for stage in [Stage::Fill, Stage::Place] {
+            for (entries, count, all_stone) in parts {
+                work.job.all_stone = all_stone;
+                work.job.entry_count = count;
+                let records = ("stone_records", &stone_records);
+                if stage == Stage::Fill {
+                    let bricks = [("masks_out", &masks), ("materials_out", &materials)];
+                    let lists = [records, ("entries", entries), bricks[0], bricks[1]];
+                    work.dispatch(stage, &self.fill, &bind(&self.fill, &lists), count)?;
+                } else {
+                    let bindings = bind(&self.place, &[records, ("entries", entries)]);
+                    work.dispatch(stage, &self.place, &bindings, count.div_ceil(64))?;
+                }
+            }
         }
         let counted = work.counted()?;
 
         let report = VoxeliseReport {
-            gpu_ms: work.timing.supported().then_some(work.gpu_ms),
+            gpu_ms: work.timing.supported().then(|| work.stages_ms.iter().sum()),
+            stages_ms: work.stages_ms,
             wall_ms: start.elapsed().as_secs_f64() * 1e3,
             candidates: counted.candidates,
             bricks: counted.bricks,
@@ -213,16 +240,6 @@ impl Voxelise {
         };
         Ok((voxels, report))
     }
-}
-
-fn joined<'a>(
-    common: &[(&'static str, wgpu::BindingResource<'a>)],
-    more: &[(&'static str, &'a wgpu::Buffer)],
-) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
-    let more = more
-        .iter()
-        .map(|(name, buffer)| (*name, buffer.as_entire_binding()));
-    common.iter().cloned().chain(more).collect()
 }
 
 /// Sums of the buffers in use.
@@ -254,7 +271,7 @@ impl Memory {
 struct Work<'a> {
     gpu: &'a Gpu,
     timing: Timing,
-    gpu_ms: f64,
+    stages_ms: [f64; 6],
     job: GpuVoxeliseJob,
     job_buffer: wgpu::Buffer,
     counters: wgpu::Buffer,
@@ -263,9 +280,11 @@ struct Work<'a> {
     features: Vec<u32>,
 }
 
-/// Slices grow while they take less than this and shrink above it: far from the 50 ms after which
-/// a slow device would be felt, because cells differ in their cost.
-const SLICE: Duration = Duration::from_millis(12);
+/// Slices double while they take less than half of this, and halve above it: far enough below the
+/// 50 ms after which a slow device would be felt, because cells differ in their cost.
+const SLICE: Duration = Duration::from_millis(30);
+/// Slices do not shrink below this many workgroups: software devices take some 5 ms to begin one.
+const SMALLEST_SLICE: u32 = 8;
 /// Workgroups of a kernel's first slice.
 const FIRST_SLICE: u32 = 64;
 /// Workgroups along x; more go into further rows.
@@ -296,7 +315,7 @@ impl<'a> Work<'a> {
         }
         Ok(Self {
             timing: Timing::new(gpu)?,
-            gpu_ms: 0.0,
+            stages_ms: [0.0; 6],
             job_buffer: gpu.uniform_buffer("job", &job),
             counters: gpu.storage_buffer("counters", size_of::<GpuVoxeliseCounters>() as u64)?,
             cells: UVec3::from_array(job.cells),
@@ -309,12 +328,11 @@ impl<'a> Work<'a> {
     /// Runs `count` workgroups.
     fn dispatch(
         &mut self,
+        stage: Stage,
         kernel: &Kernel,
         bindings: &Bindings,
         count: u32,
-        all_stone: bool,
     ) -> Result<(), GpuError> {
-        self.job.all_stone = u32::from(all_stone);
         let mut slice = FIRST_SLICE;
         self.job.first = 0;
         while self.job.first < count {
@@ -331,13 +349,15 @@ impl<'a> Work<'a> {
             recorder.submit(self.gpu)?;
             self.gpu.wait()?;
             while let Some(times) = self.timing.next_frame() {
-                self.gpu_ms += times.passes_ms.values().sum::<f64>();
+                self.stages_ms[stage as usize] += times.passes_ms.values().sum::<f64>();
             }
             let elapsed = start.elapsed();
-            if elapsed < SLICE / 4 {
-                slice = slice.saturating_mul(4);
+            if elapsed < SLICE / 16 {
+                slice = slice.saturating_mul(8);
+            } else if elapsed < SLICE / 2 {
+                slice = slice.saturating_mul(2);
             } else if elapsed > SLICE {
-                slice = (slice / 2).max(1);
+                slice = (slice / 2).max(SMALLEST_SLICE);
             }
             self.job.first = self.job.end;
         }

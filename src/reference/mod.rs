@@ -1,3 +1,13 @@
 //! CPU marching and CPU path tracer: the independent judge.
+//!
+//! Everything here is f64 and written from the papers, not from the shaders. It shares with the
+//! renderer what a world *is* (`world`) and what its lamps emit (`lights`), and nothing of how
+//! pictures are made; it never sees `gpu` or `passes`.
 
 pub mod march;
+pub mod path_trace;
+pub mod random;
+pub mod render;
+
+pub use path_trace::Scene;
+pub use render::{FilmOptions, RenderOptions, View, render, render_scene};

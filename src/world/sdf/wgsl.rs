@@ -23,6 +23,9 @@ const ROUNDING_MARGIN: f64 = 0.01;
 /// The module for a world. It declares:
 /// - `fn shape(p_ws: vec3f) -> f32`: as [`Shape::eval`];
 /// - `fn material_at(p_ws: vec3f) -> u32`: as [`RuleSet::material`];
+/// - `fn material_by(p_ws: vec3f, values: vec3f) -> u32`: the same, given the shape's value there,
+///   one voxel above and one below, and `const RULE_NEEDS: u32`: which of the three the rules read
+///   (bit 0, 1, 2);
 /// - `const SHAPE_LIPSCHITZ: f32`: as [`Shape::lipschitz`];
 /// - `const SHAPE_CELL_VARIATION: f32` and `SHAPE_BLOCK_VARIATION`: where |shape(centre)| exceeds
 ///   them, the 8³ (4³) voxels around a centre are all stone or all air.
@@ -444,9 +447,10 @@ fn {name}(p: vec3f) -> f32 {{
 
     fn rules(&mut self, rules: &RuleSet) {
         let mut body = String::new();
-        let mut last = 0;
+        let (mut last, mut needs) = (0, 0);
         for (material, test) in rules.tests() {
             last = material;
+            needs |= value_needs(test);
             let condition = self.condition(test);
             push(
                 &mut body,
@@ -455,11 +459,24 @@ fn {name}(p: vec3f) -> f32 {{
         }
         push(
             &mut self.module,
-            format_args!("\nfn material_at(p: vec3f) -> u32 {{\n{body}    return {last}u;\n}}\n"),
+            format_args!(
+                "
+const RULE_NEEDS: u32 = {needs}u;
+
+fn material_by(p: vec3f, values: vec3f) -> u32 {{
+{body}    return {last}u;
+}}
+
+fn material_at(p: vec3f) -> u32 {{
+    let up = vec3f(0.0, 1.0, 0.0);
+    return material_by(p, vec3f(shape(p), shape(p + up), shape(p - up)));
+}}
+"
+            ),
         );
     }
 
-    /// A boolean expression of the point `p`.
+    /// A boolean expression of the point `p` and the `values` at, above and below it.
     fn condition(&mut self, test: &Test) -> String {
         let mut joined = |of: &[Test], operator: &str, none: &str| {
             let parts: Vec<String> = of.iter().map(|test| self.condition(test)).collect();
@@ -484,13 +501,25 @@ fn {name}(p: vec3f) -> f32 {{
             Test::NoiseBelow { noise, value } => {
                 format!("{} < {}", self.call_noise(*noise, "p"), number(*value))
             }
-            Test::ShallowerThan(depth) => format!("-shape(p) < {}", number(*depth)),
-            Test::FacesUp => "shape(p + vec3f(0.0, 1.0, 0.0)) >= 0.0".to_owned(),
-            Test::FacesDown => "shape(p - vec3f(0.0, 1.0, 0.0)) >= 0.0".to_owned(),
+            Test::ShallowerThan(depth) => format!("-values.x < {}", number(*depth)),
+            Test::FacesUp => "values.y >= 0.0".to_owned(),
+            Test::FacesDown => "values.z >= 0.0".to_owned(),
             Test::All(of) => joined(of, " && ", "true"),
             Test::Any(of) => joined(of, " || ", "false"),
             Test::Not(of) => format!("!({})", self.condition(of)),
         }
+    }
+}
+
+/// Which of the values at, above and below a point a rule reads: bits 0, 1 and 2.
+fn value_needs(test: &Test) -> u32 {
+    match test {
+        Test::ShallowerThan(_) => 1,
+        Test::FacesUp => 2,
+        Test::FacesDown => 4,
+        Test::All(of) | Test::Any(of) => of.iter().map(value_needs).fold(0, |a, b| a | b),
+        Test::Not(of) => value_needs(of),
+        _ => 0,
     }
 }
 

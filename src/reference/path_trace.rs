@@ -1,0 +1,191 @@
+//! Unbiased light transport: path tracing after Kajiya 1986, in f64.
+//!
+//! Surfaces are Lambertian and emit the same radiance in every direction. Lamps and the sun cannot
+//! be hit and are sampled at every vertex (next-event estimation); emissive voxels and the sky have
+//! extent and are found by hitting them, so no light is ever counted twice.
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, IVec3};
+
+use super::march::{FACE_NORMALS, Hit, Outcome, Ray, march};
+use super::random::Pcg;
+use crate::lights::{Lights, sky};
+use crate::world::materials::MaterialSet;
+use crate::world::voxels::Voxels;
+
+/// Paths end at random from this bounce on (Russian roulette); before, they always go on.
+const ROULETTE_FROM: u32 = 3;
+/// Even a path that has lost no light ends with probability 1 − this.
+const MOST_LIKELY_SURVIVAL: f64 = 0.95;
+
+/// What a ray can meet, and what lights it.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    pub voxels: &'a Voxels,
+    /// World-space coordinates of the grid's first voxel.
+    pub origin: IVec3,
+    pub materials: &'a MaterialSet,
+    pub lights: &'a Lights,
+    /// Whether textures are seen; else every texture is its mean.
+    pub textures: bool,
+}
+
+/// What a camera ray meets.
+#[derive(Clone, Copy, Debug)]
+pub enum Sight {
+    /// The sky, with its radiance.
+    Sky(DVec3),
+    Surface(Vertex),
+    /// The camera stands in stone and sees nothing.
+    Stone,
+}
+
+/// A point of a surface. Grid space but where the name says otherwise; linear RGB.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex {
+    pub position: DVec3,
+    /// Index into [`FACE_NORMALS`].
+    pub face: u8,
+    /// The cell before the face: rays that leave the surface start in it.
+    pub air: IVec3,
+    pub albedo: DVec3,
+    pub emission: DVec3,
+    /// Voxels along the ray that found it.
+    pub distance: f64,
+}
+
+impl Vertex {
+    /// Outward unit normal.
+    pub fn normal(&self) -> DVec3 {
+        FACE_NORMALS[usize::from(self.face)].as_dvec3()
+    }
+
+    fn ray(&self, direction: DVec3, max_distance: f64) -> Ray {
+        Ray {
+            origin: self.position,
+            direction,
+            start: self.air,
+            max_distance,
+        }
+    }
+}
+
+impl Scene<'_> {
+    /// Follows a camera ray (world space, unit direction). `pixel_angle` is the angle (radians)
+    /// over which textures are averaged.
+    pub fn look(&self, origin_ws: DVec3, direction: DVec3, pixel_angle: f64) -> Sight {
+        let ray = Ray::new(origin_ws - self.origin.as_dvec3(), direction);
+        match march(self.voxels, &ray) {
+            Outcome::Inside(_) => Sight::Stone,
+            Outcome::Miss => Sight::Sky(sky::radiance(&self.lights.sky, direction)),
+            Outcome::Hit(hit) => Sight::Surface(self.vertex(&ray, hit, pixel_angle)),
+        }
+    }
+
+    fn vertex(&self, ray: &Ray, hit: Hit, pixel_angle: f64) -> Vertex {
+        let position = hit.position(ray);
+        let normal = FACE_NORMALS[usize::from(hit.face)];
+        let voxel_ws = hit.voxel + self.origin;
+        let albedo = if self.textures {
+            let cosine = normal.as_dvec3().dot(ray.direction).abs();
+            let footprint = pixel_angle * hit.distance / cosine;
+            let position_ws = position + self.origin.as_dvec3();
+            self.materials
+                .albedo(hit.material, voxel_ws, hit.face, position_ws, footprint)
+        } else {
+            self.materials.mean_albedo(hit.material, voxel_ws)
+        };
+        Vertex {
+            position,
+            face: hit.face,
+            air: hit.voxel + normal,
+            albedo: albedo.as_dvec3(),
+            emission: self.materials.emission(hit.material).as_dvec3(),
+            distance: hit.distance,
+        }
+    }
+
+    /// Radiance that a surface sends back of what reaches it straight from lamps and sun: the sum
+    /// over all of them, with shadows. Nothing in it is random.
+    pub fn lamps_reflected(&self, vertex: &Vertex) -> DVec3 {
+        (0..self.lights.lamps.len())
+            .map(|lamp| self.lamp_reflected(vertex, lamp))
+            .sum()
+    }
+
+    /// An unbiased estimate of [`Self::lamps_reflected`] from one lamp, chosen with a probability
+    /// in proportion to what it would give without shadows.
+    fn one_lamp_reflected(&self, vertex: &Vertex, random: &mut Pcg) -> DVec3 {
+        let weight = |lamp: usize| self.unshadowed(vertex, lamp).0.element_sum();
+        let lamps = self.lights.lamps.len();
+        let total: f64 = (0..lamps).map(weight).sum();
+        let mut left = random.unit() * total;
+        for lamp in 0..lamps {
+            let weight = weight(lamp);
+            if left < weight {
+                return self.lamp_reflected(vertex, lamp) * (total / weight);
+            }
+            left -= weight;
+        }
+        // No lamp reaches the surface, or rounding went past the last one.
+        DVec3::ZERO
+    }
+
+    fn lamp_reflected(&self, vertex: &Vertex, lamp: usize) -> DVec3 {
+        let (irradiance, towards, distance) = self.unshadowed(vertex, lamp);
+        if irradiance == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        match march(self.voxels, &vertex.ray(towards, distance)) {
+            Outcome::Miss => vertex.albedo / PI * irradiance,
+            Outcome::Hit(_) | Outcome::Inside(_) => DVec3::ZERO,
+        }
+    }
+
+    /// Irradiance by a lamp if nothing stood between, the direction towards it, and its distance.
+    fn unshadowed(&self, vertex: &Vertex, lamp: usize) -> (DVec3, DVec3, f64) {
+        let point_ws = vertex.position + self.origin.as_dvec3();
+        let ray = self.lights.lamps[lamp].ray_from(point_ws);
+        let cosine = vertex.normal().dot(ray.towards_ws).max(0.0);
+        (ray.irradiance * cosine, ray.towards_ws, ray.distance)
+    }
+
+    /// One sample of the light that reaches a surface over at least one other surface, or from the
+    /// sky or an emissive voxel, as the radiance that a white surface would send back. Multiply by
+    /// the albedo of `first`.
+    ///
+    /// `max_bounces` counts the surfaces beyond `first` whose light is gathered.
+    pub fn bounced(&self, first: &Vertex, max_bounces: u32, random: &mut Pcg) -> DVec3 {
+        let mut radiance = DVec3::ZERO;
+        // What a unit of light at the current end of the path adds to the result.
+        let mut throughput = DVec3::ONE;
+        let mut vertex = *first;
+        for bounce in 1..=max_bounces {
+            // Follow the cosine-weighted direction: density and cosine cancel, the albedo stays.
+            let axis = usize::from(vertex.face / 2);
+            let direction = random.cosine_direction(axis, vertex.face % 2 == 1);
+            let ray = vertex.ray(direction, f64::INFINITY);
+            vertex = match march(self.voxels, &ray) {
+                Outcome::Hit(hit) => self.vertex(&ray, hit, 0.0),
+                Outcome::Miss => {
+                    return radiance + throughput * sky::radiance(&self.lights.sky, direction);
+                }
+                // An edit may have filled the cell before the face.
+                Outcome::Inside(_) => return radiance,
+            };
+            // Gather what this surface emits and reflects of the lamps.
+            radiance += throughput * (vertex.emission + self.one_lamp_reflected(&vertex, random));
+            // End paths that carry little, and make the survivors stand for them.
+            throughput *= vertex.albedo;
+            if bounce >= ROULETTE_FROM {
+                let survival = throughput.max_element().min(MOST_LIKELY_SURVIVAL);
+                if random.unit() >= survival {
+                    return radiance;
+                }
+                throughput /= survival;
+            }
+        }
+        radiance
+    }
+}

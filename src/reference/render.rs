@@ -1,0 +1,261 @@
+//! Whole pictures from the CPU: in parallel by rows, progressive, and the same bytes every time.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::path_trace::{Scene, Sight, Vertex};
+use super::random::Pcg;
+use crate::lights::Lights;
+use crate::measure::picture::Picture;
+use crate::world::materials::MaterialSet;
+use crate::world::voxels::Voxels;
+use crate::world::{Camera, CameraBasis, LampPreset, World};
+
+/// What the picture shows, in linear units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum View {
+    /// Direct + indirect.
+    #[default]
+    Full,
+    /// Sky and emission as the camera sees them, and the light that surfaces reflect straight from
+    /// lamps and sun.
+    Direct,
+    /// The rest: light that has met another surface before, or that comes from the sky or from
+    /// emissive voxels, reflected by the surface.
+    Indirect,
+    /// As `Indirect` on white surfaces: the incoming irradiance over π.
+    Irradiance,
+    /// Black where there is no surface, as are the two that follow.
+    Albedo,
+    /// (normal + 1) / 2.
+    Normal,
+    /// Distance from the camera in voxels, along the ray.
+    Depth,
+}
+
+/// How to render a picture of a world.
+#[derive(Clone, Copy, Debug)]
+pub struct RenderOptions<'a> {
+    pub lamps: &'a LampPreset,
+    /// World time (seconds), for lamps that move.
+    pub time_s: f64,
+    /// Whether textures are seen; else every texture is its mean.
+    pub textures: bool,
+    pub film: FilmOptions<'a>,
+}
+
+/// How to take a picture of a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmOptions<'a> {
+    pub camera: &'a Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Samples (paths) per pixel, at least 1. The error falls with its root.
+    pub samples: u32,
+    pub seed: u64,
+    pub view: View,
+    /// Spreads the samples over the pixel. Off, all of them look through its centre, as the
+    /// renderer on the GPU does.
+    pub antialias: bool,
+    /// Surfaces after the first one whose light is gathered; `u32::MAX` for all there are.
+    pub max_bounces: u32,
+}
+
+/// Most samples of a row between two looks at the cancel flag.
+const SAMPLES_AT_ONCE: u32 = 8;
+
+/// Path-traces a picture on the CPU: linear Rec. 709, top row first.
+///
+/// The picture depends on the arguments alone, not on the number of threads. `progress` is told
+/// (samples done, samples in all), counted over all pixels, from any thread. Once `cancel` is set
+/// the rest is left out: every row then holds the mean of its own samples so far, or is black.
+pub fn render(
+    world: &World,
+    voxels: &Voxels,
+    options: &RenderOptions,
+    progress: &(dyn Fn(u64, u64) + Sync),
+    cancel: &AtomicBool,
+) -> Picture {
+    let materials = MaterialSet::bake(&world.materials, world.seed);
+    let lights = Lights::at(world, options.lamps, options.time_s);
+    let scene = Scene {
+        voxels,
+        origin: world.origin,
+        materials: &materials,
+        lights: &lights,
+        textures: options.textures,
+    };
+    render_scene(&scene, &options.film, progress, cancel)
+}
+
+/// As [`render`], of a scene whose materials and lights are ready.
+pub fn render_scene(
+    scene: &Scene,
+    options: &FilmOptions,
+    progress: &(dyn Fn(u64, u64) + Sync),
+    cancel: &AtomicBool,
+) -> Picture {
+    let [width, height] = options.size;
+    let mut picture = Picture::new(width, height);
+    if picture.rgb.is_empty() {
+        return picture;
+    }
+    let film = Film::new(scene, options);
+    let mut rows: Vec<Row> = (0..height).map(|y| Row::new(y, width)).collect();
+    let total = u64::from(width) * u64::from(height) * u64::from(film.samples);
+    let done = AtomicU64::new(0);
+    // Every row gets its next samples before any row gets more.
+    for first in (0..film.samples).step_by(SAMPLES_AT_ONCE as usize) {
+        let samples = first..film.samples.min(first + SAMPLES_AT_ONCE);
+        if cancel.load(Ordering::Relaxed) {
+            break;
+        }
+        rows.par_iter_mut().for_each(|row| {
+            if cancel.load(Ordering::Relaxed) {
+                return;
+            }
+            row.add(&film, samples.clone());
+            let now = u64::from(width) * samples.len() as u64;
+            progress(done.fetch_add(now, Ordering::Relaxed) + now, total);
+        });
+    }
+    for (out, row) in picture.rgb.chunks_mut(width as usize).zip(&rows) {
+        let scale = 1.0 / f64::from(row.samples.max(1));
+        for (rgb, sum) in out.iter_mut().zip(&row.sums) {
+            *rgb = (*sum * scale).as_vec3().to_array();
+        }
+    }
+    picture
+}
+
+/// Sums of the samples of one row of pixels.
+struct Row {
+    y: u32,
+    sums: Vec<DVec3>,
+    samples: u32,
+}
+
+impl Row {
+    fn new(y: u32, width: u32) -> Self {
+        Self {
+            y,
+            sums: vec![DVec3::ZERO; width as usize],
+            samples: 0,
+        }
+    }
+
+    fn add(&mut self, film: &Film, samples: Range<u32>) {
+        for (x, sum) in (0..).zip(&mut self.sums) {
+            film.add_samples([x, self.y], samples.clone(), sum);
+        }
+        self.samples += samples.len() as u32;
+    }
+}
+
+/// From pixels to samples of what the camera sees through them.
+struct Film<'a> {
+    scene: &'a Scene<'a>,
+    options: &'a FilmOptions<'a>,
+    camera: CameraBasis,
+    /// Samples per pixel that make a difference to this view.
+    samples: u32,
+    /// Angle of a pixel (radians) over which textures are averaged; 0 where samples do that.
+    pixel_angle: f64,
+}
+
+/// What a camera ray sees: the part that is not random, and where the random part starts.
+struct Look {
+    sure: DVec3,
+    surface: Option<Vertex>,
+}
+
+impl<'a> Film<'a> {
+    fn new(scene: &'a Scene<'a>, options: &'a FilmOptions<'a>) -> Self {
+        let [width, height] = options.size.map(f64::from);
+        let camera = options.camera.basis(width / height);
+        let random = options.antialias || options.view.is_random();
+        Self {
+            scene,
+            options,
+            camera,
+            samples: if random { options.samples.max(1) } else { 1 },
+            pixel_angle: if options.antialias {
+                0.0
+            } else {
+                2.0 * camera.up.length() / height
+            },
+        }
+    }
+
+    /// Adds these samples of a pixel to `sum`, one by one, so that their grouping changes nothing.
+    fn add_samples(&self, [x, y]: [u32; 2], samples: Range<u32>, sum: &mut DVec3) {
+        let corner = DVec2::new(f64::from(x), f64::from(y));
+        let index = u64::from(y) << 32 | u64::from(x);
+        // Without antialiasing all samples share their camera ray and the lamps that light its end.
+        let centre = (!self.options.antialias).then(|| self.look(corner + 0.5));
+        for sample in samples {
+            let mut random = Pcg::new(self.options.seed, index, u64::from(sample));
+            let look = match &centre {
+                Some(look) => look,
+                None => &self.look(corner + DVec2::new(random.unit(), random.unit())),
+            };
+            *sum += look.sure + self.bounced(look, &mut random);
+        }
+    }
+
+    fn look(&self, pixel: DVec2) -> Look {
+        let size = DVec2::from(self.options.size.map(f64::from));
+        let direction = self.camera.direction_ws(pixel, size).normalize();
+        let sight = self
+            .scene
+            .look(self.camera.origin, direction, self.pixel_angle);
+        match sight {
+            Sight::Stone => Look {
+                sure: DVec3::ZERO,
+                surface: None,
+            },
+            Sight::Sky(radiance) => Look {
+                sure: match self.options.view {
+                    View::Full | View::Direct => radiance,
+                    _ => DVec3::ZERO,
+                },
+                surface: None,
+            },
+            Sight::Surface(vertex) => Look {
+                sure: match self.options.view {
+                    View::Full | View::Direct => {
+                        vertex.emission + self.scene.lamps_reflected(&vertex)
+                    }
+                    View::Indirect | View::Irradiance => DVec3::ZERO,
+                    View::Albedo => vertex.albedo,
+                    View::Normal => (vertex.normal() + 1.0) / 2.0,
+                    View::Depth => DVec3::splat(vertex.distance),
+                },
+                surface: Some(vertex),
+            },
+        }
+    }
+
+    fn bounced(&self, look: &Look, random: &mut Pcg) -> DVec3 {
+        let Some(vertex) = &look.surface else {
+            return DVec3::ZERO;
+        };
+        let reflectance = match self.options.view {
+            View::Full | View::Indirect => vertex.albedo,
+            View::Irradiance => DVec3::ONE,
+            View::Direct | View::Albedo | View::Normal | View::Depth => return DVec3::ZERO,
+        };
+        let max_bounces = self.options.max_bounces;
+        reflectance * self.scene.bounced(vertex, max_bounces, random)
+    }
+}
+
+impl View {
+    /// Whether samples of the same camera ray differ.
+    fn is_random(self) -> bool {
+        matches!(self, Self::Full | Self::Indirect | Self::Irradiance)
+    }
+}
