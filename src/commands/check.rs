@@ -1,11 +1,11 @@
 //! `grotto check`: reads world files and says what is in them, or what is wrong.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use super::{Failure, output};
-use crate::world::{self, World, file::Overrides};
+use crate::world;
 
 /// Validate world files
 #[derive(Args)]
@@ -18,8 +18,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut failures = Vec::new();
     for path in &arguments.worlds {
-        match world::file::load(path, &Overrides::default()) {
-            Ok(world) => output::print(&summary(path, &world))?,
+        match world::file::check(path) {
+            Ok(summary) => output::print(&format!("{}: ok. {summary}\n", path.display()))?,
             Err(error) => failures.push(Failure::from(error)),
         }
     }
@@ -36,38 +36,4 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             )))
         }
     }
-}
-
-fn summary(path: &Path, world: &World) -> String {
-    fn names<'a>(all: impl Iterator<Item = &'a String>) -> String {
-        all.map(String::as_str).collect::<Vec<_>>().join(", ")
-    }
-    let presets = world.lamp_presets.iter();
-    let presets = presets.map(|preset| format!("{} ({})", preset.name, preset.lamps.len()));
-    format!(
-        "{}: ok. {}\n\
-         \x20 size       {} × {} × {} voxels of {} m, seed {}\n\
-         \x20 materials  {}\n\
-         \x20 features   {} parts\n\
-         \x20 lamps      {}{}\n\
-         \x20 cameras    {}\n\
-         \x20 layouts    {}\n",
-        path.display(),
-        world.title,
-        world.size.x,
-        world.size.y,
-        world.size.z,
-        world.voxel_m,
-        world.seed,
-        names(world.materials.iter().map(|material| &material.name)),
-        world.features.len(),
-        presets.collect::<Vec<_>>().join(", "),
-        if world.sun.is_some() {
-            ", and a sun"
-        } else {
-            ""
-        },
-        names(world.cameras.iter().map(|camera| &camera.name)),
-        names(world.layouts.iter().map(|layout| &layout.name)),
-    )
 }

@@ -32,7 +32,7 @@ pub struct RunOptions {
 #[derive(Args)]
 pub struct PictureOptions {
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size, allow_hyphen_values = true)]
     pub size: [u32; 2],
     /// One of the world's cameras [default: its first]
     #[arg(long, value_name = "NAME")]
@@ -41,13 +41,18 @@ pub struct PictureOptions {
     #[arg(long, value_name = "NAME")]
     pub layout: Option<String>,
     /// Frames for the probes to settle before the picture [default: 64]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000), allow_negative_numbers = true)]
     pub frames: Option<u32>,
     /// World time of the picture, in seconds
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = world_time, allow_negative_numbers = true)]
     pub time: f64,
     /// Seed of the random rays; the world's own is `--set world.seed=N`
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
     pub seed: u32,
     /// What the picture shows
     #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
@@ -150,16 +155,9 @@ impl Scene {
     }
 }
 
-/// Reads a world and applies the parameters that change it.
+/// Reads a world, with what the parameters put in place of what its file says.
 pub fn load_world(path: &Path, parameters: &Parameters) -> Result<World, Failure> {
-    let overrides = Overrides {
-        size: parameters.world.size,
-        seed: parameters.world.seed,
-        ..Default::default()
-    };
-    let mut world = world::file::load(path, &overrides)?;
-    world.override_materials(&parameters.materials);
-    Ok(world)
+    Ok(world::file::load(path, &Overrides::from(parameters))?)
 }
 
 /// The one of that name, or the first when none is asked for.

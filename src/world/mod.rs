@@ -12,7 +12,6 @@ pub mod file;
 pub mod generate;
 pub mod materials;
 pub mod noise;
-mod overrides;
 pub mod rules;
 pub mod scenery;
 pub mod sdf;

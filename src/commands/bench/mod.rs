@@ -40,7 +40,7 @@ struct Traversal {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Width and height in pixels of the camera rays
-    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = picture_size)]
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = picture_size, allow_hyphen_values = true)]
     size: [u32; 2],
     /// Runs that each median is taken of
     #[arg(long, value_name = "N", default_value_t = 15,
