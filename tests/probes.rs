@@ -279,6 +279,100 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
+/// Positions and cages of the GPU's volume are those of the CPU's.
+#[test]
+fn the_gpu_places_probes_and_cages_as_the_cpu() {
+    for counts in [[5, 3, 4], [1, 2, 1]] {
+        let spec = LayoutSpec {
+            name: "test".into(),
+            counts: counts.into(),
+            spacing: Vec3::new(7.0, 3.5, 11.0),
+            centre: Vec3::new(-0.2, 1.0, 3.4),
+        };
+        let volume = Volume::new(&spec).expect("a good layout");
+        let rig = Rig::new(volume.clone(), ProbeParameters::default());
+        rig.field.begin_frame(&rig.gpu, &rig.parameters, SEED, 0);
+        let points: Vec<[f32; 4]> = (0..300)
+            .map(|i| sampling::rotation(4, i).xyz().as_vec3() * 40.0)
+            .map(|point| point.extend(0.0).to_array())
+            .collect();
+        let kernel = Kernel::new(
+            &rig.gpu,
+            &KernelSpec {
+                shader: "generated/cages",
+                generated: &[("cages", CAGES)],
+                ..Default::default()
+            },
+        )
+        .expect("compiles");
+        let slots = volume.slots();
+        let input = rig.gpu.storage_buffer_of("points", &points).expect("fits");
+        let positions = rig
+            .gpu
+            .storage_buffer("positions", u64::from(slots) * 16)
+            .expect("fits");
+        let corners = rig
+            .gpu
+            .storage_buffer("corners", points.len() as u64 * 64)
+            .expect("fits");
+        let mut resources = rig.field.resources().to_vec();
+        resources.push(("points", input.as_entire_binding()));
+        resources.push(("positions", positions.as_entire_binding()));
+        resources.push(("corners", corners.as_entire_binding()));
+        let bindings = kernel.bind(&rig.gpu, &resources);
+        let mut recorder = Recorder::new(&rig.gpu, None);
+        recorder.compute("cages", |pass| {
+            kernel.dispatch_threads(pass, &bindings, [points.len() as u32, 1, 1]);
+        });
+        recorder.submit(&rig.gpu).expect("submits");
+        let positions = rig.gpu.read_buffer::<[f32; 4]>(&positions).expect("reads");
+        for slot in 0..slots {
+            let [x, y, z, _] = positions[slot as usize];
+            assert_eq!(Vec3::new(x, y, z), volume.position(slot), "slot {slot}");
+        }
+        let corners = rig
+            .gpu
+            .read_buffer::<[[f32; 2]; 8]>(&corners)
+            .expect("reads");
+        for (point, found) in points.iter().zip(&corners) {
+            let mut difference = vec![0.0; slots as usize];
+            for (slot, weight) in volume.cage(Vec3::new(point[0], point[1], point[2])) {
+                difference[slot as usize] += weight;
+            }
+            for [slot, weight] in found {
+                // Corners beyond a single layer have no weight, and may name any slot.
+                if *weight > 0.0 {
+                    difference[*slot as usize] -= weight;
+                }
+            }
+            for (slot, off) in difference.iter().enumerate() {
+                assert!(off.abs() < 1e-5, "slot {slot} at {point:?} is off by {off}");
+            }
+        }
+    }
+}
+
+const CAGES: &str = "
+import package::data::probes::probe_info;
+import package::probes::volume::{probe_position, cage_around, cage_probe};
+@group(3) @binding(0) var<storage, read> points: array<vec4f>;
+@group(3) @binding(1) var<storage, read_write> positions: array<vec4f>;
+@group(3) @binding(2) var<storage, read_write> corners: array<vec2f>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x < probe_info.slots {
+        positions[id.x] = vec4f(probe_position(id.x), 0.0);
+    }
+    if id.x < arrayLength(&points) {
+        let cage = cage_around(points[id.x].xyz);
+        for (var corner = 0u; corner < 8u; corner += 1u) {
+            let probe = cage_probe(cage, corner);
+            corners[id.x * 8u + corner] = vec2f(f32(probe.slot), probe.weight);
+        }
+    }
+}
+";
+
 /// A field of constant radiance and distance is stored as just that, borders included, in maps of
 /// every size.
 #[test]

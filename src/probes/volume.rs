@@ -4,9 +4,10 @@ use glam::{UVec3, Vec3};
 
 use super::{Layout, ProbeError};
 use crate::world::LayoutSpec;
+use crate::world::scenery::MAX_PROBES;
 
-/// Most probes of one volume (8 kB of maps and history each).
-pub const MAX_SLOTS: u32 = 1 << 20;
+/// Most probes of one volume.
+pub const MAX_SLOTS: u32 = MAX_PROBES;
 
 /// Lattice point (x, y, z) has slot x + counts.x · (y + counts.y · z) and lies at
 /// first + (x, y, z) · spacing; its probe stands at the centre of the voxel that contains it.

@@ -6,6 +6,9 @@ use serde::Deserialize;
 /// Most lamps of one preset; the sun comes on top.
 pub const MAX_LAMPS: usize = 64;
 
+/// Most probes of one layout (8 kB of maps and history each).
+pub const MAX_PROBES: u32 = 1 << 20;
+
 /// A lamp as the file gives it; `lights` evaluates its motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lamp {

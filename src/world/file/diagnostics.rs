@@ -7,6 +7,8 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use ron::error::{Error as RonError, Position, SpannedError};
 
 use super::leaf::{Leaf, block_comment_length};
+use super::schema::Vector;
+use crate::parameters::nearest;
 
 /// Lines longer than this are quoted in part, in the message, and not shown as a whole.
 const LONGEST_SHOWN_LINE: usize = 400;
@@ -114,6 +116,22 @@ impl Source {
         match leaf.place_in(&self.text) {
             Some((offset, length)) => self.at_bytes(offset, length, message, help),
             None => Problem::of_file(format!("{}: {}", self.name, message.into()), help),
+        }
+    }
+
+    /// A problem of three numbers together.
+    pub fn at_vector(
+        &self,
+        vector: &Vector,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Box<Problem> {
+        let places = (vector.0.place_in(&self.text), vector.2.place_in(&self.text));
+        match places {
+            (Some((start, _)), Some((last, length))) => {
+                self.at_bytes(start, last + length - start, message, help)
+            }
+            _ => self.at(&vector.0, message, help),
         }
     }
 
@@ -261,13 +279,23 @@ fn raw_string_length(text: &str) -> usize {
         .map_or(text.len(), |end| 2 + hashes + end + close.len())
 }
 
+/// "Did you mean", and what there is.
+pub fn suggest<'a>(wanted: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+    let all: Vec<String> = known.clone().map(|name| format!("`{name}`")).collect();
+    let all = match all.len() {
+        0 => "there is none yet".to_owned(),
+        1 => format!("there is only {}", all[0]),
+        _ => format!("there are {}", all.join(", ")),
+    };
+    match nearest(wanted, known).first() {
+        Some(near) => format!("did you mean `{near}`? {all}"),
+        None => all,
+    }
+}
+
 /// Message, remedy, and the word that the message is about.
 fn explain(error: RonError) -> (String, String, Option<String>) {
-    let known = |expected: &[&str]| format!("these exist: {}", expected.join(", "));
-    let near = |found: &str, expected: &[&str]| match nearest(found, expected) {
-        Some(near) => format!("did you mean `{near}`? ({})", known(expected)),
-        None => known(expected),
-    };
+    let near = |found: &str, expected: &[&str]| suggest(found, expected.iter().copied());
     let of = |outer: Option<String>| outer.map_or(String::new(), |outer| format!(" of {outer}"));
     match error {
         RonError::NoSuchStructField {
@@ -349,42 +377,9 @@ fn explain(error: RonError) -> (String, String, Option<String>) {
     }
 }
 
-/// The candidate that looks most like `word`, if one is near enough to be meant.
-pub fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
-    let limit = (word.chars().count() / 3).max(1);
-    let distances = candidates
-        .iter()
-        .map(|name| (edit_distance(word, name), *name));
-    let (distance, name) = distances.min_by_key(|(distance, _)| *distance)?;
-    (distance <= limit).then_some(name)
-}
-
-/// Levenshtein's distance, letter case aside.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.to_lowercase().chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, letter) in a.to_lowercase().chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for j in 0..b.len() {
-            let substituted = diagonal + usize::from(letter != b[j]);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(row[j + 1] + 1);
-        }
-    }
-    row[b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn finds_the_word_that_was_meant() {
-        assert_eq!(nearest("Spere", &["Box", "Sphere"]), Some("Sphere"));
-        assert_eq!(nearest("colour", &["color", "power"]), Some("color"));
-        assert_eq!(nearest("xyz", &["Box", "Sphere"]), None);
-    }
 
     #[test]
     fn counts_no_brackets_in_strings_and_comments() {

@@ -1,6 +1,108 @@
-//! World files: RON text in, a checked [`World`](super::World) out, or one message with a place and
-//! a remedy.
+//! World files: RON text in, a checked [`World`] out, or one message with a place and a remedy.
+//!
+//! `schema` says what may be written, `values` reads single numbers and names, `resolve` and its
+//! neighbours make the world of them. `worlds/README.md` documents every key.
 
 mod diagnostics;
 mod leaf;
+mod place;
+mod resolve;
+mod scenery;
 pub mod schema;
+mod shape;
+mod source_file;
+mod summary;
+mod values;
+mod vox;
+
+use std::path::Path;
+
+use glam::{UVec3, Vec3};
+use miette::Report;
+use ron::extensions::Extensions;
+
+pub use self::diagnostics::Problem;
+use self::diagnostics::{MAX_NESTING, Source};
+pub use self::summary::Summary;
+use self::values::Read;
+use super::World;
+use crate::parameters::Parameters;
+
+/// What takes the place of what the file says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overrides {
+    /// Voxels; the origin stays.
+    pub size: Option<UVec3>,
+    /// The world's; seeds that the file names itself stay.
+    pub seed: Option<u32>,
+    /// Of every material, in both colours of its pattern.
+    pub albedo: Option<Vec3>,
+    /// Emitted radiance of every material.
+    pub emission: Option<Vec3>,
+}
+
+impl From<&Parameters> for Overrides {
+    fn from(parameters: &Parameters) -> Self {
+        Self {
+            size: parameters.world.size,
+            seed: parameters.world.seed,
+            albedo: parameters.materials.albedo,
+            emission: parameters.materials.emission,
+        }
+    }
+}
+
+/// Reads a world file.
+///
+/// # Errors
+/// A [`Problem`]: what is wrong with the file, where, and what to do about it.
+pub fn load(path: &Path, overrides: &Overrides) -> Result<World, Report> {
+    Ok(load_plain(path, overrides).map_err(|problem| *problem)?)
+}
+
+/// Reads a world from text; `name` is what messages and the world are called by, and `folder` is
+/// where its models lie (none: it can have none).
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(
+    text: &str,
+    name: &str,
+    folder: Option<&Path>,
+    overrides: &Overrides,
+) -> Result<World, Report> {
+    let source = Source {
+        name: name.to_owned(),
+        text: text.into(),
+    };
+    Ok(read(&source, folder, overrides).map_err(|problem| *problem)?)
+}
+
+/// Reads a world file and sums up what is in it.
+///
+/// # Errors
+/// As [`load`].
+pub fn check(path: &Path) -> Result<Summary, Report> {
+    let world = load(path, &Overrides::default())?;
+    Ok(Summary::of(&world))
+}
+
+fn load_plain(path: &Path, overrides: &Overrides) -> Read<World> {
+    let source = source_file::read(path)?;
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    read(&source, Some(folder.unwrap_or(Path::new("."))), overrides)
+}
+
+fn read(source: &Source, folder: Option<&Path>, overrides: &Overrides) -> Read<World> {
+    source.check_nesting()?;
+    let options = ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+        // Brackets are counted already; the parser counts several levels to a bracket.
+        .with_recursion_limit(8 * MAX_NESTING);
+    let file: schema::World = options
+        .from_str(&source.text)
+        .map_err(|error| source.from_ron(error))?;
+    resolve::resolve(source, folder, &file, overrides)
+}

@@ -172,14 +172,13 @@ impl<'a> Generator<'a> {
     }
 
     fn surrounded(&self, cell: UVec3, stones: &[Stone]) -> bool {
-        let beside = [UVec3::X, UVec3::Y, UVec3::Z].into_iter().all(|axis| {
+        [UVec3::X, UVec3::Y, UVec3::Z].into_iter().all(|axis| {
             // Below 0 the subtraction wraps to beyond the world.
             let [before, after] = [cell.wrapping_sub(axis), cell + axis];
             [before, after].into_iter().all(|neighbour| {
                 neighbour.cmpge(self.cells).any() || stones[self.index_of(neighbour)] == Stone::All
             })
-        });
-        beside
+        })
     }
 
     fn material(&self, voxel: UVec3) -> u8 {

@@ -2,6 +2,8 @@
 
 mod bounds;
 mod check;
+mod prepare;
+mod repeat;
 mod scatter;
 mod shape;
 #[cfg(test)]

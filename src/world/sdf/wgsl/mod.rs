@@ -2,18 +2,21 @@
 //! `package::generated::shape`. Straight-line code, one function for each noise field, repeat and
 //! scatter; the helpers lie in `shaders/sdf/`.
 
+mod copies;
+mod noise;
+mod rules;
+
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use glam::{DVec3, Vec3};
 
 use super::NoiseId;
-use super::scatter::Scatter;
-use super::shape::{Node, Repeat, Shape, WARP_SHIFTS};
+use super::shape::{Node, Shape, WARP_SHIFTS};
 use crate::world::World;
 use crate::world::generate::{BLOCK, block_radius};
-use crate::world::noise::{Basis, Fractal, NoiseBank, RIDGE_ATTENUATION};
-use crate::world::rules::{RuleSet, Test};
+use crate::world::noise::NoiseBank;
+use crate::world::rules::RuleSet;
 use crate::world::voxels::CELL;
 
 /// What f32 evaluation may differ from f64 at most, with a wide margin (voxels): blocks are culled
@@ -274,252 +277,6 @@ impl Writer<'_> {
             });
         }
         result.unwrap_or_else(|| "FAR".to_owned())
-    }
-
-    fn repeat(&mut self, repeat: &Repeat) -> String {
-        let (name, of) = (self.name("repeat"), self.name("tile"));
-        self.function(&of, &repeat.of);
-        let repeats = repeat.period.cmpgt(DVec3::ZERO);
-        let period = vector(DVec3::select(repeats, repeat.period, DVec3::ONE));
-        let zero_or_period = vector(repeat.period);
-        let repeats_vector = format!("vec3<bool>({}, {}, {})", repeats.x, repeats.y, repeats.z);
-        let corners = repeats.bitmask();
-        let (min, max) = (vector(repeat.bounds.min), vector(repeat.bounds.max));
-        let clearance = number(repeat.clearance);
-        push(
-            &mut self.module,
-            format_args!(
-                "
-fn {name}(p: vec3f) -> f32 {{
-    let tile = select(vec3f(0.0), round(p / {period}), {repeats_vector});
-    let local = p - tile * {zero_or_period};
-    let lean = select({zero_or_period}, -{zero_or_period}, local < vec3f(0.0));
-    var nearest = {clearance};
-    for (var corner = 0u; corner < 8u; corner += 1u) {{
-        if (corner & {corners}u) != corner {{
-            continue;
-        }}
-        let q = local - vec3f(vec3u(corner, corner >> 1u, corner >> 2u) & vec3u(1u)) * lean;
-        let to_bounds = length(max(max({min} - q, q - {max}), vec3f(0.0)));
-        if to_bounds < nearest {{
-            let value = {of}(q);
-            nearest = min(nearest, select(value, max(value, to_bounds), to_bounds > 0.0));
-        }}
-    }}
-    return nearest;
-}}
-"
-            ),
-        );
-        name
-    }
-
-    fn scatter(&mut self, scatter: &Scatter) -> String {
-        let (name, of) = (self.name("scatter"), self.name("copy"));
-        self.function(&of, &scatter.of);
-        let (centre, half) = scatter.content();
-        let last = scatter.cells - 1;
-        let grid = [
-            vector(scatter.start.as_dvec3()),
-            single(scatter.cell),
-            format!("vec3i({}, {}, {})", last.x, last.y, last.z),
-            single(scatter.jitter),
-            vector(centre),
-            number(scatter.clearance()),
-            vector(half),
-            single(scatter.reach),
-            single(scatter.scale_low),
-            single(scatter.scale_span),
-            format!("{}u", scatter.threshold),
-            format!("{}u", scatter.seed_bits),
-        ]
-        .join(", ");
-        push(
-            &mut self.module,
-            format_args!(
-                "
-fn {name}(p: vec3f) -> f32 {{
-    let grid = ScatterGrid({grid});
-    let outside = scatter_outside(grid, p);
-    var nearest = grid.clearance;
-    if outside >= nearest {{
-        return outside;
-    }}
-    for (var k = 0u; k < SCATTER_ALL; k += 1u) {{
-        if k == SCATTER_NEAR && nearest <= scatter_near_clearance(grid) {{
-            break;
-        }}
-        let copy = scatter_copy(grid, p, k, nearest);
-        if copy.scale > 0.0 {{
-            let value = {of}((p - copy.centre) / copy.scale) * copy.scale;
-            nearest = min(nearest, max(value, copy.to_sphere));
-        }}
-    }}
-    return select(nearest, max(nearest, outside), outside > 0.0);
-}}
-"
-            ),
-        );
-        name
-    }
-
-    fn call_noise(&mut self, id: NoiseId, p: &str) -> String {
-        self.noises.insert(id);
-        format!("noise_{id}({p})")
-    }
-
-    fn noise(&mut self, id: NoiseId) {
-        let field = self.bank.field(id);
-        let basis = match field.basis {
-            Basis::Perlin => "perlin3",
-            Basis::OpenSimplex => "open_simplex3",
-            Basis::Worley => "worley3",
-            Basis::Value => "value3",
-        };
-        let table = self.bank.first_table(id);
-        let (frequency, offset) = (vector(field.frequency), vector(field.offset));
-        let sample = format!("{basis}(q, {table}u + octave)");
-        // What comes before the loop, what makes an octave's signal, and the first amplitude.
-        let (before, signal, amplitude) = match field.fractal {
-            Fractal::None => ("", String::new(), 1.0),
-            Fractal::Fbm { persistence, .. } => {
-                ("", format!("let signal = {sample};"), persistence)
-            }
-            Fractal::Billow { persistence, .. } => (
-                "",
-                format!("let signal = abs({sample}) * 2.0 - 1.0;"),
-                persistence,
-            ),
-            Fractal::Ridged { .. } => {
-                let attenuation = number(RIDGE_ATTENUATION);
-                let signal = format!(
-                    "let ridge = 1.0 - abs({sample});
-        let signal = ridge * ridge * weight;
-        weight = clamp(signal / {attenuation}, 0.0, 1.0);"
-                );
-                ("    var weight = 1.0;\n", signal, 1.0)
-            }
-        };
-        let body = match field.fractal {
-            Fractal::None => {
-                format!("    return {basis}(p * {frequency} + {offset}, {table}u);\n")
-            }
-            Fractal::Fbm {
-                lacunarity,
-                persistence,
-                ..
-            }
-            | Fractal::Billow {
-                lacunarity,
-                persistence,
-                ..
-            }
-            | Fractal::Ridged {
-                lacunarity,
-                persistence,
-                ..
-            } => {
-                let (lacunarity, persistence) = (number(lacunarity), number(persistence));
-                let (amplitude, scale) = (number(amplitude), number(field.scale()));
-                let octaves = field.octaves();
-                // Ridges begin at 0; the field begins at −1.
-                let shift = if before.is_empty() { "" } else { " - 1.0" };
-                format!(
-                    "    var q = p * {frequency} + {offset};
-    var sum = 0.0;
-    var amplitude = {amplitude};
-{before}    for (var octave = 0u; octave < {octaves}u; octave += 1u) {{
-        {signal}
-        sum += signal * amplitude;
-        amplitude *= {persistence};
-        q *= {lacunarity};
-    }}
-    return sum * {scale}{shift};
-"
-                )
-            }
-        };
-        push(
-            &mut self.module,
-            format_args!("\nfn noise_{id}(p: vec3f) -> f32 {{\n{body}}}\n"),
-        );
-    }
-
-    fn rules(&mut self, rules: &RuleSet) {
-        let mut body = String::new();
-        let (mut last, mut needs) = (0, 0);
-        for (material, test) in rules.tests() {
-            last = material;
-            needs |= value_needs(test);
-            let condition = self.condition(test);
-            push(
-                &mut body,
-                format_args!("    if {condition} {{\n        return {material}u;\n    }}\n"),
-            );
-        }
-        push(
-            &mut self.module,
-            format_args!(
-                "
-const RULE_NEEDS: u32 = {needs}u;
-
-fn material_by(p: vec3f, values: vec3f) -> u32 {{
-{body}    return {last}u;
-}}
-
-fn material_at(p: vec3f) -> u32 {{
-    let up = vec3f(0.0, 1.0, 0.0);
-    return material_by(p, vec3f(shape(p), shape(p + up), shape(p - up)));
-}}
-"
-            ),
-        );
-    }
-
-    /// A boolean expression of the point `p` and the `values` at, above and below it.
-    fn condition(&mut self, test: &Test) -> String {
-        let mut joined = |of: &[Test], operator: &str, none: &str| {
-            let parts: Vec<String> = of.iter().map(|test| self.condition(test)).collect();
-            if parts.is_empty() {
-                none.to_owned()
-            } else {
-                format!("({})", parts.join(operator))
-            }
-        };
-        match test {
-            Test::Always => "true".to_owned(),
-            Test::Below(height) => format!("p.y < {}", number(*height)),
-            Test::Above(height) => format!("p.y > {}", number(*height)),
-            Test::InBox { min, max } => {
-                format!("(all(p >= {}) && all(p <= {}))", vector(*min), vector(*max))
-            }
-            Test::Inside(shape) => {
-                let name = self.name("inside");
-                self.function(&name, &shape.root);
-                format!("{name}(p) < 0.0")
-            }
-            Test::NoiseBelow { noise, value } => {
-                format!("{} < {}", self.call_noise(*noise, "p"), number(*value))
-            }
-            Test::ShallowerThan(depth) => format!("-values.x < {}", number(*depth)),
-            Test::FacesUp => "values.y >= 0.0".to_owned(),
-            Test::FacesDown => "values.z >= 0.0".to_owned(),
-            Test::All(of) => joined(of, " && ", "true"),
-            Test::Any(of) => joined(of, " || ", "false"),
-            Test::Not(of) => format!("!({})", self.condition(of)),
-        }
-    }
-}
-
-/// Which of the values at, above and below a point a rule reads: bits 0, 1 and 2.
-fn value_needs(test: &Test) -> u32 {
-    match test {
-        Test::ShallowerThan(_) => 1,
-        Test::FacesUp => 2,
-        Test::FacesDown => 4,
-        Test::All(of) | Test::Any(of) => of.iter().map(value_needs).fold(0, |a, b| a | b),
-        Test::Not(of) => value_needs(of),
-        _ => 0,
     }
 }
 

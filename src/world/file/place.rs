@@ -1,0 +1,294 @@
+//! Features and scattered things: where they stand.
+
+use glam::{DVec3, IVec3, Vec3};
+use rayon::prelude::*;
+
+use super::leaf::Leaf;
+use super::resolve::Reader;
+use super::schema::{self, Ground};
+use super::values::{Read, or};
+use crate::world::FeaturePart;
+use crate::world::materials::hash::{hash, unit};
+use crate::world::sdf::Shape;
+
+/// Most boxes of all features and models together.
+pub const MAX_PARTS: usize = 2_000_000;
+/// Most things of one scatter.
+const MAX_SCATTERED: u32 = 100_000;
+/// Places tried for each thing that is asked for, before the rest is given up.
+const TRIES: u32 = 32;
+
+/// What a scatter asks for.
+pub(super) struct Ask {
+    pub count: u32,
+    /// Lowest and highest corner, world space.
+    pub bounds: (Vec3, Vec3),
+    pub ground: Ground,
+    /// Free voxels above the floor or below the ceiling.
+    pub clearance: u32,
+    /// Least horizontal distance between two places, voxels.
+    pub spacing: f32,
+    pub seed: u32,
+}
+
+/// A place that fits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Found {
+    /// The free voxel on the floor or under the ceiling.
+    pub voxel: IVec3,
+    /// A hash for what else is left to chance there.
+    pub chance: u32,
+}
+
+impl Ask {
+    /// As many places as there are, up to `count`. The same for the same seed and shape, on any
+    /// number of threads.
+    pub fn places(&self, shape: &Shape, world: (IVec3, IVec3)) -> Vec<Found> {
+        let mut found: Vec<Found> = Vec::new();
+        let most = self.count.saturating_mul(TRIES);
+        let mut tried = 0;
+        while found.len() < self.count as usize && tried < most {
+            let missing = self.count - found.len() as u32;
+            let batch = tried..most.min(tried + missing.max(16));
+            tried = batch.end;
+            let candidates: Vec<Option<Found>> = batch
+                .into_par_iter()
+                .map(|index| self.candidate(index, shape, world))
+                .collect();
+            for candidate in candidates.into_iter().flatten() {
+                let apart = |other: &Found| {
+                    let between = (other.voxel - candidate.voxel).as_vec3().with_y(0.0);
+                    between.length() >= self.spacing && other.voxel != candidate.voxel
+                };
+                if found.len() < self.count as usize && found.iter().all(apart) {
+                    found.push(candidate);
+                }
+            }
+        }
+        found
+    }
+
+    /// One column by chance, and in it one floor (ceiling) by chance.
+    fn candidate(&self, index: u32, shape: &Shape, world: (IVec3, IVec3)) -> Option<Found> {
+        let first = hash(self.seed ^ hash(index));
+        let (x, z) = (hash(first), hash(first ^ 0x9e37_79b9));
+        let along = Vec3::new(unit(x), 0.0, unit(z));
+        let (low, high) = self.bounds;
+        let place = (low + along * (high - low)).floor().as_ivec3();
+        let place = place.clamp(world.0, world.1 - 1);
+        let mut spots = Vec::new();
+        let mut start = world.0.y;
+        let mut solid_below = false;
+        for (end, solid) in column(shape, place.x, place.z, world.0.y, world.1.y) {
+            if !solid {
+                let solid_above = end < world.1.y;
+                let free = end - start;
+                let (touches, y) = match self.ground {
+                    Ground::Floor => (solid_below, start),
+                    Ground::Ceiling => (solid_above, end - 1),
+                };
+                // Out at the top of the world there is room enough.
+                let open = self.ground == Ground::Floor && !solid_above;
+                let within = (low.y..high.y).contains(&(y as f32));
+                if touches && within && (open || free >= self.clearance as i32) {
+                    spots.push(y);
+                }
+            }
+            solid_below = solid;
+            start = end;
+        }
+        let chance = hash(x ^ z);
+        let y = *spots.get(chance as usize % spots.len().max(1))?;
+        Some(Found {
+            voxel: place.with_y(y),
+            chance: hash(chance),
+        })
+    }
+}
+
+/// Runs of equal voxels up a column, as (first voxel above the run, whether it is solid). Steps over
+/// all voxels that the Lipschitz constant proves to be like the last one.
+fn column(shape: &Shape, x: i32, z: i32, low: i32, high: i32) -> Vec<(i32, bool)> {
+    let lipschitz = shape.lipschitz();
+    let mut runs = Vec::new();
+    let mut last = None;
+    let mut y = low;
+    while y < high {
+        let centre = DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + 0.5;
+        let value = shape.eval(centre);
+        let solid = value < 0.0;
+        if let Some(before) = last
+            && before != solid
+        {
+            runs.push((y, before));
+        }
+        last = Some(solid);
+        // No sign change within |value| / lipschitz; 0/0 counts as one voxel.
+        let safe = (value.abs() / lipschitz - 1e-6).ceil().max(1.0);
+        y = y.saturating_add(safe.min(f64::from(high - low)) as i32);
+    }
+    runs.extend(last.map(|solid| (high, solid)));
+    runs
+}
+
+impl Reader<'_> {
+    /// Lowest voxel of the world, and the one beyond its highest.
+    pub(super) fn world_voxels(&self) -> (IVec3, IVec3) {
+        (self.origin, self.origin + self.size.as_ivec3())
+    }
+
+    /// `count`, or `density` for each 1000 columns of the box; `place` stands for both in messages.
+    pub(super) fn how_many(
+        &self,
+        count: &Option<Leaf>,
+        density: &Option<Leaf>,
+        (low, high): (Vec3, Vec3),
+        place: &Leaf,
+    ) -> Read<u32> {
+        let source = self.source;
+        match (count, density) {
+            (Some(count), None) => source.count(count, "count", 0..=MAX_SCATTERED),
+            (None, Some(leaf)) => {
+                let density = f64::from(source.not_negative(leaf, "density")?);
+                let columns = f64::from(high.x - low.x) * f64::from(high.z - low.z);
+                let count = (density * columns / 1000.0).round();
+                if count > f64::from(MAX_SCATTERED) {
+                    return Err(source.at(
+                        leaf,
+                        format!("{density} for each 1000 columns are {count} in this box"),
+                        format!("a scatter may have {MAX_SCATTERED}: lower the density"),
+                    ));
+                }
+                Ok(count as u32)
+            }
+            (Some(count), Some(_)) => Err(source.at(
+                count,
+                "this scatter has both a `count` and a `density`",
+                "keep one of the two",
+            )),
+            (None, None) => Err(source.at(
+                place,
+                "this scatter does not say how many",
+                "add `count: n`, or `density: n` for n in each 1000 columns",
+            )),
+        }
+    }
+
+    pub(super) fn clearance(&self, clearance: &Option<Leaf>, default: u32) -> Read<u32> {
+        or(clearance, default, |leaf| {
+            self.source
+                .count(leaf, "clearance", 0..=super::resolve::MAX_EDGE)
+        })
+    }
+
+    /// The boxes of all features, in the file's order.
+    pub(super) fn features(
+        &mut self,
+        features: &schema::Features,
+        shape: &Shape,
+    ) -> Read<Vec<FeaturePart>> {
+        let source = self.source;
+        let mut names = Vec::new();
+        let mut kinds = Vec::new();
+        for (name, parts) in &features.kinds.0 {
+            names.push(source.name(name, "kind of feature", &names)?);
+            let parts = parts.iter().map(|part| self.part(part));
+            kinds.push(parts.collect::<Read<Vec<_>>>()?);
+        }
+        let known = || names.iter().map(String::as_str);
+        let mut placed = Vec::new();
+        for place in &features.place {
+            match place {
+                schema::Place::At { kind, places } => {
+                    let parts = &kinds[source.find(kind, "kind", known())?];
+                    for place in places {
+                        let at = source.voxel(place, "places")?;
+                        placed.extend(parts.iter().map(|part| moved(part, at)));
+                    }
+                    self.check_parts(placed.len(), kind)?;
+                }
+                schema::Place::Scatter {
+                    kinds: wanted,
+                    count,
+                    density,
+                    on,
+                    min,
+                    max,
+                    clearance,
+                    spacing,
+                    seed,
+                } => {
+                    let own_seed = self.next_seed();
+                    let wanted: Vec<(&Leaf, usize)> = wanted
+                        .iter()
+                        .map(|leaf| Ok((leaf, source.find(leaf, "kind", known())?)))
+                        .collect::<Read<_>>()?;
+                    let Some(&(first, _)) = wanted.first() else {
+                        let stand_in = count.as_ref().or(density.as_ref());
+                        let message = "this scatter has no kinds";
+                        let help = "name at least one kind of feature in `kinds`";
+                        return Err(match stand_in {
+                            Some(leaf) => source.at(leaf, message, help),
+                            None => super::Problem::of_file(message, help),
+                        });
+                    };
+                    let bounds = self.bounds(min, max)?;
+                    let ask = Ask {
+                        count: self.how_many(count, density, bounds, first)?,
+                        bounds,
+                        ground: *on,
+                        clearance: self.clearance(clearance, 1)?,
+                        spacing: or(spacing, 0.0, |leaf| source.not_negative(leaf, "spacing"))?,
+                        seed: or(seed, own_seed, |leaf| source.seed(leaf))?,
+                    };
+                    for found in ask.places(shape, self.world_voxels()) {
+                        let (_, kind) = wanted[found.chance as usize % wanted.len()];
+                        placed.extend(kinds[kind].iter().map(|part| moved(part, found.voxel)));
+                    }
+                    self.check_parts(placed.len(), first)?;
+                }
+            }
+        }
+        Ok(placed)
+    }
+
+    pub(super) fn check_parts(&self, parts: usize, place: &Leaf) -> Read<()> {
+        if parts <= MAX_PARTS {
+            return Ok(());
+        }
+        Err(self.source.at(
+            place,
+            format!("with these the features have {parts} boxes"),
+            format!("a world may have {MAX_PARTS}: place fewer, or kinds of fewer parts"),
+        ))
+    }
+
+    fn part(&self, part: &schema::Part) -> Read<FeaturePart> {
+        let source = self.source;
+        let (min, max) = (
+            source.voxel(&part.min, "min")?,
+            source.voxel(&part.max, "max")?,
+        );
+        if min.cmpgt(max).any() {
+            return Err(source.at_vector(
+                &part.max,
+                format!("this part is empty: `min` is {min} and `max` is {max}"),
+                "both ends belong to the part, and `min` must be at most `max` on every axis",
+            ));
+        }
+        Ok(FeaturePart {
+            min,
+            max,
+            material: self.material(&part.material)?,
+            without_corners: part.without_corners,
+        })
+    }
+}
+
+fn moved(part: &FeaturePart, by: IVec3) -> FeaturePart {
+    FeaturePart {
+        min: part.min + by,
+        max: part.max + by,
+        ..*part
+    }
+}

@@ -1,0 +1,128 @@
+//! Files before they are text: sizes, kinds and encodings that cannot be.
+
+use std::fs;
+use std::io::{ErrorKind, Read as _};
+use std::path::Path;
+
+use super::diagnostics::{Problem, Source};
+use super::values::Read;
+
+/// Larger world files are refused unread.
+pub const MAX_BYTES: u64 = 16 << 20;
+
+/// The text of a world file.
+pub fn read(path: &Path) -> Read<Source> {
+    let name = path.display().to_string();
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new("."));
+    if path.is_dir() {
+        return Err(Problem::of_file(
+            format!("{name} is a folder, not a world file"),
+            siblings(path, "ron"),
+        ));
+    }
+    let bytes = read_bytes(path, MAX_BYTES).map_err(|message| {
+        let help = if path.exists() {
+            "a world file is a short text; worlds/minimal.ron is the smallest to copy".into()
+        } else {
+            siblings(folder, "ron")
+        };
+        Problem::of_file(format!("{name} {message}"), help)
+    })?;
+    text(&name, bytes)
+}
+
+/// The bytes of a file, or what keeps them from being read, to follow its name.
+pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
+    let cannot = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound => "does not exist".to_owned(),
+        ErrorKind::PermissionDenied => "cannot be read: permission denied".to_owned(),
+        _ => format!("cannot be read: {error}"),
+    };
+    let metadata = fs::metadata(path).map_err(cannot)?;
+    // Devices and pipes may never end.
+    if !metadata.is_file() {
+        return Err("is not a file".to_owned());
+    }
+    let too_large = |length: u64| {
+        format!(
+            "has {:.1} MB, more than the {} MB that are read",
+            length as f64 / 1e6,
+            most / 1_000_000
+        )
+    };
+    if metadata.len() > most {
+        return Err(too_large(metadata.len()));
+    }
+    let mut bytes = Vec::new();
+    let file = fs::File::open(path).map_err(cannot)?;
+    // One byte more, to notice that the file has grown.
+    file.take(most + 1)
+        .read_to_end(&mut bytes)
+        .map_err(cannot)?;
+    if bytes.len() as u64 > most {
+        return Err(too_large(bytes.len() as u64));
+    }
+    Ok(bytes)
+}
+
+/// Text of bytes that may be anything.
+fn text(name: &str, bytes: Vec<u8>) -> Read<Source> {
+    let copy = "worlds/minimal.ron is the smallest world to copy";
+    let kind = match &bytes[..] {
+        [0x89, b'P', b'N', b'G', ..] => Some("a PNG picture"),
+        [0xff, 0xd8, 0xff, ..] => Some("a JPEG picture"),
+        [b'V', b'O', b'X', b' ', ..] => Some("a MagicaVoxel model"),
+        [0x76, 0x2f, 0x31, 0x01, ..] => Some("an OpenEXR picture"),
+        bytes if bytes.contains(&0) => Some("a binary file"),
+        _ => None,
+    };
+    if let Some(kind) = kind {
+        let help = format!("a world file is a text in the RON format; {copy}");
+        return Err(Problem::of_file(
+            format!("{name} is {kind}, not a world file"),
+            help,
+        ));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..valid]
+            .iter()
+            .filter(|&&b| b == b'\n')
+            .count();
+        Problem::of_file(
+            format!("{name} is not UTF-8 text: line {line} has a byte that is no character"),
+            "save the file as UTF-8 in the text editor",
+        )
+    })?;
+    // Editors on Windows begin UTF-8 with a byte order mark.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    if text.trim().is_empty() {
+        return Err(Problem::of_file(format!("{name} is empty"), copy));
+    }
+    Ok(Source {
+        name: name.to_owned(),
+        text: text.into(),
+    })
+}
+
+/// What files of this extension a folder has, as a remedy.
+pub fn siblings(folder: &Path, extension: &str) -> String {
+    let shown = folder.display();
+    let Ok(entries) = fs::read_dir(folder) else {
+        return format!("there is no folder {shown} either");
+    };
+    let paths = entries.flatten().map(|entry| entry.path());
+    let wanted = paths.filter(|path| path.extension().is_some_and(|found| found == extension));
+    let mut names: Vec<String> = wanted
+        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    match names.len() {
+        0 => format!("{shown} has no .{extension} files"),
+        count if count > 24 => format!("{shown} has {count} .{extension} files"),
+        _ => format!("{shown} has {}", names.join(", ")),
+    }
+}

@@ -1,0 +1,82 @@
+//! What a world holds, in a few lines.
+
+use std::fmt;
+
+use crate::world::World;
+use crate::world::voxels::grid_cells;
+
+/// What `grotto check` prints of a sound world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    pub title: String,
+    /// Voxels along each axis.
+    pub size: [u32; 3],
+    pub voxel_m: f32,
+    pub seed: u32,
+    pub materials: Vec<String>,
+    /// Boxes of features and models.
+    pub parts: usize,
+    /// Names and how many lamps each has.
+    pub lamp_presets: Vec<(String, usize)>,
+    pub sun: bool,
+    pub cameras: Vec<String>,
+    /// Names and how many probes each has.
+    pub layouts: Vec<(String, u64)>,
+    /// The grid of cells without the bricks, which depend on the surface. Bytes.
+    pub grid_bytes: u64,
+}
+
+impl Summary {
+    pub fn of(world: &World) -> Self {
+        let cells = grid_cells(world.size).to_array().map(u64::from);
+        let presets = world.lamp_presets.iter();
+        let layouts = world.layouts.iter();
+        Self {
+            title: world.title.clone(),
+            size: world.size.to_array(),
+            voxel_m: world.voxel_m,
+            seed: world.seed,
+            materials: world.materials.iter().map(|m| m.name.clone()).collect(),
+            parts: world.features.len(),
+            lamp_presets: presets.map(|p| (p.name.clone(), p.lamps.len())).collect(),
+            sun: world.sun.is_some(),
+            cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),
+            layouts: layouts
+                .map(|l| {
+                    (
+                        l.name.clone(),
+                        l.counts.to_array().map(u64::from).iter().product(),
+                    )
+                })
+                .collect(),
+            grid_bytes: cells.iter().product::<u64>() * size_of::<u32>() as u64,
+        }
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fn counted<T: fmt::Display>(all: &[(String, T)]) -> String {
+            let all = all.iter().map(|(name, count)| format!("{name} ({count})"));
+            all.collect::<Vec<_>>().join(", ")
+        }
+        let [x, y, z] = self.size;
+        writeln!(f, "{}", self.title)?;
+        writeln!(
+            f,
+            "  size       {x} × {y} × {z} voxels of {} m, seed {}",
+            self.voxel_m, self.seed
+        )?;
+        writeln!(
+            f,
+            "  grid       {:.1} MB, and the bricks of its surface",
+            self.grid_bytes as f64 / 1e6
+        )?;
+        writeln!(f, "  materials  {}", self.materials.join(", "))?;
+        writeln!(f, "  features   {} boxes", self.parts)?;
+        let sun = if self.sun { ", and a sun" } else { "" };
+        writeln!(f, "  lamps      {}{sun}", counted(&self.lamp_presets))?;
+        writeln!(f, "  cameras    {}", self.cameras.join(", "))?;
+        write!(f, "  layouts    {} (probes)", counted(&self.layouts))
+    }
+}

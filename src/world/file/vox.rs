@@ -1,0 +1,337 @@
+//! MagicaVoxel models: their voxels become boxes, their palette's colours materials.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use dot_vox::{Dict, DotVoxData, SceneNode};
+use glam::{IVec3, Mat3, Vec3};
+
+use super::leaf::Leaf;
+use super::place::MAX_PARTS;
+use super::resolve::{MAX_MATERIALS, Reader};
+use super::schema;
+use super::source_file::{self, siblings};
+use super::values::Read;
+use crate::world::{Colour, FeaturePart, Material, Pattern};
+
+/// Larger model files are refused unread.
+const MAX_BYTES: u64 = 64 << 20;
+/// Groups of a scene may nest this deep.
+const MAX_SCENE_DEPTH: usize = 64;
+
+impl Reader<'_> {
+    /// Adds the models' voxels to the features and their colours to the materials.
+    pub(super) fn models(
+        &mut self,
+        models: &[schema::Model],
+        features: &mut Vec<FeaturePart>,
+    ) -> Read<()> {
+        for model in models {
+            let at = self.source.voxel(&model.at, "at")?;
+            let name = self.source.text(&model.file, "file")?;
+            let path = self.model_path(&model.file, &name)?;
+            let refuse = |message: String| {
+                let help = "export the model from MagicaVoxel as .vox again";
+                self.source.at(&model.file, message, help)
+            };
+            let bytes = source_file::read_bytes(&path, MAX_BYTES)
+                .map_err(|message| refuse(format!("`{name}` {message}")))?;
+            let data = parse(&bytes).map_err(|message| {
+                refuse(format!("`{name}` is not a MagicaVoxel model: {message}"))
+            })?;
+            let voxels = scene_voxels(&data).map_err(|m| refuse(format!("`{name}` {m}")))?;
+            self.add_model(&model.file, &name, &data, &voxels, at, features)?;
+        }
+        Ok(())
+    }
+
+    /// The model's file, which must lie in the folder of the world file.
+    fn model_path(&self, leaf: &Leaf, name: &str) -> Read<PathBuf> {
+        let source = self.source;
+        let Some(folder) = self.folder else {
+            let help = "save the world as a file beside the model";
+            return Err(source.at(leaf, "a world without a folder has no models", help));
+        };
+        let inside = "keep models in the folder of the world file, or in folders within it";
+        let escapes = |path: &Path| {
+            let up = |part| {
+                !matches!(
+                    part,
+                    std::path::Component::Normal(_) | std::path::Component::CurDir
+                )
+            };
+            path.components().any(up)
+        };
+        // Refused before the disk is asked, so that a world cannot even ask what lies elsewhere.
+        if escapes(Path::new(name)) {
+            let message = format!("`{name}` lies outside of the world's folder");
+            return Err(source.at(leaf, message, inside));
+        }
+        let path = folder.join(name);
+        let missing = || {
+            source.at(
+                leaf,
+                format!("the model `{name}` does not exist"),
+                siblings(path.parent().unwrap_or(folder), "vox"),
+            )
+        };
+        let real_path = fs::canonicalize(&path).map_err(|_| missing())?;
+        let real_folder = fs::canonicalize(folder).map_err(|_| missing())?;
+        // A link may lead outside.
+        if !real_path.starts_with(&real_folder) {
+            let message = format!("`{name}` is a link out of the world's folder");
+            return Err(source.at(leaf, message, inside));
+        }
+        Ok(real_path)
+    }
+
+    fn add_model(
+        &mut self,
+        leaf: &Leaf,
+        name: &str,
+        data: &DotVoxData,
+        voxels: &BTreeMap<[i32; 3], u8>,
+        at: IVec3,
+        features: &mut Vec<FeaturePart>,
+    ) -> Read<()> {
+        let mut materials: BTreeMap<u8, u8> = BTreeMap::new();
+        let lowest = voxels.keys().map(|&voxel| IVec3::from(voxel));
+        let lowest = lowest.reduce(IVec3::min).unwrap_or(IVec3::ZERO);
+        let mut last: Option<FeaturePart> = None;
+        // Sorted by their axes, so that runs along z follow each other.
+        for (&voxel, &colour) in voxels {
+            let material = match materials.get(&colour) {
+                Some(&material) => material,
+                None => {
+                    let material = self.model_material(leaf, name, data, colour)?;
+                    materials.insert(colour, material);
+                    material
+                }
+            };
+            let voxel = IVec3::from(voxel) - lowest + at;
+            match &mut last {
+                Some(run) if run.material == material && run.max + IVec3::Z == voxel => {
+                    run.max = voxel;
+                }
+                _ => features.extend(last.replace(FeaturePart {
+                    min: voxel,
+                    max: voxel,
+                    material,
+                    without_corners: false,
+                })),
+            }
+        }
+        features.extend(last);
+        self.check_parts(features.len(), leaf)
+    }
+
+    /// A new material of a palette colour. An emitting one radiates colour · `_emit` · 10^`_flux`.
+    fn model_material(
+        &mut self,
+        leaf: &Leaf,
+        name: &str,
+        data: &DotVoxData,
+        index: u8,
+    ) -> Read<u8> {
+        if self.materials.len() >= MAX_MATERIALS {
+            return Err(self.source.at(
+                leaf,
+                format!(
+                    "with the colours of `{name}` there are more than {MAX_MATERIALS} materials"
+                ),
+                "use fewer colours in the model, or fewer materials in the world",
+            ));
+        }
+        let colour = data.palette.get(usize::from(index));
+        let colour = colour.map_or(Vec3::ONE, |c| Vec3::from([c.r, c.g, c.b].map(linear)));
+        let number = u32::from(index) + 1;
+        let emits = data
+            .materials
+            .iter()
+            .find(|material| material.id == number && material.material_type() == Some("_emit"));
+        let strength = emits.map_or(0.0, |material| {
+            let flux = material.radiant_flux().unwrap_or(0.0);
+            material.emission().unwrap_or(0.0) * 10_f32.powf(flux)
+        });
+        let strength = if strength.is_finite() {
+            strength.clamp(0.0, 65504.0)
+        } else {
+            0.0
+        };
+        self.materials.push(Material {
+            name: format!("{name} {number}"),
+            a: Colour::Flat(colour),
+            b: Colour::Flat(colour),
+            pattern: Pattern::Plain,
+            emission: colour * strength,
+        });
+        Ok(u8::try_from(self.materials.len()).expect("there are at most 255 materials"))
+    }
+}
+
+/// From sRGB (IEC 61966-2-1) to linear.
+fn linear(encoded: u8) -> f32 {
+    let encoded = f32::from(encoded) / 255.0;
+    if encoded <= 0.040_45 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// Parses a model whose chunks nest no deeper than the format has them: the parser recurses.
+fn parse(bytes: &[u8]) -> Result<DotVoxData, String> {
+    let word = |at: usize| {
+        let bytes = bytes.get(at..at + 4)?;
+        Some(u32::from_le_bytes(bytes.try_into().expect("four bytes")) as usize)
+    };
+    if !bytes.starts_with(b"VOX ") || bytes.get(8..12) != Some(b"MAIN") {
+        return Err("it does not begin as one".into());
+    }
+    let cut = "it ends in the middle";
+    let content = word(12).ok_or(cut)?;
+    let mut at = 20_usize.checked_add(content).ok_or(cut)?;
+    while at < bytes.len() {
+        let (content, children) = (word(at + 4).ok_or(cut)?, word(at + 8).ok_or(cut)?);
+        if children != 0 {
+            return Err("its chunks nest deeper than those of any known version".into());
+        }
+        at += 12 + content;
+    }
+    if at > bytes.len() {
+        return Err(cut.into());
+    }
+    dot_vox::load_bytes(bytes).map_err(str::to_owned)
+}
+
+/// A turn, mirroring and translation in MagicaVoxel's space (z up).
+#[derive(Clone, Copy)]
+struct Pose {
+    turn: Mat3,
+    position: Vec3,
+}
+
+/// All voxels of the scene with their palette index, in our axes (+Y up); later models win.
+fn scene_voxels(data: &DotVoxData) -> Result<BTreeMap<[i32; 3], u8>, String> {
+    let mut voxels = BTreeMap::new();
+    let start = Pose {
+        turn: Mat3::IDENTITY,
+        position: Vec3::ZERO,
+    };
+    if data.scenes.is_empty() {
+        for model in 0..data.models.len() {
+            add_voxels(data, model, start, &mut voxels)?;
+        }
+    } else {
+        walk(data, 0, start, 0, &mut voxels)?;
+    }
+    Ok(voxels)
+}
+
+fn walk(
+    data: &DotVoxData,
+    node: u32,
+    pose: Pose,
+    depth: usize,
+    voxels: &mut BTreeMap<[i32; 3], u8>,
+) -> Result<(), String> {
+    if depth > MAX_SCENE_DEPTH {
+        return Err(format!("nests groups more than {MAX_SCENE_DEPTH} deep"));
+    }
+    let hidden = |attributes: &Dict| attributes.get("_hidden").is_some_and(|value| value == "1");
+    match data.scenes.get(node as usize) {
+        None => Err(format!("refers to node {node}, which it does not have")),
+        Some(SceneNode::Transform {
+            attributes,
+            frames,
+            child,
+            layer_id,
+        }) => {
+            let layer = data.layers.get(*layer_id as usize);
+            if hidden(attributes) || layer.is_some_and(dot_vox::Layer::hidden) {
+                return Ok(());
+            }
+            let local = frames.first().map(|frame| pose_of(&frame.attributes));
+            let local = local.transpose()?.unwrap_or(Pose {
+                turn: Mat3::IDENTITY,
+                position: Vec3::ZERO,
+            });
+            let pose = Pose {
+                turn: pose.turn * local.turn,
+                position: pose.turn * local.position + pose.position,
+            };
+            walk(data, *child, pose, depth + 1, voxels)
+        }
+        Some(SceneNode::Group { attributes, .. } | SceneNode::Shape { attributes, .. })
+            if hidden(attributes) =>
+        {
+            Ok(())
+        }
+        Some(SceneNode::Group { children, .. }) => children
+            .iter()
+            .try_for_each(|child| walk(data, *child, pose, depth + 1, voxels)),
+        // Several models are frames of an animation: the first is shown.
+        Some(SceneNode::Shape { models, .. }) => match models.first() {
+            Some(model) => add_voxels(data, model.model_id as usize, pose, voxels),
+            None => Ok(()),
+        },
+    }
+}
+
+/// Reads `_r` (a signed permutation of the axes in one byte) and `_t` of a frame.
+fn pose_of(attributes: &Dict) -> Result<Pose, String> {
+    let mut turn = Mat3::IDENTITY;
+    if let Some(text) = attributes.get("_r") {
+        let byte: u8 = text.parse().map_err(|_| format!("has a turn `{text}`"))?;
+        let (first, second) = (usize::from(byte & 3), usize::from(byte >> 2 & 3));
+        if first > 2 || second > 2 || first == second {
+            return Err(format!("has a turn `{text}` that is none"));
+        }
+        let sign = |bit: u8| if byte >> bit & 1 == 0 { 1.0 } else { -1.0 };
+        let mut rows = [Vec3::ZERO; 3];
+        rows[0][first] = sign(4);
+        rows[1][second] = sign(5);
+        rows[2][3 - first - second] = sign(6);
+        turn = Mat3::from_cols(rows[0], rows[1], rows[2]).transpose();
+    }
+    let mut position = Vec3::ZERO;
+    if let Some(text) = attributes.get("_t") {
+        let numbers: Vec<i32> = text.split_whitespace().flat_map(str::parse).collect();
+        let [x, y, z] = numbers[..] else {
+            return Err(format!("has a place `{text}` that is none"));
+        };
+        // Model files reach ±1000; this keeps sums of them exact in f32.
+        position = IVec3::new(x, y, z)
+            .clamp(IVec3::splat(-65536), IVec3::splat(65536))
+            .as_vec3();
+    }
+    Ok(Pose { turn, position })
+}
+
+fn add_voxels(
+    data: &DotVoxData,
+    model: usize,
+    pose: Pose,
+    voxels: &mut BTreeMap<[i32; 3], u8>,
+) -> Result<(), String> {
+    let model = data.models.get(model);
+    let model = model.ok_or("refers to a model that it does not have")?;
+    // A model turns about the corner in its middle.
+    let size = &model.size;
+    let pivot = Vec3::new(
+        (size.x / 2) as f32,
+        (size.y / 2) as f32,
+        (size.z / 2) as f32,
+    );
+    for voxel in &model.voxels {
+        let centre = Vec3::new(f32::from(voxel.x), f32::from(voxel.y), f32::from(voxel.z)) + 0.5;
+        let turned = pose.turn * (centre - pivot) + pose.position;
+        let ours = Vec3::new(turned.x, turned.z, -turned.y).floor().as_ivec3();
+        voxels.insert(ours.to_array(), voxel.i);
+        if voxels.len() > 16 * MAX_PARTS {
+            return Err("has too many voxels".into());
+        }
+    }
+    Ok(())
+}
