@@ -33,9 +33,8 @@ const SPEED_PER_NOTCH: f32 = 1.2;
 /// voxels a second. The same time held gives the same place, whatever the frame rate.
 pub fn flown(camera: &Camera, input: &FlyInput, speed: f32) -> Camera {
     let mut next = camera.clone();
-    next.yaw_deg = (next.yaw_deg - input.look_right_px * DEGREES_PER_PIXEL + 180.0)
-        .rem_euclid(360.0)
-        - 180.0;
+    next.yaw_deg =
+        (next.yaw_deg - input.look_right_px * DEGREES_PER_PIXEL + 180.0).rem_euclid(360.0) - 180.0;
     next.pitch_deg = (next.pitch_deg - input.look_down_px * DEGREES_PER_PIXEL)
         .clamp(-STEEPEST_DEG, STEEPEST_DEG);
     let basis = next.basis(1.0);

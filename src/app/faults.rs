@@ -25,7 +25,9 @@ impl Faults {
             });
         });
         gpu.device
-            .on_uncaptured_error(Arc::new(move |error: wgpu::Error| report(error.to_string())));
+            .on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+                report(error.to_string())
+            }));
         Self(first)
     }
 

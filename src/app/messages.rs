@@ -65,7 +65,7 @@ impl Messages {
 }
 
 fn toasts(ui: &Ui, toasts: &[Toast]) {
-    Area::new(Id::new("toasts"))
+    Area::new(Id::unique("toasts"))
         .anchor(Align2::CENTER_BOTTOM, [0.0, -24.0])
         .interactable(false)
         .show(ui.ctx(), |ui| {
@@ -87,7 +87,7 @@ fn diagnostic(ui: &Ui, title: &str, text: &mut Option<String>) {
     };
     let mut open = true;
     Window::new(RichText::new(title).color(ERROR))
-        .id(Id::new(title))
+        .id(Id::unique(title))
         .open(&mut open)
         .pivot(Align2::CENTER_CENTER)
         .default_pos(ui.ctx().content_rect().center())

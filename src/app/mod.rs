@@ -18,11 +18,14 @@ mod session;
 mod show;
 mod widgets;
 
-use std::path::PathBuf;
+use std::{
+    path::PathBuf,
+    time::{Duration, Instant},
+};
 
 use winit::{
     application::ApplicationHandler,
-    event::{DeviceEvent, DeviceId, WindowEvent},
+    event::{DeviceEvent, DeviceId, StartCause, WindowEvent},
     event_loop::{ActiveEventLoop, ControlFlow, EventLoop},
     window::WindowId,
 };
@@ -35,6 +38,9 @@ use crate::{
     world::{Camera, World},
 };
 use session::Session;
+
+/// How often a window that nobody sees is looked after.
+const IDLE: Duration = Duration::from_millis(250);
 
 /// What a window begins with.
 pub struct Options {
@@ -144,11 +150,17 @@ impl ApplicationHandler for App {
         let Some(session) = &self.session else {
             return;
         };
-        session.request_frame();
         event_loop.set_control_flow(if session.hidden() {
-            ControlFlow::WaitUntil(std::time::Instant::now() + session::IDLE)
+            ControlFlow::WaitUntil(Instant::now() + IDLE)
         } else {
+            session.request_frame();
             ControlFlow::Poll
         });
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if let (Some(session), StartCause::ResumeTimeReached { .. }) = (&self.session, cause) {
+            session.request_frame();
+        }
     }
 }

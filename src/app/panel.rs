@@ -74,7 +74,7 @@ impl PassMeans {
 /// Edges of pictures in parts of the window's that the panel offers.
 pub const SCALES: std::ops::RangeInclusive<f32> = 0.1..=1.0;
 
-const WIDTH: f32 = 350.0;
+const WIDTH: f32 = 320.0;
 const WARNING: Color32 = Color32::from_rgb(255, 190, 80);
 
 /// Draws the panel at the left edge of the window.
@@ -142,7 +142,11 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
     let gpu = &facts.show.gpu;
     ui.horizontal(|ui| {
         let fps = facts.rate.fps().unwrap_or(0.0);
-        ui.label(RichText::new(format!("{} FPS", digits(fps))).heading().strong());
+        ui.label(
+            RichText::new(format!("{} FPS", digits(fps)))
+                .heading()
+                .strong(),
+        );
         if let Some(low) = facts.rate.low1_fps() {
             let ms = if fps > 0.0 { 1e3 / fps } else { 0.0 };
             ui.weak(format!("{} ms · 1 % low {} FPS", digits(ms), digits(low)));
@@ -185,8 +189,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
         line(
             "memory",
             format!(
-                "{} ({} voxels, {} probes)",
-                mebibytes(memory.total),
+                "voxels {}, probes {}",
                 mebibytes(memory.voxels),
                 mebibytes(memory.probes)
             ),
@@ -200,7 +203,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
         line(
             "camera",
             format!(
-                "({:.1}, {:.1}, {:.1}), yaw {yaw_deg:.0}°, pitch {pitch_deg:.0}°",
+                "({:.1}, {:.1}, {:.1}) {yaw_deg:.0}° {pitch_deg:.0}°",
                 at.x, at.y, at.z
             ),
         );
@@ -239,8 +242,9 @@ fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut O
         view(ui, &mut settings.view);
         ui.end_row();
 
-        ui.label("resolution")
-            .on_hover_text("Edge of the picture in parts of the window's; time grows with its square");
+        ui.label("resolution").on_hover_text(
+            "Edge of the picture in parts of the window's; time grows with its square",
+        );
         ui.add(
             Slider::new(&mut settings.scale, SCALES)
                 .custom_formatter(|scale, _| format!("{:.0} %", 100.0 * scale))
@@ -288,8 +292,12 @@ fn time(ui: &mut Ui, clock: &mut WorldClock) {
         ui.label("rate")
             .on_hover_text("Seconds of the world to a second of ours");
         ui.horizontal(|ui| {
-            ui.add(Slider::new(&mut clock.rate, 0.0..=10.0).logarithmic(true).smallest_positive(0.1));
-            if clock.rate != 1.0 && ui.small_button("↺").clicked() {
+            ui.add(
+                Slider::new(&mut clock.rate, 0.0..=10.0)
+                    .logarithmic(true)
+                    .smallest_positive(0.1),
+            );
+            if clock.rate != 1.0 && ui.small_button(RichText::new("↺").monospace()).clicked() {
                 clock.rate = 1.0;
             }
         });
@@ -305,26 +313,32 @@ fn passes(ui: &mut Ui, facts: &Facts<'_>) {
         ui.weak("This adapter does not time its passes.");
         return;
     }
-    Grid::new("passes").num_columns(3).spacing([10.0, 3.0]).show(ui, |ui| {
-        for (label, ms) in means {
-            ui.monospace(label);
+    Grid::new("passes")
+        .num_columns(3)
+        .spacing([10.0, 3.0])
+        .show(ui, |ui| {
+            for (label, ms) in means {
+                ui.monospace(label);
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    ui.monospace(format!("{ms:.2} ms"));
+                });
+                let (rect, _) =
+                    ui.allocate_exact_size(egui::vec2(110.0, 9.0), egui::Sense::hover());
+                let mut bar = rect;
+                bar.set_width(rect.width() * (ms / longest) as f32);
+                let visuals = ui.visuals();
+                ui.painter()
+                    .rect_filled(rect, 2.0, visuals.extreme_bg_color);
+                ui.painter()
+                    .rect_filled(bar, 2.0, visuals.selection.bg_fill);
+                ui.end_row();
+            }
+            ui.monospace("sum");
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                ui.monospace(format!("{ms:.2} ms"));
+                ui.monospace(format!("{:.2} ms", means.values().sum::<f64>()));
             });
-            let (rect, _) = ui.allocate_exact_size(egui::vec2(110.0, 9.0), egui::Sense::hover());
-            let mut bar = rect;
-            bar.set_width(rect.width() * (ms / longest) as f32);
-            let visuals = ui.visuals();
-            ui.painter().rect_filled(rect, 2.0, visuals.extreme_bg_color);
-            ui.painter().rect_filled(bar, 2.0, visuals.selection.bg_fill);
             ui.end_row();
-        }
-        ui.monospace("sum");
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            ui.monospace(format!("{:.2} ms", means.values().sum::<f64>()));
         });
-        ui.end_row();
-    });
 }
 
 /// A section for each of the parameters', in the order of their table but with what needs a new
@@ -343,11 +357,17 @@ fn parameters(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
     for (prefix, title, open) in sections {
         section(ui, title, open, |ui| {
             grid(ui, prefix, |ui| {
-                let keys = KEYS
-                    .iter()
-                    .filter(|key| key.name.split_once('.').is_some_and(|(name, _)| name == prefix));
+                let keys = KEYS.iter().filter(|key| {
+                    key.name
+                        .split_once('.')
+                        .is_some_and(|(name, _)| name == prefix)
+                });
                 for key in keys {
-                    let names: &[&str] = if key.kind == Kind::Name { &presets } else { &[] };
+                    let names: &[&str] = if key.kind == Kind::Name {
+                        &presets
+                    } else {
+                        &[]
+                    };
                     widgets::row(ui, key, &mut settings.choice.parameters, names);
                 }
             });
@@ -376,7 +396,14 @@ mod tests {
     #[test]
     fn every_parameter_has_its_section() {
         // Those that `parameters` lists.
-        let known = ["probes", "lights", "picture", "textures", "materials", "world"];
+        let known = [
+            "probes",
+            "lights",
+            "picture",
+            "textures",
+            "materials",
+            "world",
+        ];
         for key in KEYS {
             let (section, _) = key.name.split_once('.').expect("section.field");
             assert!(known.contains(&section), "{} has no section", key.name);

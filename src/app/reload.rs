@@ -125,7 +125,10 @@ mod tests {
         assert!(!watch.changed(start + INTERVAL), "seen for the first time");
         fs::write(&path, "half of what is to come").expect("writable");
         assert!(!watch.changed(start + 2 * INTERVAL), "still growing");
-        assert!(!watch.changed(start + 2 * INTERVAL + INTERVAL / 2), "too soon");
+        assert!(
+            !watch.changed(start + 2 * INTERVAL + INTERVAL / 2),
+            "too soon"
+        );
         assert!(watch.changed(start + 3 * INTERVAL));
     }
 

@@ -3,7 +3,7 @@
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
-    time::{Duration, Instant, SystemTime},
+    time::{Instant, SystemTime},
 };
 
 use egui::Context;
@@ -25,12 +25,13 @@ use super::{
     reload::Watch,
     screen::{self, Acquired, Screen},
     screenshot,
-    show::{Choice, Show, ShowError},
+    show::{Choice, Show},
 };
 use crate::{
     frame::FrameError,
     gpu::{self, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
+    parameters::Remake,
     passes::overlay::{Overlay, PanelShapes},
     world::Camera,
 };
@@ -39,8 +40,6 @@ use crate::{
 const SOFTWARE_SCALE: f32 = 0.35;
 /// Frames after which every probe has been traced, or lies in stone.
 const FRAMES_TO_COUNT: u32 = 4;
-/// How often a window that nobody sees is looked after.
-pub const IDLE: Duration = Duration::from_millis(250);
 
 pub struct Session {
     window: Arc<Window>,
@@ -149,7 +148,7 @@ impl Session {
         })
     }
 
-    /// Asks for the next frame, unless nobody would see it.
+    /// Asks for the next frame.
     pub fn request_frame(&self) {
         self.window.request_redraw();
     }
@@ -328,7 +327,9 @@ impl Session {
     }
 
     fn check(&self) -> Result<(), AppError> {
-        self.faults.first().map_or(Ok(()), |fault| Err(fault.into()))
+        self.faults
+            .first()
+            .map_or(Ok(()), |fault| Err(fault.into()))
     }
 
     fn run_panel(&mut self, event_loop: &ActiveEventLoop) -> PanelShapes {
@@ -372,20 +373,16 @@ impl Session {
     /// Shows what was chosen: at once if that is no work, else when the mouse is let go.
     fn apply_settings(&mut self) {
         let dragging = self.egui.egui_ctx().input(|input| input.pointer.any_down());
-        let scale = if dragging {
+        let minimised = self.screen.size().contains(&0);
+        let mut next = self.settings.choice.clone();
+        next.size = if dragging || minimised {
             self.show.frame().size()
         } else {
             scaled(self.screen.size(), self.settings.scale)
         };
-        let mut next = self.settings.choice.clone();
-        next.size = if self.screen.size().contains(&0) {
-            self.show.frame().size()
-        } else {
-            scale
-        };
         let shown = self.show.choice();
         let remake = shown.parameters.remake_for(&next.parameters);
-        if next == *shown || (dragging && remake != crate::parameters::Remake::Nothing) {
+        if next == *shown || (dragging && remake != Remake::Nothing) {
             return;
         }
         match self.show.apply(next) {

@@ -183,7 +183,11 @@ impl Show {
             time_s,
             textures: parameters.textures.enabled,
         };
-        let lamp_time_s = if parameters.lights.animate { time_s } else { 0.0 };
+        let lamp_time_s = if parameters.lights.animate {
+            time_s
+        } else {
+            0.0
+        };
         let lights = Lights::at(&self.world, &self.lamps(), lamp_time_s);
         self.frame
             .record(&self.gpu, recorder, &view, &lights, &parameters.probes);
@@ -193,7 +197,9 @@ impl Show {
     fn lamps(&self) -> LampPreset {
         let parameters = &self.choice.parameters.lights;
         let presets = &self.world.lamp_presets;
-        let chosen = presets.iter().find(|preset| preset.name == parameters.preset);
+        let chosen = presets
+            .iter()
+            .find(|preset| preset.name == parameters.preset);
         let mut lamps = chosen
             .unwrap_or_else(|| presets.first().expect("a world has a lamp preset"))
             .clone();
@@ -204,7 +210,9 @@ impl Show {
 
 /// The choice with what this world lacks replaced by what it has.
 fn fitting(mut choice: Choice, world: &World) -> Choice {
-    choice.layout.clone_from(&layout(world, &choice.layout).name);
+    choice
+        .layout
+        .clone_from(&layout(world, &choice.layout).name);
     let preset = &mut choice.parameters.lights.preset;
     if world.lamp_presets.iter().all(|known| known.name != *preset) {
         preset.clear();

@@ -1,6 +1,6 @@
 //! Widgets for parameters of any kind: what the panel knows of a key comes from the key's table.
 
-use egui::{ComboBox, DragValue, Response, Slider, Ui};
+use egui::{ComboBox, DragValue, Response, RichText, Slider, Ui};
 use glam::{UVec3, Vec3};
 
 use crate::parameters::{Key, Kind, Parameters, Value};
@@ -9,14 +9,18 @@ use crate::parameters::{Key, Kind, Parameters, Value};
 /// [`Kind::Name`] can be.
 pub fn row(ui: &mut Ui, key: &Key, parameters: &mut Parameters, names: &[&str]) {
     let before = key.get(parameters);
-    ui.label(label(key))
-        .on_hover_text(format!("{}\n\n{} · {}", key.doc, key.name, key.kind.range()));
+    ui.label(label(key)).on_hover_text(format!(
+        "{}\n\n{} · {}",
+        key.doc,
+        key.name,
+        key.kind.range()
+    ));
     let mut after = before.clone();
     ui.horizontal(|ui| {
         edit(ui, key, &mut after, names);
         if before != key.default()
             && ui
-                .small_button("↺")
+                .small_button(RichText::new("↺").monospace())
                 .on_hover_text(format!("back to {}", shown(&key.default())))
                 .clicked()
         {
@@ -32,7 +36,10 @@ pub fn row(ui: &mut Ui, key: &Key, parameters: &mut Parameters, names: &[&str]) 
 
 /// `hysteresis` for `probes.hysteresis`, words apart.
 fn label(key: &Key) -> String {
-    let field = key.name.split_once('.').map_or(key.name, |(_, field)| field);
+    let field = key
+        .name
+        .split_once('.')
+        .map_or(key.name, |(_, field)| field);
     field.replace('_', " ")
 }
 
@@ -168,7 +175,9 @@ mod tests {
             Kind::Flag => Value::Flag(most),
             Kind::Count { min, max } => Value::Count(if most { max } else { min }),
             Kind::Number { min, max } => Value::Number(if most { max } else { min }),
-            Kind::Choice { words, .. } => Value::Choice(words[if most { words.len() - 1 } else { 0 }]),
+            Kind::Choice { words, .. } => {
+                Value::Choice(words[if most { words.len() - 1 } else { 0 }])
+            }
             Kind::Name => Value::Name(if most { "one" } else { "gone" }.to_owned()),
             Kind::Seed => Value::Seed(most.then_some(u32::MAX)),
             Kind::Colour { max } => Value::Colour(most.then_some(Vec3::splat(max))),

@@ -124,7 +124,10 @@ fn read_modules(
         };
         if path.is_dir() {
             read_modules(&path, &format!("{}/", name(path.file_name())), modules)?;
-        } else if path.extension().is_some_and(|extension| extension == "wesl") {
+        } else if path
+            .extension()
+            .is_some_and(|extension| extension == "wesl")
+        {
             let text = fs::read_to_string(&path).map_err(|error| unreadable(&path, error))?;
             modules.insert(name(path.file_stem()), text.into());
         }
