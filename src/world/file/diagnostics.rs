@@ -213,10 +213,10 @@ impl Source {
 
     fn offset_of(&self, position: Position) -> usize {
         let mut lines = self.text.split_inclusive('\n');
-        let before: usize = lines.by_ref().take(position.line - 1).map(str::len).sum();
+        let before: usize = lines.by_ref().take(position.line.saturating_sub(1)).map(str::len).sum();
         let line = lines.next().unwrap_or("");
         let mut chars = line.char_indices().map(|(offset, _)| offset);
-        before + chars.nth(position.col - 1).unwrap_or(line.len())
+        before + chars.nth(position.col.saturating_sub(1)).unwrap_or(line.len())
     }
 
     /// The parser has sometimes gone past a key when it objects to it: look back for the word.
@@ -227,12 +227,8 @@ impl Source {
             let after = self.text[at + word.len()..].chars().next();
             !before.is_some_and(is_part) && !after.is_some_and(is_part)
         };
-        let until = &self.text[..(end + word.len()).min(self.text.len())];
-        let until = if self.text.is_char_boundary(until.len()) {
-            until
-        } else {
-            &self.text[..end]
-        };
+        let until = (end + word.len()).min(self.text.len());
+        let until = &self.text[..self.text.floor_char_boundary(until)];
         let places = until.rmatch_indices(word).map(|(at, _)| at);
         match places.filter(|at| *at <= end).find(alone) {
             Some(at) => (at, word.len()),
@@ -246,11 +242,14 @@ impl Source {
         let trimmed = text.trim_start();
         let start = start + text.len() - trimmed.len();
         let trimmed = trimmed.lines().next().unwrap_or("").trim_end();
-        let length = match self.text[start..].chars().next() {
-            Some(c) if trimmed.is_empty() => c.len_utf8(),
-            _ => trimmed.len(),
-        };
-        (start, length)
+        if !trimmed.is_empty() {
+            return (start, trimmed.len());
+        }
+        // A place between characters: take the word or the sign that begins there.
+        let rest = &self.text[start..];
+        let word = rest.find(|c: char| !(c.is_alphanumeric() || "_.+-".contains(c)));
+        let sign = rest.chars().next().map_or(0, char::len_utf8);
+        (start, word.unwrap_or(rest.len()).max(sign))
     }
 }
 
@@ -282,14 +281,13 @@ fn raw_string_length(text: &str) -> usize {
 /// "Did you mean", and what there is.
 pub fn suggest<'a>(wanted: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
     let all: Vec<String> = known.clone().map(|name| format!("`{name}`")).collect();
-    let all = match all.len() {
-        0 => "there is none yet".to_owned(),
-        1 => format!("there is only {}", all[0]),
-        _ => format!("there are {}", all.join(", ")),
-    };
-    match nearest(wanted, known).first() {
-        Some(near) => format!("did you mean `{near}`? {all}"),
-        None => all,
+    let near = nearest(wanted, known);
+    match (near.first(), all.len()) {
+        (_, 0) => "there is none yet".to_owned(),
+        (Some(near), 1) => format!("did you mean `{near}`?"),
+        (None, 1) => format!("there is only {}", all[0]),
+        (Some(near), _) => format!("did you mean `{near}`? There are {}", all.join(", ")),
+        (None, _) => format!("there are {}", all.join(", ")),
     }
 }
 
@@ -364,9 +362,21 @@ fn explain(error: RonError) -> (String, String, Option<String>) {
             "separate keys and elements with `,`".into(),
             None,
         ),
+        RonError::InvalidIdentifier(_)
+        | RonError::SuggestRawIdentifier(_)
+        | RonError::ExpectedIdentifier => (
+            "expected the name of a key".into(),
+            "write `key: value`, separated by commas".into(),
+            None,
+        ),
         RonError::TrailingCharacters => (
             "there is text after the end of the world".into(),
             "a world file is one group of keys: ( … )".into(),
+            None,
+        ),
+        RonError::Message(message) => (
+            message,
+            "worlds/README.md says what every key takes".into(),
             None,
         ),
         error => (
