@@ -1,6 +1,6 @@
 //! grotto renders procedural voxel worlds with real-time global illumination.
 //!
-//! The map, and who may import whom (held by `tests/house.rs`):
+//! The map, and who may import whom (held by `tests/house/`):
 //!
 //! ```text
 //! world ← lights, probes ← reference

@@ -134,7 +134,7 @@ parameters! {
     #[doc = "What is voxelised."]
     world: WorldParameters {
         #[doc = "Extent in voxels in place of the file's; memory and build time grow with its surface."]
-        size: Option<UVec3> = None, Kind::Size { max: 8192 }, World;
+        size: Option<UVec3> = None, Kind::Size { max: 4096 }, World;
         #[doc = "Seed of noise, scatter and flicker in place of the file's; costs nothing."]
         seed: Option<u32> = None, Kind::Seed, World;
     }
@@ -341,9 +341,9 @@ mod tests {
             ("probes.visibility=some", ["none, chebyshev", "`some`"]),
             ("probes.states=on", ["not yet", "off"]),
             ("lights.animate=maybe", ["on or off", "`maybe`"]),
-            ("world.size=0x1x1", ["from 1 to 8192", "`0x1x1`"]),
+            ("world.size=0x1x1", ["from 1 to 4096", "`0x1x1`"]),
             ("world.size=64x64", ["WIDTHxHEIGHTxDEPTH", "`64x64`"]),
-            ("world.size=9999x1x1", ["from 1 to 8192", "`9999x1x1`"]),
+            ("world.size=9999x1x1", ["from 1 to 4096", "`9999x1x1`"]),
             ("world.seed=-3", ["whole number", "`-3`"]),
             ("materials.albedo=1.5", ["from 0 to 1", "`1.5`"]),
             ("materials.albedo=0.1,0.2", ["R,G,B", "`0.1,0.2`"]),

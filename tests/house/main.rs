@@ -1,0 +1,330 @@
+//! The rules of the house, read from the sources: who may import whom, one shader a pass, and
+//! files that stay readable. Each rule is also shown a planted fault that it must find.
+
+mod imports;
+mod source;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use imports::Import;
+
+/// Top-level module → what it may import besides itself and `parameters`, which is a leaf for all.
+const MAY_IMPORT: [(&str, &[&str]); 12] = [
+    ("parameters", &[]),
+    ("measure", &[]),
+    ("gpu", &[]),
+    ("world", &[]),
+    ("lights", &["world"]),
+    ("probes", &["world"]),
+    ("reference", &["world", "lights", "probes", "measure"]),
+    ("passes", &["world", "lights", "probes", "gpu", "measure"]),
+    (
+        "frame",
+        &["world", "lights", "probes", "gpu", "passes", "measure"],
+    ),
+    (
+        "app",
+        &[
+            "world",
+            "lights",
+            "probes",
+            "gpu",
+            "passes",
+            "frame",
+            "measure",
+            "reference",
+        ],
+    ),
+    (
+        "commands",
+        &[
+            "world",
+            "lights",
+            "probes",
+            "gpu",
+            "passes",
+            "frame",
+            "measure",
+            "reference",
+            "app",
+        ],
+    ),
+    // src/main.rs: arguments → a command.
+    ("main", &["commands"]),
+];
+
+/// Tests of a module may judge it with these, whatever the module itself may import. The judge's
+/// own tests get nothing more: it never sees what it judges.
+const TESTS_MAY_IMPORT: [&str; 2] = ["measure", "reference"];
+
+/// Most lines of a source file or shader; unit tests do not count.
+const MOST_LINES: usize = 400;
+
+/// Files that are longer, each with the reason why it is better whole.
+const LONG_FILES: [(&str, &str); 5] = [
+    (
+        "shaders/passes/probe_blend.wesl",
+        "the kernels of one pass, which share its bindings",
+    ),
+    (
+        "shaders/passes/voxelise.wesl",
+        "the kernels of one pass, which share its bindings",
+    ),
+    (
+        "src/world/file/schema.rs",
+        "one key after the other, as worlds/README.md lists them",
+    ),
+    (
+        "src/world/sdf/shape.rs",
+        "one arm an operator: its value and its bound stand together",
+    ),
+    (
+        "src/world/sdf/wgsl.rs",
+        "one arm an operator, as in shape.rs, whose twin it writes",
+    ),
+];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Paths of all files under `folder` with this extension, relative to the repository, with their
+/// contents; sorted.
+fn files(folder: &str, extension: &str) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    let mut folders = vec![root().join(folder)];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder of the repository") {
+            let path = entry.expect("an entry of the folder").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|found| found == extension) {
+                let text = fs::read_to_string(&path).expect("sources are text");
+                let relative = path.strip_prefix(root()).expect("under the root");
+                found.push((relative.to_path_buf(), text));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The passes that `passes/mod.rs` declares: its public modules. Private ones are shared helpers.
+fn passes(passes_mod: &str) -> BTreeSet<String> {
+    let modules = passes_mod
+        .lines()
+        .filter_map(|line| line.strip_prefix("pub mod "));
+    modules
+        .filter_map(|line| line.strip_suffix(';'))
+        .map(str::to_owned)
+        .collect()
+}
+
+fn declared_passes() -> BTreeSet<String> {
+    let text = fs::read_to_string(root().join("src/passes/mod.rs")).expect("the list of passes");
+    passes(&text)
+}
+
+/// Why an import of the module `from` is forbidden, if it is.
+fn objection(from: &[String], import: &Import, passes: &BTreeSet<String>) -> Option<String> {
+    let (own, path) = (&from[0], &import.path);
+    let Some(target) = path.first() else {
+        return Some("names the whole crate".into());
+    };
+    if target != own {
+        let Some((_, allowed)) = MAY_IMPORT.iter().find(|(module, _)| module == own) else {
+            return Some(format!(
+                "`{own}` is not in the list of modules of this test"
+            ));
+        };
+        let for_tests = import.in_tests && TESTS_MAY_IMPORT.contains(&target.as_str());
+        let fine = target == "parameters" || allowed.contains(&target.as_str()) || for_tests;
+        return (!fine).then(|| format!("`{own}` may not import `{target}`"));
+    }
+    // Within passes/: a pass reads what its siblings share, never a sibling pass.
+    let sibling = path
+        .get(1)
+        .filter(|sibling| own == "passes" && passes.contains(*sibling));
+    match (sibling, from.get(1)) {
+        (Some(sibling), Some(pass)) if sibling != pass => Some(format!(
+            "`passes::{pass}` may not import the pass `{sibling}`"
+        )),
+        // mod.rs itself would pass the sibling on to all.
+        (Some(sibling), None) => Some(format!("`passes/mod.rs` may not re-export `{sibling}`")),
+        _ => None,
+    }
+}
+
+/// `path:line: reason` for each forbidden import of a source file under src/.
+fn import_faults(path: &Path, text: &str, passes: &BTreeSet<String>) -> Vec<String> {
+    let Some(module) = imports::module_of(path) else {
+        return Vec::new();
+    };
+    let objections = imports::of_source(&module, text);
+    let faults = objections.iter().filter_map(|import| {
+        let reason = objection(&module, import, passes)?;
+        Some(format!("{}:{}: {reason}", path.display(), import.line))
+    });
+    faults.collect()
+}
+
+/// Lines of a file without the unit tests at its end.
+fn counted_lines(text: &str) -> usize {
+    let tests = text.find("\n#[cfg(test)]\nmod tests {");
+    text[..tests.map_or(text.len(), |at| at + 1)]
+        .lines()
+        .count()
+}
+
+#[test]
+fn imports_run_one_way() {
+    let passes = declared_passes();
+    let faults: Vec<String> = files("src", "rs")
+        .iter()
+        .flat_map(|(path, text)| import_faults(path, text, &passes))
+        .collect();
+    assert!(
+        faults.is_empty(),
+        "forbidden imports:\n{}",
+        faults.join("\n")
+    );
+}
+
+#[test]
+fn every_pass_has_one_file_and_one_shader_of_its_name() {
+    let declared = declared_passes();
+    let stems = |folder, extension| -> BTreeSet<String> {
+        let paths = files(folder, extension).into_iter().map(|(path, _)| path);
+        let stem = |path: PathBuf| {
+            path.file_stem()
+                .map(|stem| stem.to_string_lossy().into_owned())
+        };
+        paths.filter_map(stem).collect()
+    };
+    assert!(!declared.is_empty());
+    assert_eq!(
+        declared,
+        stems("shaders/passes", "wesl"),
+        "passes and their shaders"
+    );
+    let sources = stems("src/passes", "rs");
+    let missing: Vec<_> = declared.difference(&sources).collect();
+    assert!(missing.is_empty(), "passes without a file: {missing:?}");
+}
+
+#[test]
+fn files_stay_readable() {
+    let all = [("src", "rs"), ("shaders", "wesl")];
+    let long: Vec<(String, usize)> = all
+        .iter()
+        .flat_map(|(folder, extension)| files(folder, extension))
+        .filter(|(path, _)| !path.ends_with("tests.rs"))
+        .map(|(path, text)| (path.to_string_lossy().into_owned(), counted_lines(&text)))
+        .filter(|(_, lines)| *lines > MOST_LINES)
+        .collect();
+    let excused = |path: &str| LONG_FILES.iter().any(|(known, _)| *known == path);
+    let grown: Vec<_> = long.iter().filter(|(path, _)| !excused(path)).collect();
+    assert!(
+        grown.is_empty(),
+        "files over {MOST_LINES} lines without a reason: {grown:?}"
+    );
+    for (known, reason) in LONG_FILES {
+        assert!(
+            long.iter().any(|(path, _)| path == known),
+            "{known} needs no excuse any more"
+        );
+        assert!(reason.len() > 20, "{known}: say why");
+    }
+}
+
+#[test]
+fn planted_imports_are_found() {
+    let passes = BTreeSet::from(["shade".to_owned(), "tonemap".to_owned()]);
+    let faults = |path: &str, text: &str| import_faults(Path::new(path), text, &passes);
+    for (path, text) in [
+        ("src/world/sdf/mod.rs", "use crate::lights::Lights;"),
+        ("src/lights/lamp.rs", "use crate::probes::Volume;"),
+        ("src/reference/march.rs", "use crate::passes::View;"),
+        (
+            "src/reference/render.rs",
+            "#[cfg(test)]\nmod tests {\n    use crate::gpu::Gpu;\n}",
+        ),
+        (
+            "src/reference/render.rs",
+            "fn f() -> f64 { crate::gpu::device::limit() }",
+        ),
+        (
+            "src/measure/metrics.rs",
+            "use crate::{measure::picture, world::{self, World}};",
+        ),
+        ("src/gpu/kernel.rs", "use super::super::world::World;"),
+        (
+            "src/gpu/mod.rs",
+            "pub(crate) use super::world::voxels::{CELL, Voxels as V};",
+        ),
+        ("src/parameters/mod.rs", "use crate::world::World;"),
+        ("src/passes/shade.rs", "use super::tonemap::Tonemap;"),
+        (
+            "src/passes/shade.rs",
+            "use crate::{gpu::Gpu, passes::{View, tonemap}};",
+        ),
+        ("src/passes/mod.rs", "pub use self::shade::Shade;"),
+        ("src/passes/mod.rs", "pub use shade::{Shade, Other};"),
+        ("src/passes/shade.rs", "use crate::frame::Frame;"),
+        ("src/passes/shade.rs", "use crate::reference::march;"),
+        ("src/frame.rs", "use crate::commands::Cli;"),
+        ("src/world/file.rs", "use crate::*;"),
+        ("src/novelty.rs", "use crate::world::World;"),
+        ("src/main.rs", "use grotto::gpu::Gpu;"),
+    ] {
+        assert!(!faults(path, text).is_empty(), "{path}: {text}");
+    }
+    for (path, text) in [
+        (
+            "src/lights/lamp.rs",
+            "use crate::world::{Lamp, Sun};\nuse super::motion;",
+        ),
+        (
+            "src/passes/shade.rs",
+            "use super::{View, shade::Own};\nuse crate::parameters::Light;",
+        ),
+        (
+            "src/passes/shade.rs",
+            "#[cfg(test)]\nmod tests { use super::*; use crate::reference::A; }",
+        ),
+        (
+            "src/world/sdf/mod.rs",
+            "// use crate::gpu::Gpu;\n/* crate::gpu */ pub(crate) fn f() {}",
+        ),
+        (
+            "src/world/sdf/mod.rs",
+            "const HELP: &str = \"use crate::gpu::Gpu;\";",
+        ),
+        (
+            "src/world/sdf/mod.rs",
+            "const A: &str = r#\"\" crate::gpu::A \"#; const C: char = '\"';",
+        ),
+        ("src/main.rs", "use grotto::commands::Cli;"),
+    ] {
+        assert_eq!(faults(path, text), Vec::<String>::new(), "{path}: {text}");
+    }
+}
+
+#[test]
+fn the_counter_of_lines_leaves_out_unit_tests_only() {
+    let code = "fn f() {}\n".repeat(401);
+    assert_eq!(counted_lines(&code), 401);
+    let tested = format!(
+        "{}#[cfg(test)]\nmod tests {{\n{code}}}\n",
+        "fn f() {}\n".repeat(9)
+    );
+    assert_eq!(counted_lines(&tested), 9);
+}
+
+#[test]
+fn private_modules_of_passes_are_no_passes() {
+    let text = "mod view;\npub mod shade;\npub use view::View;\n// pub mod gone;\n";
+    assert_eq!(passes(text), BTreeSet::from(["shade".to_owned()]));
+}
