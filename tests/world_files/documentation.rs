@@ -31,14 +31,27 @@ fn schema_words() -> Vec<&'static str> {
 fn every_key_is_documented() {
     let words = schema_words();
     assert!(words.len() > 120, "{words:?}");
-    for known in ["title", "Sphere", "half_height", "without_corners", "places", "fov_deg"] {
-        assert!(words.contains(&known), "{known} is not found in the schema: {words:?}");
+    for known in [
+        "title",
+        "Sphere",
+        "half_height",
+        "without_corners",
+        "places",
+        "fov_deg",
+    ] {
+        assert!(
+            words.contains(&known),
+            "{known} is not found in the schema: {words:?}"
+        );
     }
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     let documented: Vec<&str> = README.split(|c| !is_part(c)).collect();
     let missing = words.iter().filter(|word| !documented.contains(word));
     let missing: Vec<_> = missing.collect();
-    assert!(missing.is_empty(), "worlds/README.md does not name {missing:?}");
+    assert!(
+        missing.is_empty(),
+        "worlds/README.md does not name {missing:?}"
+    );
 }
 
 #[test]

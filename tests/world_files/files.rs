@@ -23,20 +23,41 @@ fn files_that_are_no_worlds_are_refused() {
     file("good.ron", FULL.as_bytes());
     let large = file("large.ron", b"");
     let grown = fs::File::options().write(true).open(&large);
-    grown.and_then(|file| file.set_len(100_000_000)).expect("grown");
+    grown
+        .and_then(|file| file.set_len(100_000_000))
+        .expect("grown");
     for (path, message, remedy) in [
         (file("empty.ron", b""), "is empty", "minimal.ron"),
         (file("blank.ron", b" \n\t\n"), "is empty", "minimal.ron"),
-        (file("png.ron", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"), "a PNG picture", "RON"),
+        (
+            file("png.ron", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"),
+            "a PNG picture",
+            "RON",
+        ),
         (file("binary.ron", b"(title\0\x01"), "a binary file", "RON"),
-        (file("latin.ron", b"(\ntitle: \"caf\xe9\")"), "line 2", "UTF-8"),
+        (
+            file("latin.ron", b"(\ntitle: \"caf\xe9\")"),
+            "line 2",
+            "UTF-8",
+        ),
         (large, "has 100.0 MB", "minimal.ron"),
         (folder.path().to_owned(), "is a folder", "good.ron"),
-        (folder.path().join("missing.ron"), "does not exist", "good.ron"),
-        (folder.path().join("nowhere/a.ron"), "does not exist", "no folder"),
+        (
+            folder.path().join("missing.ron"),
+            "does not exist",
+            "good.ron",
+        ),
+        (
+            folder.path().join("nowhere/a.ron"),
+            "does not exist",
+            "no folder",
+        ),
     ] {
         let problem = refused(load(&path));
-        assert!(problem.to_string().contains(message), "{problem} lacks {message}");
+        assert!(
+            problem.to_string().contains(message),
+            "{problem} lacks {message}"
+        );
         let help = problem.remedy();
         assert!(help.contains(remedy), "{help} lacks {remedy}");
     }

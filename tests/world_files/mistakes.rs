@@ -6,8 +6,9 @@ use crate::{FULL, read, refused, with};
 #[test]
 fn mistakes_are_shown_where_they_stand() {
     // What to replace, what with, the offending text, in the message, in the remedy.
+    #[rustfmt::skip] // One line a case.
     let cases: &[[&str; 5]] = &[
-        ["title:", "titel:", "titel", "not a key", "did you mean `title`"],
+        ["title:", "titl:", "titl", "not a key", "did you mean `title`"],
         ["origin:", "wibble:", "wibble", "not a key", "`origin`"],
         ["basis: Value", "basys: Value", "basys", "not a key", "did you mean `basis`"],
         ["basis: Value", "basis: Valu", "Valu", "not known", "did you mean `Value`"],
@@ -137,7 +138,10 @@ fn texts_that_are_no_worlds_are_refused() {
         ("#![enable(wibble)] ()".to_owned(), ""),
     ] {
         let problem = refused(read(&text));
-        assert!(problem.to_string().contains(message), "{problem} lacks {message}");
+        assert!(
+            problem.to_string().contains(message),
+            "{problem} lacks {message}"
+        );
         assert!(problem.line_and_column().is_some(), "{problem}");
     }
 }
@@ -154,14 +158,25 @@ fn too_much_of_anything_is_refused() {
         "features: (kinds: {{\"a\": [{parts}]}}, place: [\nAt(kind: \"a\", places: [{places}])])"
     );
     for (more, line, message) in [
-        (format!("materials: {{\n{materials}}}"), 3 + 255, "more than 255"),
-        (format!("lamps: [\n(name: \"a\", lamps: [{lamps}])]"), 3, "65 lamps"),
+        (
+            format!("materials: {{\n{materials}}}"),
+            3 + 255,
+            "more than 255",
+        ),
+        (
+            format!("lamps: [\n(name: \"a\", lamps: [{lamps}])]"),
+            3,
+            "65 lamps",
+        ),
         (places, 3, "2000040 boxes"),
     ] {
         let problem = refused(read(&format!(
             "(title: \"\", size: (32, 32, 32), shape: Sphere(radius: 9),\n{more})"
         )));
-        assert!(problem.to_string().contains(message), "{problem} lacks {message}");
+        assert!(
+            problem.to_string().contains(message),
+            "{problem} lacks {message}"
+        );
         assert_eq!(problem.line_and_column().map(|place| place.0), Some(line));
     }
 }

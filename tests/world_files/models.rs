@@ -60,9 +60,16 @@ fn models_become_boxes_and_materials() {
     let world = read(&model(Vec::new()));
     assert_eq!(world.features.len(), 3);
     // Their z is our y.
-    let (red, green, blue) = (Colour::Flat(Vec3::X), Colour::Flat(Vec3::Y), Colour::Flat(Vec3::Z));
+    let (red, green, blue) = (
+        Colour::Flat(Vec3::X),
+        Colour::Flat(Vec3::Y),
+        Colour::Flat(Vec3::Z),
+    );
     assert_eq!(at(&world, [4, 5, 6]), Some((red, Vec3::ZERO)));
-    assert_eq!(at(&world, [5, 5, 6]), Some((green, Vec3::new(0.0, 5.0, 0.0))));
+    assert_eq!(
+        at(&world, [5, 5, 6]),
+        Some((green, Vec3::new(0.0, 5.0, 0.0)))
+    );
     assert_eq!(at(&world, [4, 7, 6]), Some((blue, Vec3::ZERO)));
 }
 
@@ -95,14 +102,29 @@ fn scenes_turn_and_repeat_models() {
         transform(5, &[("_r", "17"), ("_t", "10 0 0")]),
         shape(),
     ]));
-    let solid: i32 = world.features.iter().map(|part| (part.max - part.min + 1).element_product()).sum();
+    let solid: i32 = world
+        .features
+        .iter()
+        .map(|part| (part.max - part.min + 1).element_product())
+        .sum();
     assert_eq!(solid, 6);
-    let reds = |material: &u8| world.materials[usize::from(*material) - 1].a == Colour::Flat(Vec3::X);
-    let greens = |material: &u8| world.materials[usize::from(*material) - 1].a == Colour::Flat(Vec3::Y);
+    let reds =
+        |material: &u8| world.materials[usize::from(*material) - 1].a == Colour::Flat(Vec3::X);
+    let greens =
+        |material: &u8| world.materials[usize::from(*material) - 1].a == Colour::Flat(Vec3::Y);
     let place = |is: &dyn Fn(&u8) -> bool| -> Vec<IVec3> {
-        world.features.iter().filter(|part| is(&part.material)).map(|part| part.min).collect()
+        world
+            .features
+            .iter()
+            .filter(|part| is(&part.material))
+            .map(|part| part.min)
+            .collect()
     };
-    let mut apart: Vec<IVec3> = place(&reds).iter().zip(&place(&greens)).map(|(r, g)| *g - *r).collect();
+    let mut apart: Vec<IVec3> = place(&reds)
+        .iter()
+        .zip(&place(&greens))
+        .map(|(r, g)| *g - *r)
+        .collect();
     apart.sort_by_key(|apart| apart.x);
     assert_eq!(apart, [IVec3::NEG_Z, IVec3::X]);
 }
@@ -131,8 +153,16 @@ fn models_that_cannot_be_are_refused() {
         fs::write(folder.path().join(name), bytes).expect("written");
     }
     let mut cases = vec![
-        ("../outside.vox", "outside of the world's folder", "keep models"),
-        ("/etc/passwd", "outside of the world's folder", "keep models"),
+        (
+            "../outside.vox",
+            "outside of the world's folder",
+            "keep models",
+        ),
+        (
+            "/etc/passwd",
+            "outside of the world's folder",
+            "keep models",
+        ),
         ("missing.vox", "does not exist", "good.vox"),
         ("cut.vox", "ends in the middle", "export"),
         ("text.vox", "not a MagicaVoxel model", "export"),
@@ -150,8 +180,16 @@ fn models_that_cannot_be_are_refused() {
             "(title: \"\", size: (8, 8, 8), shape: Empty,\n\
              models: [(file: \"{name}\", at: (0, 0, 0))])"
         );
-        let problem = refused(file::parse(&text, "t.ron", Some(&worlds), &Overrides::default()));
-        assert!(problem.to_string().contains(message), "{problem} lacks {message}");
+        let problem = refused(file::parse(
+            &text,
+            "t.ron",
+            Some(&worlds),
+            &Overrides::default(),
+        ));
+        assert!(
+            problem.to_string().contains(message),
+            "{problem} lacks {message}"
+        );
         let help = problem.remedy();
         assert!(help.contains(remedy), "{help} lacks {remedy}");
         assert_eq!(problem.line_and_column(), Some((2, 17)));
