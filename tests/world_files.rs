@@ -27,3 +27,18 @@ fn three_keys_make_a_world() {
     assert_eq!(world.materials.len(), 1);
     assert_eq!(world.cameras.len(), 1);
 }
+
+#[test]
+fn features_that_crowd_the_cells_are_refused() {
+    let places = "(0, 0, 0), ".repeat(200);
+    let text = format!(
+        "(title: \"t\", size: (512, 512, 512), shape: Plane(normal: (0, 1, 0), offset: 0),
+          materials: {{ \"stone\": (a: Flat(1, 1, 1)) }},
+          features: (
+            kinds: {{ \"all\": [(min: (0, 0, 0), max: (511, 511, 511), material: \"stone\")] }},
+            place: [At(kind: \"all\", places: [{places}])],
+          ))"
+    );
+    let error = format!("{:?}", read(&text).expect_err("52 million entries"));
+    assert!(error.contains("overlap"), "{error}");
+}
