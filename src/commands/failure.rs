@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use crate::{gpu::GpuError, measure::picture_file::PictureError, parameters::ParameterError};
+use crate::{
+    frame::FrameError, gpu::GpuError, measure::picture_file::PictureError,
+    parameters::ParameterError,
+};
 
 /// A fault of ours or of the machine.
 pub const EXIT_FAULT: u8 = 1;
@@ -10,6 +13,9 @@ pub const EXIT_FAULT: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
 /// No usable GPU.
 pub const EXIT_NO_GPU: u8 = 3;
+
+/// A comparison or regression gate failed.
+pub const EXIT_GATE: u8 = 4;
 
 /// One message for a person, and the exit code.
 #[derive(Debug)]
@@ -29,10 +35,15 @@ impl Failure {
         Self::new(EXIT_BAD_INPUT, error)
     }
 
+    /// The work was done, and what it found is not as it must be.
+    pub fn gate(error: impl fmt::Display) -> Self {
+        Self::new(EXIT_GATE, error)
+    }
+
     fn new(exit_code: u8, error: impl fmt::Display) -> Self {
         Self {
             exit_code,
-            message: format!("error: {error}"),
+            message: format!("error: {}", error.to_string().trim_end()),
         }
     }
 
@@ -43,7 +54,7 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.message.trim_end())
+        f.write_str(&self.message)
     }
 }
 
@@ -78,5 +89,24 @@ impl From<PictureError> for Failure {
 impl From<ParameterError> for Failure {
     fn from(error: ParameterError) -> Self {
         Self::bad_input(error)
+    }
+}
+
+impl From<FrameError> for Failure {
+    fn from(error: FrameError) -> Self {
+        match error {
+            FrameError::Gpu(error) => error.into(),
+            FrameError::Probes(error) => Self::bad_input(error),
+        }
+    }
+}
+
+/// A world file that cannot be read: the report shows the place and a remedy.
+impl From<miette::Report> for Failure {
+    fn from(report: miette::Report) -> Self {
+        Self {
+            exit_code: EXIT_BAD_INPUT,
+            message: format!("{report:?}").trim_end().to_owned(),
+        }
     }
 }

@@ -1,15 +1,20 @@
 //! The commands, as a user types them. Each checks all of its input before it starts to work.
 
 pub mod bench;
+mod check;
 mod failure;
 mod info;
+mod memory;
+mod options;
 mod output;
+mod record;
+mod render;
 
 use std::panic::PanicHookInfo;
 
 use clap::{Parser, Subcommand};
 
-pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_NO_GPU, Failure};
+pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_GATE, EXIT_NO_GPU, Failure};
 
 /// What is printed to those who type nothing but the name.
 const GREETING: &str = "\
@@ -22,9 +27,13 @@ The worlds lie in the folder worlds/ (copy worlds/minimal.ron to begin your own)
 `grotto info` says what this machine would run on, `grotto --help` lists every command.
 ";
 
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 a fault of grotto's or of the machine; 2 a bad file or flag; 3 no usable GPU; \
+4 a comparison failed.";
+
 /// Procedural voxel worlds with real-time global illumination.
 #[derive(Parser)]
-#[command(name = "grotto", version, max_term_width = 100)]
+#[command(name = "grotto", version, max_term_width = 100, after_help = EXIT_CODES)]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -32,6 +41,9 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Render(render::Arguments),
+    Check(check::Arguments),
+    Bench(bench::Arguments),
     Info(info::Arguments),
 }
 
@@ -42,6 +54,9 @@ enum Command {
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         None => output::print(GREETING),
+        Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
     }
 }

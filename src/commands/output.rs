@@ -1,10 +1,12 @@
 //! Results go to stdout, everything else to stderr.
 
-use std::io::{self, Write as _};
+use std::io::{self, IsTerminal as _, Write as _};
 
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use super::Failure;
+use super::{Failure, options::RunOptions};
+use crate::gpu::{Gpu, ShaderChecks};
 
 /// Prints a result. A reader that has gone (`grotto info | head -1`) is no fault.
 ///
@@ -31,4 +33,43 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let mut line = serde_json::to_string(value).map_err(Failure::fault)?;
     line.push('\n');
     print(&line)
+}
+
+/// Says something to a person who did not ask for quiet.
+pub fn note(run: &RunOptions, text: &str) {
+    if !run.quiet {
+        eprintln!("{text}");
+    }
+}
+
+/// A bar on stderr where that is a terminal and nobody asked for quiet; else one that is never seen.
+pub fn progress(run: &RunOptions, unit: &'static str, length: u64) -> ProgressBar {
+    if run.quiet || !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style =
+        ProgressStyle::with_template("{bar:40} {percent:>3} % of {human_len} {msg}, {eta} left")
+            .expect("the template is valid");
+    ProgressBar::new(length)
+        .with_style(style)
+        .with_message(unit)
+}
+
+/// Opens the adapter that was asked for, or the fastest; says so loudly if it is a CPU.
+///
+/// # Errors
+/// Without any adapter, and when none has that name.
+pub fn open_gpu(run: &RunOptions) -> Result<Gpu, Failure> {
+    let gpu = Gpu::open(run.adapter.as_deref(), ShaderChecks::default())?;
+    if gpu.summary.is_software() {
+        note(
+            run,
+            &format!(
+                "WARNING: {} is a software adapter: a CPU does the work of the GPU. Its times say \
+                 nothing about a GPU's.",
+                gpu.summary.name
+            ),
+        );
+    }
+    Ok(gpu)
 }

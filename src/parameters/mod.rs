@@ -134,7 +134,7 @@ parameters! {
     #[doc = "What is voxelised."]
     world: WorldParameters {
         #[doc = "Extent in voxels in place of the file's; memory and build time grow with its surface."]
-        size: Option<UVec3> = None, Kind::Size { max: 8192 }, World;
+        size: Option<UVec3> = None, Kind::Size { max: 4096 }, World;
         #[doc = "Seed of noise, scatter and flicker in place of the file's; costs nothing."]
         seed: Option<u32> = None, Kind::Seed, World;
     }
@@ -178,17 +178,17 @@ parameters! {
         #[doc = "Power of the chebyshev bound; more leaks less, less shadows softer."]
         chebyshev_power: f32 = 3.0, Kind::Number { min: 1.0, max: 20.0 }, Nothing;
         #[doc = "Least chebyshev weight; more never goes black, less leaks less."]
-        chebyshev_floor: f32 = 0.05, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
+        chebyshev_floor: f32 = 0.0, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "Weight of a whole cage below which its light fades to none; more leaks less into sealed rooms, less keeps light in tight corners."]
         least_weight: f32 = 1e-4, Kind::Number { min: 1e-9, max: 1.0 }, Nothing;
         #[doc = "Updates in which a fresh probe's history is replaced, one bounce each, before they are averaged; more carry bright surfaces farther, fewer settle sooner."]
         warmup_frames: u32 = 40, Kind::Count { min: 0, max: 1000 }, Nothing;
-        #[doc = "Relative change of a texel that lowers its hysteresis; less reacts sooner, more boils less."]
-        change_small: f32 = 0.25, Kind::Number { min: 0.0, max: 10.0 }, Nothing;
+        #[doc = "Change of a texel, relative to the brighter, that lowers its hysteresis; less reacts sooner, more boils less."]
+        change_small: f32 = 0.25, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "How much a small change lowers the hysteresis; more reacts sooner, less boils less."]
         change_step: f32 = 0.15, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Relative change of a texel that drops its history; less reacts at once, more boils less."]
-        change_large: f32 = 0.8, Kind::Number { min: 0.0, max: 10.0 }, Nothing;
+        #[doc = "Change of a texel, relative to the brighter, that drops its history; less reacts at once, more boils less."]
+        change_large: f32 = 0.8, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "Standard deviations of its own noise that a texel's change must exceed to count; more boils less at few rays, 0 takes noise for change."]
         change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 100.0 }, Nothing;
         #[doc = "Most luminance of a probe ray in multiples of the probe's mean; less is steadier but loses the light of small bright things, 0 limits nothing."]
@@ -341,9 +341,9 @@ mod tests {
             ("probes.visibility=some", ["none, chebyshev", "`some`"]),
             ("probes.states=on", ["not yet", "off"]),
             ("lights.animate=maybe", ["on or off", "`maybe`"]),
-            ("world.size=0x1x1", ["from 1 to 8192", "`0x1x1`"]),
+            ("world.size=0x1x1", ["from 1 to 4096", "`0x1x1`"]),
             ("world.size=64x64", ["WIDTHxHEIGHTxDEPTH", "`64x64`"]),
-            ("world.size=9999x1x1", ["from 1 to 8192", "`9999x1x1`"]),
+            ("world.size=9999x1x1", ["from 1 to 4096", "`9999x1x1`"]),
             ("world.seed=-3", ["whole number", "`-3`"]),
             ("materials.albedo=1.5", ["from 0 to 1", "`1.5`"]),
             ("materials.albedo=0.1,0.2", ["R,G,B", "`0.1,0.2`"]),

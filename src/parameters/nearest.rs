@@ -1,6 +1,6 @@
 //! "Did you mean": the known names nearest to a mistyped one.
 
-/// At most three of `known` that people may have meant by `wanted`, best first: within a third of
+/// At most three of `known` that people may have meant by `wanted`, best first: within a quarter of
 /// the letters by edit distance, or one containing the other.
 pub fn nearest<'a>(wanted: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let wanted = wanted.to_lowercase();
@@ -11,7 +11,7 @@ pub fn nearest<'a>(wanted: &str, known: impl IntoIterator<Item = &'a str>) -> Ve
             let distance = edit_distance(&wanted, &lower);
             let contained = wanted.chars().count() >= 3 && lower.contains(&wanted)
                 || lower.chars().count() >= 3 && wanted.contains(&lower);
-            let close = distance <= wanted.chars().count().div_ceil(3);
+            let close = distance <= (wanted.chars().count() / 4).max(1);
             (close || contained).then_some((distance, name))
         })
         .collect();

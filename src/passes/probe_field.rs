@@ -258,6 +258,17 @@ impl ProbeField {
         &self.distance_atlas
     }
 
+    /// Probes that were updated in the last update: the others lie in stone.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn alive(&self, gpu: &Gpu) -> Result<u32, GpuError> {
+        // Updates so far (0 for a probe in stone) and the mean luminance of the rays.
+        let states: Vec<[u32; 2]> = gpu.read_buffer(&self.states)?;
+        let probes = states.iter().take(self.volume.slots() as usize);
+        Ok(probes.filter(|[updates, _]| *updates > 0).count() as u32)
+    }
+
     /// Bytes of GPU memory.
     pub fn memory(&self) -> ProbeMemory {
         self.memory

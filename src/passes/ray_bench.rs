@@ -7,6 +7,9 @@ use glam::{UVec3, Vec3};
 use super::GpuVoxels;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing};
 
+/// Rays that a workgroup of 64 threads takes from its queue: measured best of 128, 256, 512, 1024.
+const RAYS_PER_GROUP: u32 = 512;
+
 /// The three kinds of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayKind {
@@ -120,17 +123,24 @@ impl RayBench {
         let bits = build_bits(gpu, voxels)?;
         let mut runners = Vec::new();
         for marcher in [Marcher::BrickMap, Marcher::PlainDda] {
+            let probe = match marcher {
+                Marcher::BrickMap => "probe",
+                Marcher::PlainDda => "probe_plain",
+            };
             for (kind, entry) in [
                 (RayKind::Camera, "camera"),
                 (RayKind::Shadow, "shadow"),
-                (RayKind::Probe, "probe"),
+                (RayKind::Probe, probe),
             ] {
                 let kernel = Kernel::new(
                     gpu,
                     &KernelSpec {
                         shader: "passes/ray_bench",
                         entry,
-                        overrides: &[("PLAIN", f64::from(marcher == Marcher::PlainDda))],
+                        overrides: &[
+                            ("PLAIN", f64::from(marcher == Marcher::PlainDda)),
+                            ("RAYS_PER_GROUP", f64::from(RAYS_PER_GROUP)),
+                        ],
                         ..Default::default()
                     },
                 )?;
@@ -194,7 +204,10 @@ impl RayBench {
                 RayKind::Probe => runner.kernel.dispatch(
                     pass,
                     &runner.bindings,
-                    linear_groups(self.probe_rays.div_ceil(64)),
+                    linear_groups(self.probe_rays.div_ceil(match marcher {
+                        Marcher::BrickMap => RAYS_PER_GROUP,
+                        Marcher::PlainDda => 64,
+                    })),
                 ),
             });
             recorder.submit(gpu)?;

@@ -34,6 +34,12 @@ impl ViewMode {
         use ViewMode::{Albedo, Cage, Depth, Normal, Steps};
         matches!(self, Albedo | Normal | Depth | Steps | Cage)
     }
+
+    /// What the view of depth shows of a surface so many voxels away; `shaders/passes/shade.wesl`
+    /// does the same.
+    pub fn depth_shown(distance: f32) -> f32 {
+        (-distance / 32.0).exp2()
+    }
 }
 
 /// `View` of `shaders/data/frame.wesl`.

@@ -1,3 +1,164 @@
 //! `grotto bench SUITE`: one file a suite.
 
 pub mod traversal;
+
+use std::{
+    io::Write as _,
+    path::{Path, PathBuf},
+};
+
+use atomic_write_file::AtomicWriteFile;
+use clap::{Args, Subcommand};
+use serde::Serialize;
+
+use super::{
+    Failure,
+    options::{RunOptions, load_world, picture_size},
+    output,
+};
+use crate::{frame::Stage, gpu::AdapterSummary, world::World};
+
+/// Measure this machine
+#[derive(Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    suite: Suite,
+}
+
+#[derive(Subcommand)]
+enum Suite {
+    Traversal(Traversal),
+}
+
+/// March camera, shadow and probe rays, against plain DDA in the same run
+#[derive(Args)]
+struct Traversal {
+    /// World files [default: worlds/cavern.ron]
+    #[arg(value_name = "WORLD")]
+    worlds: Vec<PathBuf>,
+    /// Also write traversal.json into this folder, made if need be
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Width and height in pixels of the camera rays
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = picture_size, allow_hyphen_values = true)]
+    size: [u32; 2],
+    /// Runs that each median is taken of
+    #[arg(long, value_name = "N", default_value_t = 15,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeats: u32,
+    #[command(flatten)]
+    run: RunOptions,
+}
+
+/// What was measured, on what.
+#[derive(Serialize)]
+struct TraversalRecord<'a> {
+    suite: &'static str,
+    adapter: &'a AdapterSummary,
+    size: [u32; 2],
+    repeats: u32,
+    rows: Vec<traversal::Row>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    match &arguments.suite {
+        Suite::Traversal(arguments) => run_traversal(arguments),
+    }
+}
+
+fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {
+    let run = &arguments.run;
+    let parameters = run.parameters()?;
+    let showpiece = [PathBuf::from("worlds/cavern.ron")];
+    let paths = match &arguments.worlds[..] {
+        [] => &showpiece[..],
+        given => given,
+    };
+    let worlds: Vec<World> = paths
+        .iter()
+        .map(|path| load_world(path, &parameters))
+        .collect::<Result<_, _>>()?;
+    let file = arguments
+        .out
+        .as_deref()
+        .map(|folder| OutFile::new(folder, "traversal.json"));
+    let file = file.transpose()?;
+    let gpu = output::open_gpu(run)?;
+
+    let bar = output::progress(run, "worlds", worlds.len() as u64);
+    let mut rows = Vec::new();
+    for world in &worlds {
+        bar.tick();
+        let stage = Stage::build(&gpu, world)?;
+        let voxels = stage.read_back(&gpu)?;
+        rows.extend(traversal::measure(
+            &gpu,
+            world,
+            &voxels,
+            &stage.voxels,
+            arguments.size,
+            arguments.repeats,
+        )?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+
+    let record = TraversalRecord {
+        suite: "traversal",
+        adapter: &gpu.summary,
+        size: arguments.size,
+        repeats: arguments.repeats,
+        rows,
+    };
+    if let Some(file) = file {
+        file.write(&record)?;
+    }
+    if run.json {
+        output::print_json(&record)?;
+    } else {
+        let AdapterSummary {
+            name,
+            kind,
+            driver,
+            backend,
+        } = record.adapter;
+        output::print(&format!(
+            "{name} ({kind}, {backend}, {driver}), {} × {}, median of {}\n{}",
+            record.size[0],
+            record.size[1],
+            record.repeats,
+            traversal::table(&record.rows)
+        ))?;
+    }
+    match record.rows.iter().map(|row| row.mismatches).sum() {
+        0 => Ok(()),
+        mismatches => Err(Failure::gate(format!(
+            "{mismatches} rays hit something else than plain DDA does"
+        ))),
+    }
+}
+
+/// A result to be written when it is complete; opened before the work starts.
+struct OutFile {
+    path: PathBuf,
+    file: AtomicWriteFile,
+}
+
+impl OutFile {
+    fn new(folder: &Path, name: &str) -> Result<Self, Failure> {
+        let path = folder.join(name);
+        let unusable = |error| Failure::bad_input(format!("{}: {error}", path.display()));
+        std::fs::create_dir_all(folder).map_err(unusable)?;
+        let file = AtomicWriteFile::open(&path).map_err(unusable)?;
+        Ok(Self { path, file })
+    }
+
+    fn write(mut self, value: &impl Serialize) -> Result<(), Failure> {
+        let mut text = serde_json::to_string_pretty(value).map_err(Failure::fault)?;
+        text.push('\n');
+        self.file
+            .write_all(text.as_bytes())
+            .and_then(|()| self.file.commit())
+            .map_err(|error| Failure::fault(format!("{}: {error}", self.path.display())))
+    }
+}

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use noise::{NoiseFn, Perlin};
 
 use super::Pattern;
+use super::bake::TEXELS;
 use super::hash::{hash, unit};
 
 /// A pattern made ready to be evaluated: its lattices are fitted to the tile.
@@ -51,6 +52,9 @@ enum Kind {
     },
 }
 
+/// Texels that a cell of the finest octave needs along its edge.
+const TEXELS_PER_CELL: u64 = 2;
+
 /// Blocks along a tile's edge: as few as the pattern closes over, but several where repetition would
 /// show.
 pub fn extent_blocks(pattern: &Pattern) -> u32 {
@@ -70,10 +74,16 @@ pub fn extent_blocks(pattern: &Pattern) -> u32 {
         }
         Pattern::Checker { squares } => 1 + squares % 2,
         Pattern::Bricks { .. } => 2,
-        Pattern::Worley { .. }
-        | Pattern::Fbm { .. }
-        | Pattern::StripesFbm { .. }
-        | Pattern::Radial { .. } => 4,
+        Pattern::Worley { .. } | Pattern::StripesFbm { .. } | Pattern::Radial { .. } => 4,
+        // Where the finest octave leaves texels to spare, repetition can be pushed farther out.
+        Pattern::Fbm { cells, octaves } => {
+            let finest = u64::from(cells.max(1)) << (octaves.clamp(1, 16) - 1);
+            if finest * 8 * TEXELS_PER_CELL <= u64::from(TEXELS) {
+                8
+            } else {
+                4
+            }
+        }
     }
 }
 

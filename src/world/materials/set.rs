@@ -163,7 +163,7 @@ mod tests {
         let set = MaterialSet::bake(&[material(CLOUD)], 1);
         let average = |footprint: f64| {
             let places =
-                (0..64 * 64).map(|i| DVec3::new(f64::from(i % 64), f64::from(i / 64), 0.0) / 16.0);
+                (0..64 * 64).map(|i| DVec3::new(f64::from(i % 64), f64::from(i / 64), 0.0) / 8.0);
             places
                 .map(|at| set.albedo(1, IVec3::ZERO, 5, at, footprint))
                 .sum::<Vec3>()

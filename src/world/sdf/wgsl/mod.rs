@@ -25,10 +25,9 @@ const ROUNDING_MARGIN: f64 = 0.01;
 
 /// The module for a world. It declares:
 /// - `fn shape(p_ws: vec3f) -> f32`: as [`Shape::eval`];
-/// - `fn material_at(p_ws: vec3f) -> u32`: as [`RuleSet::material`];
-/// - `fn material_by(p_ws: vec3f, values: vec3f) -> u32`: the same, given the shape's value there,
-///   one voxel above and one below, and `const RULE_NEEDS: u32`: which of the three the rules read
-///   (bit 0, 1, 2);
+/// - `fn material_by(p_ws: vec3f, values: vec3f) -> u32`: as [`RuleSet::material`], given the shape's
+///   value there, one voxel above and one below, and `const RULE_NEEDS: u32`: which of the three the
+///   rules read (bit 0, 1, 2);
 /// - `const SHAPE_LIPSCHITZ: f32`: as [`Shape::lipschitz`];
 /// - `const SHAPE_CELL_VARIATION: f32` and `SHAPE_BLOCK_VARIATION`: where |shape(centre)| exceeds
 ///   them, the 8³ (4³) voxels around a centre are all stone or all air.

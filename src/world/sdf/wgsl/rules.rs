@@ -25,11 +25,6 @@ const RULE_NEEDS: u32 = {needs}u;
 fn material_by(p: vec3f, values: vec3f) -> u32 {{
 {body}    return {last}u;
 }}
-
-fn material_at(p: vec3f) -> u32 {{
-    let up = vec3f(0.0, 1.0, 0.0);
-    return material_by(p, vec3f(shape(p), shape(p + up), shape(p - up)));
-}}
 "
             ),
         );

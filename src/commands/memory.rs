@@ -1,0 +1,41 @@
+//! Refuses work that this machine's memory cannot hold, before any of it is allocated.
+
+use super::{Failure, info::bytes};
+
+/// # Errors
+/// When `what` needs more bytes than the system says are available. Systems that do not say
+/// (anything but Linux) are trusted.
+pub fn check(what: &str, needed: u64) -> Result<(), Failure> {
+    match available() {
+        Some(available) if needed > available => Err(Failure::bad_input(format!(
+            "{what} needs {} of memory, and {} are available; choose a smaller one",
+            bytes(needed),
+            bytes(available)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// `MemAvailable` of Linux, in bytes.
+fn available() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text
+        .lines()
+        .find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kib: u64 = line.trim().strip_suffix(" kB")?.trim().parse().ok()?;
+    Some(kib * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_always_fits_and_everything_never_does() {
+        assert!(check("nothing", 0).is_ok());
+        if cfg!(target_os = "linux") {
+            let refused = check("a picture", u64::MAX).expect_err("16 EiB");
+            assert!(refused.to_string().contains("a picture needs"));
+        }
+    }
+}

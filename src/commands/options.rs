@@ -1,0 +1,189 @@
+//! Options that commands share, and the scene that they name, checked.
+
+use std::path::Path;
+
+use clap::Args;
+
+use super::Failure;
+use crate::{
+    parameters::{Parameters, nearest},
+    passes::ViewMode,
+    world::{self, Camera, LampPreset, LayoutSpec, World, file::Overrides},
+};
+
+/// Options of everything that runs on an adapter.
+#[derive(Args)]
+pub struct RunOptions {
+    /// The adapter whose name contains this, in place of the fastest
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Set a parameter (repeatable); `grotto info --keys` lists them
+    #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
+    pub set: Vec<String>,
+    /// Print one JSON object on stdout
+    #[arg(long)]
+    pub json: bool,
+    /// No progress, no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Options of a picture.
+#[derive(Args)]
+pub struct PictureOptions {
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size, allow_hyphen_values = true)]
+    pub size: [u32; 2],
+    /// One of the world's cameras [default: its first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// One of the world's probe layouts [default: its first]
+    #[arg(long, value_name = "NAME")]
+    pub layout: Option<String>,
+    /// Frames for the probes to settle before the picture [default: 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000), allow_negative_numbers = true)]
+    pub frames: Option<u32>,
+    /// World time of the picture, in seconds
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = world_time, allow_negative_numbers = true)]
+    pub time: f64,
+    /// Seed of the random rays; the world's own is `--set world.seed=N`
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
+    pub seed: u32,
+    /// What the picture shows
+    #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
+    pub view: ViewMode,
+}
+
+/// Settling frames of those who ask for no number.
+pub const DEFAULT_FRAMES: u32 = 64;
+/// Longest edge of a picture.
+const MAX_EDGE: u32 = 16384;
+
+/// Reads `WIDTHxHEIGHT`.
+pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
+    let edges = text
+        .split_once(['x', 'X', '×'])
+        .and_then(|(width, height)| {
+            Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
+        });
+    edges
+        .filter(|edges| edges.iter().all(|edge| (1..=MAX_EDGE).contains(edge)))
+        .ok_or_else(|| format!("write WIDTHxHEIGHT, as in 1280x720, each from 1 to {MAX_EDGE}"))
+}
+
+fn world_time(text: &str) -> Result<f64, String> {
+    let time = text.parse().ok().filter(|time: &f64| time.abs() <= 1e9);
+    time.ok_or_else(|| "write seconds as a number, at most 1e9".to_owned())
+}
+
+/// Accepts what [`Parameters::set`] accepts, so that mistakes show as those of any other flag.
+fn assignment(text: &str) -> Result<String, String> {
+    let tried = Parameters::default().set(text);
+    tried
+        .map(|()| text.to_owned())
+        .map_err(|error| error.to_string())
+}
+
+impl RunOptions {
+    /// The parameters that `--set` leaves.
+    pub fn parameters(&self) -> Result<Parameters, Failure> {
+        let mut parameters = Parameters::default();
+        for assignment in &self.set {
+            parameters.set(assignment)?;
+        }
+        Ok(parameters)
+    }
+}
+
+/// A world with the parts of it that a picture is made of.
+pub struct Scene {
+    pub world: World,
+    pub parameters: Parameters,
+    pub camera: Camera,
+    pub layout: LayoutSpec,
+    /// As many of the preset's lamps as the parameters allow.
+    pub lamps: LampPreset,
+    /// World time at which the lamps stand.
+    pub lamp_time_s: f64,
+}
+
+impl Scene {
+    /// Reads a world and finds in it what the options name.
+    pub fn load(path: &Path, run: &RunOptions, picture: &PictureOptions) -> Result<Self, Failure> {
+        let parameters = run.parameters()?;
+        let world = load_world(path, &parameters)?;
+        let camera = choose(
+            path,
+            "camera",
+            &world.cameras,
+            |camera| &camera.name,
+            &picture.camera,
+        )?;
+        let layout = choose(
+            path,
+            "layout",
+            &world.layouts,
+            |layout| &layout.name,
+            &picture.layout,
+        )?;
+        let preset = Some(&parameters.lights.preset).filter(|name| !name.is_empty());
+        let mut lamps = choose(
+            path,
+            "lamp preset",
+            &world.lamp_presets,
+            |preset| &preset.name,
+            &preset.cloned(),
+        )?;
+        lamps.lamps.truncate(parameters.lights.max_lamps as usize);
+        Ok(Self {
+            lamp_time_s: if parameters.lights.animate {
+                picture.time
+            } else {
+                0.0
+            },
+            world,
+            parameters,
+            camera,
+            layout,
+            lamps,
+        })
+    }
+}
+
+/// Reads a world, with what the parameters put in place of what its file says.
+pub fn load_world(path: &Path, parameters: &Parameters) -> Result<World, Failure> {
+    Ok(world::file::load(path, &Overrides::from(parameters))?)
+}
+
+/// The one of that name, or the first when none is asked for.
+fn choose<T: Clone>(
+    path: &Path,
+    what: &str,
+    all: &[T],
+    name: impl Fn(&T) -> &str,
+    wanted: &Option<String>,
+) -> Result<T, Failure> {
+    let found = match wanted {
+        None => all.first(),
+        Some(wanted) => all.iter().find(|candidate| name(candidate) == wanted),
+    };
+    found.cloned().ok_or_else(|| {
+        let wanted = wanted.as_deref().unwrap_or_default();
+        let near = nearest(wanted, all.iter().map(&name));
+        let hint = match near.first() {
+            Some(near) => format!(" Did you mean `{near}`?"),
+            None => String::new(),
+        };
+        let names: Vec<String> = all.iter().map(|one| format!("`{}`", name(one))).collect();
+        Failure::bad_input(format!(
+            "{} has no {what} called `{wanted}`; it has {}.{hint}",
+            path.display(),
+            names.join(", ")
+        ))
+    })
+}

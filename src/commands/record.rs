@@ -1,0 +1,136 @@
+//! The `--json` of render, and of a row of a benchmark: what ran, and how fast.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::{
+    gpu::{AdapterSummary, Gpu, GpuError, PassTimes},
+    measure::statistics,
+    passes::{MemoryUse, ProbeField},
+    probes::Layout as _,
+};
+
+/// Fields in the order in which they are printed.
+#[derive(Clone, Debug, Serialize)]
+pub struct Record {
+    pub world: String,
+    pub camera: String,
+    /// `null` where no probes were used.
+    pub layout: Option<String>,
+    /// As `--view` spells it.
+    pub view: String,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Settling frames before the picture.
+    pub frames: u32,
+    pub adapter: AdapterSummary,
+    pub fps: f64,
+    pub frame_ms: FrameTimes,
+    /// Median milliseconds of each pass.
+    pub passes: BTreeMap<String, f64>,
+    /// In one frame.
+    pub rays: Rays<u64>,
+    pub mrays_per_s: Rays<f64>,
+    pub probes: ProbeCounts,
+    pub memory_bytes: MemoryUse,
+}
+
+/// Milliseconds a frame, and the frames per second of the slowest 1 %.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FrameTimes {
+    pub median: f64,
+    pub p99: f64,
+    pub low1_fps: f64,
+}
+
+/// A figure for each kind of ray; `null` where that kind was not counted. Shadow rays end at many
+/// places of one pass and are not, as counting costs time; `grotto bench traversal` measures them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Rays<T> {
+    pub camera: Option<T>,
+    pub shadow: Option<T>,
+    pub probe: Option<T>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct ProbeCounts {
+    pub total: u32,
+    pub alive: u32,
+    pub sleeping: u32,
+    pub dead: u32,
+}
+
+impl ProbeCounts {
+    /// Of a field that has been updated: what is not alive then lies in stone.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
+        let total = field.volume().slots();
+        let alive = field.alive(gpu)?;
+        Ok(Self {
+            total,
+            alive,
+            sleeping: 0,
+            dead: total - alive,
+        })
+    }
+}
+
+impl FrameTimes {
+    /// Of at least one frame.
+    pub fn of(frames_ms: &[f64]) -> Option<Self> {
+        Some(Self {
+            median: statistics::median(frames_ms)?,
+            p99: statistics::p99(frames_ms)?,
+            low1_fps: statistics::low1_fps(frames_ms)?,
+        })
+    }
+
+    /// Frames per second at the median.
+    pub fn fps(&self) -> f64 {
+        1e3 / self.median
+    }
+}
+
+/// The median of each pass over the frames in which it ran.
+pub fn median_passes(frames: &[PassTimes]) -> BTreeMap<String, f64> {
+    let mut all: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for (label, &ms) in frames.iter().flat_map(|frame| &frame.passes_ms) {
+        all.entry(label).or_default().push(ms);
+    }
+    all.into_iter()
+        .filter_map(|(label, ms)| Some((label.to_owned(), statistics::median(&ms)?)))
+        .collect()
+}
+
+/// Millions of rays a second, where both the count and a time above 0 are known.
+pub fn mrays_per_s(rays: Option<u64>, ms: Option<f64>) -> Option<f64> {
+    let ms = ms.filter(|&ms| ms > 0.0)?;
+    Some(rays? as f64 / ms / 1e3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_of_known_frames() {
+        let times = FrameTimes::of(&[2.0, 4.0, 6.0]).expect("three frames");
+        assert_eq!(times.median, 4.0);
+        assert_eq!(times.fps(), 250.0);
+        assert!(FrameTimes::of(&[]).is_none());
+
+        let frame = |ms: f64| PassTimes {
+            passes_ms: [("shade".to_owned(), ms)].into(),
+            frame_ms: ms,
+        };
+        let passes = median_passes(&[frame(1.0), frame(9.0), frame(2.0)]);
+        assert_eq!(passes["shade"], 2.0);
+
+        assert_eq!(mrays_per_s(Some(2_000_000), Some(4.0)), Some(500.0));
+        assert_eq!(mrays_per_s(Some(1), Some(0.0)), None);
+        assert_eq!(mrays_per_s(None, Some(1.0)), None);
+    }
+}

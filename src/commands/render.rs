@@ -1,0 +1,295 @@
+//! `grotto render`: one picture, on the GPU or path-traced on the CPU.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::AtomicBool,
+    time::Instant,
+};
+
+use clap::{Args, ValueEnum as _};
+
+use super::{
+    Failure, memory,
+    options::{DEFAULT_FRAMES, PictureOptions, RunOptions, Scene},
+    output,
+    record::{FrameTimes, ProbeCounts, Rays, Record, median_passes, mrays_per_s},
+};
+use crate::{
+    frame::{Frame, Stage},
+    gpu::{AdapterSummary, Recorder, Timing},
+    lights::Lights,
+    measure::{
+        picture::Picture,
+        picture_file::{self, PictureFormat},
+        tonemap,
+    },
+    passes::{MemoryUse, View, ViewMode},
+    reference,
+    world::{generate, voxels::grid_cells},
+};
+
+/// Render a picture of a world
+#[derive(Args)]
+pub struct Arguments {
+    /// World file (worlds/*.ron)
+    world: PathBuf,
+    /// The picture to write: .png (tone-mapped) or .exr (linear)
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    picture: PictureOptions,
+    #[command(flatten)]
+    run: RunOptions,
+    /// Path-trace on the CPU: needs no GPU, uses no probes
+    #[arg(long, conflicts_with = "adapter")]
+    cpu: bool,
+    /// With --cpu: samples per pixel; noise falls with the root, time grows with it
+    #[arg(long, value_name = "N", requires = "cpu", default_value_t = 64,
+          value_parser = clap::value_parser!(u32).range(1..=65536))]
+    spp: u32,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    picture_file::check_writable(&arguments.output)?;
+    let scene = Scene::load(&arguments.world, &arguments.run, &arguments.picture)?;
+    let (picture, record) = if arguments.cpu {
+        on_the_cpu(arguments, &scene)?
+    } else {
+        on_the_gpu(arguments, &scene)?
+    };
+    let exposure_ev = scene.parameters.picture.exposure_ev;
+    store(
+        &arguments.output,
+        &picture,
+        arguments.picture.view,
+        exposure_ev,
+    )?;
+    if arguments.run.json {
+        output::print_json(&record)?;
+    } else {
+        output::note(
+            &arguments.run,
+            &format!(
+                "{}: {:.1} ms a frame on {}",
+                arguments.output.display(),
+                record.frame_ms.median,
+                record.adapter.name
+            ),
+        );
+    }
+    Ok(())
+}
+
+fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record), Failure> {
+    let (picture_options, run) = (&arguments.picture, &arguments.run);
+    let view = cpu_view(picture_options.view)?;
+    for (given, flag) in [
+        (picture_options.layout.is_some(), "--layout"),
+        (picture_options.frames.is_some(), "--frames"),
+        (
+            run.set.iter().any(|set| set.starts_with("probes.")),
+            "--set probes.…",
+        ),
+    ] {
+        if given {
+            output::note(
+                run,
+                &format!("note: {flag} changes nothing with --cpu, which uses no probes"),
+            );
+        }
+    }
+    let [width, height] = picture_options.size;
+    // Sums in f64, the picture in f32, and its bytes.
+    memory::check(
+        "a picture of this size",
+        u64::from(width) * u64::from(height) * 40,
+    )?;
+    let grid_bytes = grid_cells(scene.world.size).as_u64vec3().element_product() * 4;
+    memory::check("a world of this size", grid_bytes)?;
+
+    let voxels = generate::generate(&scene.world);
+    let samples = u64::from(width) * u64::from(height) * u64::from(arguments.spp);
+    let bar = output::progress(run, "samples", samples);
+    let start = Instant::now();
+    let options = reference::RenderOptions {
+        lamps: &scene.lamps,
+        time_s: scene.lamp_time_s,
+        textures: scene.parameters.textures.enabled
+            && picture_options.view != ViewMode::TexturesOff,
+        film: reference::FilmOptions {
+            camera: &scene.camera,
+            size: picture_options.size,
+            samples: arguments.spp,
+            seed: u64::from(picture_options.seed),
+            view,
+            antialias: false,
+            max_bounces: u32::MAX,
+        },
+    };
+    let progress = |done, total| {
+        bar.set_length(total);
+        bar.set_position(done);
+    };
+    let mut picture = reference::render(
+        &scene.world,
+        &voxels,
+        &options,
+        &progress,
+        &AtomicBool::new(false),
+    );
+    let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
+    bar.finish_and_clear();
+    if view == reference::View::Depth {
+        // Nothing is at distance 0: that is where no surface was met.
+        for rgb in picture.rgb.iter_mut().filter(|rgb| rgb[0] > 0.0) {
+            *rgb = rgb.map(ViewMode::depth_shown);
+        }
+    }
+
+    let frame_ms = FrameTimes::of(&[elapsed_ms]).expect("one frame was rendered");
+    let camera_rays = Some(u64::from(width) * u64::from(height));
+    let record = Record {
+        world: scene.world.name.clone(),
+        camera: scene.camera.name.clone(),
+        layout: None,
+        view: view_name(picture_options.view),
+        size: picture_options.size,
+        frames: 0,
+        adapter: AdapterSummary {
+            name: "CPU path tracer".to_owned(),
+            kind: "software",
+            driver: format!("grotto {}", env!("CARGO_PKG_VERSION")),
+            backend: "cpu".to_owned(),
+        },
+        fps: frame_ms.fps(),
+        frame_ms,
+        passes: [("path_trace".to_owned(), elapsed_ms)].into(),
+        rays: Rays {
+            camera: camera_rays,
+            shadow: None,
+            probe: None,
+        },
+        mrays_per_s: Rays {
+            camera: mrays_per_s(camera_rays, Some(elapsed_ms)),
+            shadow: None,
+            probe: None,
+        },
+        probes: ProbeCounts::default(),
+        memory_bytes: MemoryUse::default(),
+    };
+    Ok((picture, record))
+}
+
+fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record), Failure> {
+    let (options, run) = (&arguments.picture, &arguments.run);
+    let gpu = output::open_gpu(run)?;
+    let stage = Stage::build(&gpu, &scene.world)?;
+    let probes = &scene.parameters.probes;
+    let mut frame = Frame::new(&gpu, stage, &scene.layout, probes, options.size)?;
+    let mut timing = Timing::new(&gpu)?;
+    let lights = Lights::at(&scene.world, &scene.lamps, scene.lamp_time_s);
+    let settling = options.frames.unwrap_or(DEFAULT_FRAMES);
+    let bar = output::progress(run, "frames", u64::from(settling) + 1);
+    let mut wall_ms = Vec::new();
+    let mut times = Vec::new();
+    for index in 0..=settling {
+        let start = Instant::now();
+        let view = View {
+            camera: scene.camera.clone(),
+            size: options.size,
+            frame: index,
+            seed: options.seed,
+            exposure_ev: scene.parameters.picture.exposure_ev,
+            mode: options.view,
+            time_s: options.time,
+            textures: scene.parameters.textures.enabled,
+        };
+        let mut recorder = Recorder::new(&gpu, Some(&mut timing));
+        frame.record(&gpu, &mut recorder, &view, &lights, probes);
+        recorder.submit(&gpu)?;
+        gpu.wait()?;
+        wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
+        times.extend(std::iter::from_fn(|| timing.next_frame()));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let picture = frame.read_radiance(&gpu)?;
+
+    // The GPU's own clock knows nothing of the waits in between.
+    let frames_ms = if timing.supported() && !times.is_empty() {
+        times.iter().map(|times| times.frame_ms).collect()
+    } else {
+        wall_ms
+    };
+    let frame_ms = FrameTimes::of(&frames_ms).expect("one frame was rendered");
+    let passes = median_passes(&times);
+    let probe_counts = ProbeCounts::read(&gpu, frame.field())?;
+    let [width, height] = options.size.map(u64::from);
+    let rays = Rays {
+        camera: Some(width * height),
+        shadow: None,
+        probe: Some(u64::from(probe_counts.alive) * u64::from(frame.field().rays_per_probe())),
+    };
+    let rate = |rays, pass: &str| mrays_per_s(rays, passes.get(pass).copied());
+    let record = Record {
+        world: scene.world.name.clone(),
+        camera: scene.camera.name.clone(),
+        layout: Some(scene.layout.name.clone()),
+        view: view_name(options.view),
+        size: options.size,
+        frames: settling,
+        adapter: gpu.summary.clone(),
+        fps: frame_ms.fps(),
+        frame_ms,
+        rays,
+        mrays_per_s: Rays {
+            camera: rate(rays.camera, "camera_rays"),
+            shadow: None,
+            probe: rate(rays.probe, "probe_rays"),
+        },
+        passes,
+        probes: probe_counts,
+        memory_bytes: frame.memory(),
+    };
+    Ok((picture, record))
+}
+
+/// Writes light as it is (EXR) or tone-mapped (PNG), and data without exposure and curve.
+fn store(path: &Path, picture: &Picture, view: ViewMode, exposure_ev: f32) -> Result<(), Failure> {
+    if view.is_data() && PictureFormat::of(path)? == PictureFormat::Png {
+        let mut shown = picture.clone();
+        for rgb in &mut shown.rgb {
+            *rgb = rgb.map(|value| tonemap::srgb_from_linear(value.into()) as f32);
+        }
+        picture_file::write_png(path, &shown)?;
+    } else {
+        picture_file::write(path, picture, exposure_ev)?;
+    }
+    Ok(())
+}
+
+/// The view of the path tracer, or why it has none.
+fn cpu_view(view: ViewMode) -> Result<reference::View, Failure> {
+    Ok(match view {
+        ViewMode::Full | ViewMode::TexturesOff => reference::View::Full,
+        ViewMode::Direct => reference::View::Direct,
+        ViewMode::Indirect => reference::View::Indirect,
+        ViewMode::Irradiance => reference::View::Irradiance,
+        ViewMode::Albedo => reference::View::Albedo,
+        ViewMode::Normal => reference::View::Normal,
+        ViewMode::Depth => reference::View::Depth,
+        ViewMode::Steps | ViewMode::Cage => {
+            return Err(Failure::bad_input(format!(
+                "--view {} shows how the GPU renders; --cpu has full, direct, indirect, irradiance, \
+                 albedo, normal, depth and textures-off",
+                view_name(view)
+            )));
+        }
+    })
+}
+
+/// A view as `--view` spells it.
+fn view_name(view: ViewMode) -> String {
+    let value = view.to_possible_value().expect("no view is hidden");
+    value.get_name().to_owned()
+}
