@@ -215,7 +215,7 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     bar.finish_and_clear();
     let picture = frame.read_radiance(&gpu)?;
 
-    // The GPU's own clock knows nothing of the waits in between.
+    // The passes' own times know nothing of the waits in between.
     let frames_ms = if timing.supported() && !times.is_empty() {
         times.iter().map(|times| times.frame_ms).collect()
     } else {

@@ -4,7 +4,8 @@ use std::ops::RangeInclusive;
 
 use glam::{DVec3, IVec3, Vec3};
 
-use super::diagnostics::{Problem, Source, suggest};
+use super::diagnostics::{Problem, Source};
+use super::explain::suggest;
 use super::leaf::{Leaf, OneOrThree};
 use super::schema::Vector;
 

@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use dot_vox::{Dict, DotVoxData, SceneNode};
 use glam::{IVec3, Mat3, Vec3};
 
+use super::features::MAX_PARTS;
 use super::leaf::Leaf;
-use super::place::MAX_PARTS;
-use super::resolve::{MAX_MATERIALS, Reader};
+use super::matter::MAX_MATERIALS;
+use super::resolve::Reader;
 use super::schema;
 use super::source_file::{self, siblings};
 use super::values::Read;
