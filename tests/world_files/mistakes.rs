@@ -198,3 +198,18 @@ fn a_long_line_is_not_shown_but_its_place_is_told() {
     assert!(rendered.len() < 2000, "{} bytes", rendered.len());
     assert!(rendered.contains("test.ron:1:100037"), "{rendered}");
 }
+
+#[test]
+fn features_that_crowd_the_cells_are_refused() {
+    let places = "(0, 0, 0), ".repeat(200);
+    let text = format!(
+        "(title: \"t\", size: (512, 512, 512), shape: Plane(normal: (0, 1, 0), offset: 0),
+          materials: {{ \"stone\": (a: Flat(1, 1, 1)) }},
+          features: (
+            kinds: {{ \"all\": [(min: (0, 0, 0), max: (511, 511, 511), material: \"stone\")] }},
+            place: [At(kind: \"all\", places: [{places}])],
+          ))"
+    );
+    let problem = refused(read(&text));
+    assert!(problem.to_string().contains("overlap"), "{problem}");
+}
