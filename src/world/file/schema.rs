@@ -5,6 +5,11 @@
 //! they mean can point at the very characters. A key whose type is an `Option`, or that has a
 //! `default`, may be left out.
 
+#![allow(
+    clippy::large_enum_variant,
+    reason = "values of these types live only while a file is read"
+)]
+
 use std::fmt;
 
 use serde::Deserialize;
