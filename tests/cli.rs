@@ -224,7 +224,7 @@ fn outputs_that_cannot_be_written_are_refused_before_any_work() {
         );
     }
     refused(grotto().args(["render", MINIMAL]), 2, &["--output"]);
-    assert_eq!(listing(folder.path()), [file.clone()]);
+    assert_eq!(listing(folder.path()), std::slice::from_ref(&file));
     assert_eq!(fs::read_to_string(file).expect("readable"), "mine");
 }
 
