@@ -21,7 +21,7 @@ pub struct AtlasLayout {
 
 /// Bytes of one texel of both textures (rgba16float).
 const TEXEL_BYTES: u64 = 8;
-/// History in f32: irradiance and its variance; mean distance and mean of squares.
+/// History: irradiance (f32) and what is known of its noise; mean distance and mean of squares (f32).
 const IRRADIANCE_HISTORY_BYTES: u64 = 16;
 const DISTANCE_HISTORY_BYTES: u64 = 8;
 /// Radiance and distance of one ray (f32).
