@@ -6,7 +6,7 @@ use std::{
     time::Instant,
 };
 
-use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
+use wgpu_profiler::{GpuProfiler, GpuProfilerQuery, GpuProfilerSettings, GpuTimerQueryResult};
 
 use super::{Gpu, GpuError};
 
@@ -119,28 +119,14 @@ impl<'a> Recorder<'a> {
 
     /// A compute pass under this label.
     pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
-        match self.timing.as_mut().map(|timing| &mut timing.clock) {
-            Some(Clock::Gpu { profiler, .. }) => {
-                let query = profiler.begin_pass_query(label, &mut self.encoder);
-                let writes = query.compute_pass_timestamp_writes();
-                run(&mut self.encoder, label, writes, record);
-                profiler.end_query(&mut self.encoder, query);
-            }
-            Some(Clock::Wall { current, .. }) => {
-                let next = self.device.create_command_encoder(&Default::default());
-                let before = mem::replace(&mut self.encoder, next);
-                finish(&self.device, &self.queue, before);
-                let start = Instant::now();
-                run(&mut self.encoder, label, None, record);
-                let next = self.device.create_command_encoder(&Default::default());
-                let pass = mem::replace(&mut self.encoder, next);
-                finish(&self.device, &self.queue, pass);
-                let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
-                *current.passes_ms.entry(label.to_owned()).or_default() += elapsed_ms;
-                current.frame_ms += elapsed_ms;
-            }
-            Some(Clock::None) | None => run(&mut self.encoder, label, None, record),
-        }
+        self.pass(label, |encoder, query| {
+            record(
+                &mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label: Some(label),
+                    timestamp_writes: query.and_then(|query| query.compute_pass_timestamp_writes()),
+                }),
+            );
+        });
     }
 
     /// A render pass under this label that draws on black over all of `target`.
@@ -150,15 +136,8 @@ impl<'a> Recorder<'a> {
         target: &wgpu::TextureView,
         record: impl FnOnce(&mut wgpu::RenderPass<'static>),
     ) {
-        let query = self
-            .timing
-            .as_ref()
-            .map(|timing| timing.profiler.begin_pass_query(label, &mut self.encoder));
-        {
-            let timestamp_writes = query
-                .as_ref()
-                .and_then(|query| query.render_pass_timestamp_writes());
-            let pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        self.pass(label, |encoder, query| {
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(label),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: target,
@@ -169,14 +148,40 @@ impl<'a> Recorder<'a> {
                         store: wgpu::StoreOp::Store,
                     },
                 })],
-                timestamp_writes,
+                timestamp_writes: query.and_then(|query| query.render_pass_timestamp_writes()),
                 ..Default::default()
             });
-            // It ends with this block, before the encoder is used again.
+            // It ends with this closure, before the encoder is used again.
             record(&mut pass.forget_lifetime());
-        }
-        if let (Some(timing), Some(query)) = (&self.timing, query) {
-            timing.profiler.end_query(&mut self.encoder, query);
+        });
+    }
+
+    /// Times what `record` records into the encoder.
+    fn pass(
+        &mut self,
+        label: &str,
+        record: impl FnOnce(&mut wgpu::CommandEncoder, Option<&GpuProfilerQuery>),
+    ) {
+        match self.timing.as_mut().map(|timing| &mut timing.clock) {
+            Some(Clock::Gpu { profiler, .. }) => {
+                let query = profiler.begin_pass_query(label, &mut self.encoder);
+                record(&mut self.encoder, Some(&query));
+                profiler.end_query(&mut self.encoder, query);
+            }
+            Some(Clock::Wall { current, .. }) => {
+                let next = self.device.create_command_encoder(&Default::default());
+                let before = mem::replace(&mut self.encoder, next);
+                finish(&self.device, &self.queue, before);
+                let start = Instant::now();
+                record(&mut self.encoder, None);
+                let next = self.device.create_command_encoder(&Default::default());
+                let pass = mem::replace(&mut self.encoder, next);
+                finish(&self.device, &self.queue, pass);
+                let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
+                *current.passes_ms.entry(label.to_owned()).or_default() += elapsed_ms;
+                current.frame_ms += elapsed_ms;
+            }
+            Some(Clock::None) | None => record(&mut self.encoder, None),
         }
     }
 
@@ -199,20 +204,6 @@ impl<'a> Recorder<'a> {
             .map_err(|error| GpuError::Device(error.to_string()))?;
         Ok(index)
     }
-}
-
-fn run(
-    encoder: &mut wgpu::CommandEncoder,
-    label: &str,
-    timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
-    record: impl FnOnce(&mut wgpu::ComputePass<'_>),
-) {
-    record(
-        &mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(label),
-            timestamp_writes,
-        }),
-    );
 }
 
 /// Submits and waits. A device that is lost here is still lost, and said to be, at the next wait
