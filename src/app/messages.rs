@@ -54,11 +54,13 @@ impl Messages {
         diagnostic(
             ui,
             "The world file has an error; the last good world is shown",
+            0.3,
             &mut self.world,
         );
         diagnostic(
             ui,
             "The shaders do not compile; the last good ones run",
+            0.7,
             &mut self.shaders,
         );
     }
@@ -80,17 +82,19 @@ fn toasts(ui: &Ui, toasts: &[Toast]) {
         });
 }
 
-/// A window with a text as a terminal would show it, until it is closed.
-fn diagnostic(ui: &Ui, title: &str, text: &mut Option<String>) {
+/// A window with a text as a terminal would show it, until it is closed. It first appears at `height`
+/// of the way down.
+fn diagnostic(ui: &Ui, title: &str, height: f32, text: &mut Option<String>) {
     let Some(shown) = text else {
         return;
     };
+    let window = ui.ctx().content_rect();
     let mut open = true;
     Window::new(RichText::new(title).color(ERROR))
         .id(Id::unique(title))
         .open(&mut open)
         .pivot(Align2::CENTER_CENTER)
-        .default_pos(ui.ctx().content_rect().center())
+        .default_pos(window.lerp_inside(egui::vec2(0.5, height)))
         .default_width(720.0)
         .show(ui.ctx(), |ui| {
             ScrollArea::both().max_height(420.0).show(ui, |ui| {

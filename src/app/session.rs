@@ -102,6 +102,8 @@ impl Session {
         let show = build(&gpu, options, choice, &mut messages)?;
         let context = Context::default();
         context.set_theme(egui::Theme::Dark);
+        // A click that spans slow frames is still a click.
+        context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         let egui = egui_winit::State::new(
             context,
             egui::ViewportId::ROOT,

@@ -36,7 +36,8 @@ pub enum ShowError {
 impl From<Report> for ShowError {
     fn from(report: Report) -> Self {
         let mut text = String::new();
-        let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor());
+        let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
+            .with_width(DIAGNOSTIC_COLUMNS);
         Self::World(match handler.render_report(&mut text, &*report) {
             Ok(()) => text,
             // What the report quotes cannot be shown: its message alone.
@@ -53,6 +54,9 @@ pub struct Show {
     frame: Frame,
     choice: Choice,
 }
+
+/// Letters to a line of what is wrapped in a diagnostic.
+const DIAGNOSTIC_COLUMNS: usize = 84;
 
 /// Shaders that voxels and distances come of: an edit builds the world again.
 const STAGE_SHADERS: [&str; 5] = [

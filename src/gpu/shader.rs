@@ -88,7 +88,7 @@ impl ShaderLibrary {
             ..CompileOptions::default()
         };
         let wgsl = wesl::compile_sourcemap(&root, &resolver, &ReadableMangler, &options)
-            .map_err(|error| fault(error.to_string()))?
+            .map_err(|error| fault(without_colours(&error.to_string())))?
             .to_string();
         let module = naga::front::wgsl::parse_str(&wgsl)
             .map_err(|error| fault(error.emit_to_string_with_path(&wgsl, name)))?;
@@ -105,6 +105,17 @@ impl ShaderLibrary {
             info,
         })
     }
+}
+
+/// A text without the escape sequences that colour it in a terminal (ECMA-48: ESC [ … letter).
+fn without_colours(text: &str) -> String {
+    let mut parts = text.split("\x1b[");
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.find(|c: char| c.is_ascii_alphabetic());
+        plain.push_str(end.map_or("", |end| &part[end + 1..]));
+    }
+    plain
 }
 
 /// Reads the `.wesl` files under `folder`; their names begin with `prefix`.
@@ -182,6 +193,25 @@ mod tests {
         let read = ShaderLibrary::from_folder(&folder).expect("the repository's own shaders");
         assert_eq!(read, ShaderLibrary::embedded());
         assert_eq!(read.differences(&ShaderLibrary::embedded()).count(), 0);
+    }
+
+    #[test]
+    fn messages_are_plain() {
+        assert_eq!(
+            without_colours("a\x1b[1m\x1b[91mb\x1b[0m: c[0]"),
+            "ab: c[0]"
+        );
+        let library = ShaderLibrary {
+            modules: [("passes/broken".to_owned(), "fn main( {".into())].into(),
+        };
+        let Err(error) = library.compose("passes/broken", &[]) else {
+            panic!("it has a syntax error");
+        };
+        assert!(!error.to_string().contains('\x1b'), "{error:?}");
+        assert!(
+            error.to_string().contains("passes/broken.wesl:1"),
+            "{error}"
+        );
     }
 
     #[test]
