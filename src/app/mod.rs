@@ -25,6 +25,7 @@ use std::{
 
 use winit::{
     application::ApplicationHandler,
+    error::EventLoopError,
     event::{DeviceEvent, DeviceId, StartCause, WindowEvent},
     event_loop::{ActiveEventLoop, ControlFlow, EventLoop},
     window::WindowId,
@@ -84,7 +85,7 @@ pub enum AppError {
 /// [`AppError`] without a display or a usable adapter, when the adapter cannot hold the world, and
 /// when it fails on the way.
 pub fn run(options: Options) -> Result<(), AppError> {
-    let no_window = |error: winit::error::EventLoopError| AppError::NoWindow(error.to_string());
+    let no_window = |error: EventLoopError| AppError::NoWindow(without_place(&error.to_string()));
     let event_loop = EventLoop::new().map_err(no_window)?;
     let mut app = App {
         options,
@@ -93,6 +94,15 @@ pub fn run(options: Options) -> Result<(), AppError> {
     };
     event_loop.run_app(&mut app).map_err(no_window)?;
     app.error.map_or(Ok(()), Err)
+}
+
+/// An error of winit without the line of its own source that it begins with.
+fn without_place(message: &str) -> String {
+    let told = message
+        .strip_prefix("os error at ")
+        .and_then(|rest| rest.split_once(".rs:"))
+        .and_then(|(_, rest)| rest.split_once(": "));
+    told.map_or(message, |(_line, told)| told).to_owned()
 }
 
 struct App {
@@ -162,5 +172,17 @@ impl ApplicationHandler for App {
         if let (Some(session), StartCause::ResumeTimeReached { .. }) = (&self.session, cause) {
             session.request_frame();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_winit_lose_their_place_alone() {
+        let place = "os error at /src/winit/linux/mod.rs:765: no display: none is set";
+        assert_eq!(without_place(place), "no display: none is set");
+        assert_eq!(without_place("not supported"), "not supported");
     }
 }

@@ -32,11 +32,12 @@ pub fn surface(
     instance: &wgpu::Instance,
     window: &Arc<Window>,
 ) -> Result<wgpu::Surface<'static>, GpuError> {
-    instance
-        .create_surface(window.clone())
-        .map_err(|error| GpuError::NoAdapter {
-            reason: format!("the window cannot be drawn to: {error}"),
-        })
+    instance.create_surface(window.clone()).map_err(|error| {
+        tracing::warn!("creating a surface: {error}");
+        GpuError::NoAdapter {
+            reason: "no Vulkan, Metal or Direct3D 12 driver can draw to a window here".to_owned(),
+        }
+    })
 }
 
 impl Screen {

@@ -26,6 +26,7 @@ use super::{
     screen::{self, Acquired, Screen},
     screenshot,
     show::{Choice, Show},
+    without_place,
 };
 use crate::{
     frame::FrameError,
@@ -80,7 +81,7 @@ impl Session {
             .with_inner_size(winit::dpi::PhysicalSize::new(width, height));
         let window = event_loop
             .create_window(attributes)
-            .map_err(|error| AppError::NoWindow(error.to_string()))?;
+            .map_err(|error| AppError::NoWindow(without_place(&error.to_string())))?;
         let window = Arc::new(window);
         let instance = gpu::instance();
         let surface = screen::surface(&instance, &window)?;

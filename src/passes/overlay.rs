@@ -188,7 +188,7 @@ mod tests {
             wgpu::TextureFormat::Rgba8Unorm,
             wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         );
-        let texels = [[[255, 0, 0, 255]; 4], [[100, 100, 100, 255]; 4]];
+        let texels = [[[255u8, 0, 0, 255]; 4], [[100, 100, 100, 255]; 4]];
         gpu.queue.write_texture(
             picture.as_image_copy(),
             bytemuck::cast_slice(&texels),
