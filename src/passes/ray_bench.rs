@@ -14,7 +14,7 @@ const RAYS_PER_GROUP: u32 = 512;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayKind {
     Camera,
-    /// From the camera rays' hits to a lamp; needs a camera run before.
+    /// From the camera rays' hits to a light; needs a camera run before.
     Shadow,
     /// From voxels' centres in given directions.
     Probe,
@@ -61,10 +61,11 @@ pub struct RayRun {
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
 struct GpuRayBench {
-    lamp_gs: [f32; 3],
+    target_gs: [f32; 3],
     rays_per_probe: u32,
     ray_count: u32,
-    _pad: [u32; 3],
+    towards_lamp: u32,
+    _pad: [u32; 2],
 }
 
 struct Runner {
@@ -81,13 +82,21 @@ pub struct RayBench {
     found: wgpu::Buffer,
 }
 
+/// Where shadow rays go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShadowTarget {
+    /// A point in grid space.
+    Lamp(Vec3),
+    /// A direction, without end.
+    Sun(Vec3),
+}
+
 /// Which rays: a picture's, towards a lamp, and from probes.
 pub struct RaySet<'a> {
     /// The `View` uniform.
     pub view: &'a wgpu::Buffer,
     pub size: [u32; 2],
-    /// Grid space.
-    pub lamp_gs: Vec3,
+    pub shadow: ShadowTarget,
     /// Voxels (grid space) whose centres send `directions` each.
     pub probes: &'a [UVec3],
     pub directions: &'a [Vec3],
@@ -101,13 +110,18 @@ impl RayBench {
     pub fn new(gpu: &Gpu, voxels: &GpuVoxels, rays: &RaySet<'_>) -> Result<Self, GpuError> {
         let probe_rays = (rays.probes.len() * rays.directions.len()) as u32;
         let pixels = rays.size[0] * rays.size[1];
+        let (target, towards_lamp) = match rays.shadow {
+            ShadowTarget::Lamp(at_gs) => (at_gs, 1),
+            ShadowTarget::Sun(towards) => (towards, 0),
+        };
         let uniform = gpu.uniform_buffer(
             "ray_bench",
             &GpuRayBench {
-                lamp_gs: rays.lamp_gs.to_array(),
+                target_gs: target.to_array(),
                 rays_per_probe: rays.directions.len() as u32,
                 ray_count: probe_rays,
-                _pad: [0; 3],
+                towards_lamp,
+                _pad: [0; 2],
             },
         );
         let probes: Vec<[u32; 4]> = rays.probes.iter().map(|p| [p.x, p.y, p.z, 0]).collect();
