@@ -7,8 +7,10 @@ use glam::{UVec3, Vec3};
 use super::GpuVoxels;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing};
 
-/// Rays that a workgroup of 64 threads takes from its queue: measured best of 128, 256, 512, 1024.
-const RAYS_PER_GROUP: u32 = 512;
+/// Most rays that a workgroup of 64 threads takes from its queue: measured best of 128 … 1024.
+const MOST_RAYS_PER_GROUP: u32 = 512;
+/// Workgroups that keep a large GPU busy: with fewer rays, the queues are shorter.
+const BUSY_GROUPS: u32 = 4096;
 
 /// The three kinds of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +80,7 @@ pub struct RayBench {
     runners: Vec<(RayKind, Marcher, Runner)>,
     size: [u32; 2],
     probe_rays: u32,
+    rays_per_group: u32,
     camera_found: wgpu::Buffer,
     found: wgpu::Buffer,
 }
@@ -134,6 +137,9 @@ impl RayBench {
         let directions = gpu.storage_buffer_of("bench_directions", &directions)?;
         let camera_found = gpu.storage_buffer("camera_found", u64::from(pixels) * 8)?;
         let found = gpu.storage_buffer("found", u64::from(pixels.max(probe_rays)) * 8)?;
+        let rays_per_group = (probe_rays / BUSY_GROUPS)
+            .next_multiple_of(64)
+            .clamp(64, MOST_RAYS_PER_GROUP);
         let bits = build_bits(gpu, voxels)?;
         let mut runners = Vec::new();
         for marcher in [Marcher::BrickMap, Marcher::PlainDda] {
@@ -153,7 +159,8 @@ impl RayBench {
                         entry,
                         overrides: &[
                             ("PLAIN", f64::from(marcher == Marcher::PlainDda)),
-                            ("RAYS_PER_GROUP", f64::from(RAYS_PER_GROUP)),
+                            ("COHERENT", f64::from(kind != RayKind::Probe)),
+                            ("RAYS_PER_GROUP", f64::from(rays_per_group)),
                         ],
                         ..Default::default()
                     },
@@ -176,6 +183,7 @@ impl RayBench {
             runners,
             size: rays.size,
             probe_rays,
+            rays_per_group,
             camera_found,
             found,
         })
@@ -219,7 +227,7 @@ impl RayBench {
                     pass,
                     &runner.bindings,
                     linear_groups(self.probe_rays.div_ceil(match marcher {
-                        Marcher::BrickMap => RAYS_PER_GROUP,
+                        Marcher::BrickMap => self.rays_per_group,
                         Marcher::PlainDda => 64,
                     })),
                 ),
