@@ -1,8 +1,12 @@
-//! GPU timestamps by pass label.
+//! Times of passes by label: from the GPU's own clock, or the wall's where the GPU is a CPU.
 
-use std::collections::BTreeMap;
+use std::{
+    collections::{BTreeMap, VecDeque},
+    mem,
+    time::Instant,
+};
 
-use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
+use wgpu_profiler::{GpuProfiler, GpuProfilerQuery, GpuProfilerSettings, GpuTimerQueryResult};
 
 use super::{Gpu, GpuError};
 
@@ -14,39 +18,65 @@ pub struct PassTimes {
     pub frame_ms: f64,
 }
 
-/// Collects timestamps over frames without stalling them.
+/// Collects the times of passes over frames.
 pub struct Timing {
-    profiler: GpuProfiler,
-    period: f32,
-    supported: bool,
+    clock: Clock,
+}
+
+enum Clock {
+    /// Timestamps, which never stall a frame.
+    Gpu { profiler: GpuProfiler, period: f32 },
+    /// A software adapter writes its timestamps when it gets round to it, not when the pass ran. It
+    /// loses nothing by doing one pass after the other, so each is submitted and waited for.
+    Wall {
+        current: PassTimes,
+        finished: VecDeque<PassTimes>,
+    },
+    /// The adapter has no timestamps, and waiting for every pass would slow it down.
+    None,
 }
 
 impl Timing {
     /// # Errors
     /// [`GpuError::Device`] when the profiler refuses its settings.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let settings = GpuProfilerSettings {
-            max_num_pending_frames: 64,
-            enable_debug_groups: false,
-            ..Default::default()
+        let clock = if gpu.summary.is_software() {
+            Clock::Wall {
+                current: PassTimes::default(),
+                finished: VecDeque::new(),
+            }
+        } else if gpu.features.contains(wgpu::Features::TIMESTAMP_QUERY) {
+            let settings = GpuProfilerSettings {
+                max_num_pending_frames: 64,
+                enable_debug_groups: false,
+                ..Default::default()
+            };
+            Clock::Gpu {
+                profiler: GpuProfiler::new(&gpu.device, settings)
+                    .map_err(|error| GpuError::Device(error.to_string()))?,
+                period: gpu.queue.get_timestamp_period(),
+            }
+        } else {
+            Clock::None
         };
-        Ok(Self {
-            profiler: GpuProfiler::new(&gpu.device, settings)
-                .map_err(|error| GpuError::Device(error.to_string()))?,
-            period: gpu.queue.get_timestamp_period(),
-            supported: gpu.features.contains(wgpu::Features::TIMESTAMP_QUERY),
-        })
+        Ok(Self { clock })
     }
 
-    /// Whether the adapter can time its passes at all.
+    /// Whether passes of this adapter are timed at all.
     pub fn supported(&self) -> bool {
-        self.supported
+        !matches!(self.clock, Clock::None)
     }
 
     /// The oldest frame whose times have arrived.
     pub fn next_frame(&mut self) -> Option<PassTimes> {
-        let results = self.profiler.process_finished_frame(self.period)?;
-        Some(PassTimes::of(&results))
+        match &mut self.clock {
+            Clock::Gpu { profiler, period } => {
+                let results = profiler.process_finished_frame(*period)?;
+                Some(PassTimes::of(&results))
+            }
+            Clock::Wall { finished, .. } => finished.pop_front(),
+            Clock::None => None,
+        }
     }
 }
 
@@ -69,9 +99,11 @@ impl PassTimes {
     }
 }
 
-/// Records the passes of one frame (or of one piece of work), each with its own timestamps.
+/// Records the passes of one frame (or of one piece of work), each with its own time.
 pub struct Recorder<'a> {
     pub encoder: wgpu::CommandEncoder,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
     timing: Option<&'a mut Timing>,
 }
 
@@ -79,30 +111,77 @@ impl<'a> Recorder<'a> {
     pub fn new(gpu: &Gpu, timing: Option<&'a mut Timing>) -> Self {
         Self {
             encoder: gpu.device.create_command_encoder(&Default::default()),
+            device: gpu.device.clone(),
+            queue: gpu.queue.clone(),
             timing,
         }
     }
 
     /// A compute pass under this label.
     pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
-        let query = self
-            .timing
-            .as_ref()
-            .map(|timing| timing.profiler.begin_pass_query(label, &mut self.encoder));
-        {
-            let timestamp_writes = query
-                .as_ref()
-                .and_then(|query| query.compute_pass_timestamp_writes());
-            let mut pass = self
-                .encoder
-                .begin_compute_pass(&wgpu::ComputePassDescriptor {
+        self.pass(label, |encoder, query| {
+            record(
+                &mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                     label: Some(label),
-                    timestamp_writes,
-                });
-            record(&mut pass);
-        }
-        if let (Some(timing), Some(query)) = (&self.timing, query) {
-            timing.profiler.end_query(&mut self.encoder, query);
+                    timestamp_writes: query.and_then(|query| query.compute_pass_timestamp_writes()),
+                }),
+            );
+        });
+    }
+
+    /// A render pass under this label that draws on black over all of `target`.
+    pub fn render(
+        &mut self,
+        label: &str,
+        target: &wgpu::TextureView,
+        record: impl FnOnce(&mut wgpu::RenderPass<'static>),
+    ) {
+        self.pass(label, |encoder, query| {
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(label),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: target,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                timestamp_writes: query.and_then(|query| query.render_pass_timestamp_writes()),
+                ..Default::default()
+            });
+            // It ends with this closure, before the encoder is used again.
+            record(&mut pass.forget_lifetime());
+        });
+    }
+
+    /// Times what `record` records into the encoder.
+    fn pass(
+        &mut self,
+        label: &str,
+        record: impl FnOnce(&mut wgpu::CommandEncoder, Option<&GpuProfilerQuery>),
+    ) {
+        match self.timing.as_mut().map(|timing| &mut timing.clock) {
+            Some(Clock::Gpu { profiler, .. }) => {
+                let query = profiler.begin_pass_query(label, &mut self.encoder);
+                record(&mut self.encoder, Some(&query));
+                profiler.end_query(&mut self.encoder, query);
+            }
+            Some(Clock::Wall { current, .. }) => {
+                let next = self.device.create_command_encoder(&Default::default());
+                let before = mem::replace(&mut self.encoder, next);
+                finish(&self.device, &self.queue, before);
+                let start = Instant::now();
+                record(&mut self.encoder, None);
+                let next = self.device.create_command_encoder(&Default::default());
+                let pass = mem::replace(&mut self.encoder, next);
+                finish(&self.device, &self.queue, pass);
+                let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
+                *current.passes_ms.entry(label.to_owned()).or_default() += elapsed_ms;
+                current.frame_ms += elapsed_ms;
+            }
+            Some(Clock::None) | None => record(&mut self.encoder, None),
         }
     }
 
@@ -111,16 +190,25 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// [`GpuError::Device`] when timestamps were left open.
     pub fn submit(mut self, gpu: &Gpu) -> Result<wgpu::SubmissionIndex, GpuError> {
-        if let Some(timing) = &mut self.timing {
-            timing.profiler.resolve_queries(&mut self.encoder);
-        }
+        let clock = self.timing.map(|timing| &mut timing.clock);
+        let Some(Clock::Gpu { profiler, .. }) = clock else {
+            if let Some(Clock::Wall { current, finished }) = clock {
+                finished.push_back(mem::take(current));
+            }
+            return Ok(gpu.queue.submit([self.encoder.finish()]));
+        };
+        profiler.resolve_queries(&mut self.encoder);
         let index = gpu.queue.submit([self.encoder.finish()]);
-        if let Some(timing) = self.timing {
-            timing
-                .profiler
-                .end_frame()
-                .map_err(|error| GpuError::Device(error.to_string()))?;
-        }
+        profiler
+            .end_frame()
+            .map_err(|error| GpuError::Device(error.to_string()))?;
         Ok(index)
     }
+}
+
+/// Submits and waits. A device that is lost here is still lost, and said to be, at the next wait
+/// that returns a result.
+fn finish(device: &wgpu::Device, queue: &wgpu::Queue, encoder: wgpu::CommandEncoder) {
+    queue.submit([encoder.finish()]);
+    let _ = device.poll(wgpu::PollType::wait_indefinitely());
 }

@@ -37,8 +37,8 @@ pub enum Sight {
     /// The sky, with its radiance.
     Sky(DVec3),
     Surface(Vertex),
-    /// The camera stands in stone and sees nothing.
-    Stone,
+    /// The camera stands in stone, and sees what that emits.
+    Stone(DVec3),
 }
 
 /// A point of a surface. Grid space but where the name says otherwise; linear RGB.
@@ -77,7 +77,7 @@ impl Scene<'_> {
     pub fn look(&self, origin_ws: DVec3, direction: DVec3, pixel_angle: f64) -> Sight {
         let ray = Ray::new(origin_ws - self.origin.as_dvec3(), direction);
         match march(self.voxels, &ray) {
-            Outcome::Inside(_) => Sight::Stone,
+            Outcome::Inside(material) => Sight::Stone(self.materials.emission(material).as_dvec3()),
             Outcome::Miss => Sight::Sky(sky::radiance(&self.lights.sky, direction)),
             Outcome::Hit(hit) => Sight::Surface(self.vertex(&ray, hit, pixel_angle)),
         }

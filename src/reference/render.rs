@@ -213,11 +213,7 @@ impl<'a> Film<'a> {
             .scene
             .look(self.camera.origin, direction, self.pixel_angle);
         match sight {
-            Sight::Stone => Look {
-                sure: DVec3::ZERO,
-                surface: None,
-            },
-            Sight::Sky(radiance) => Look {
+            Sight::Sky(radiance) | Sight::Stone(radiance) => Look {
                 sure: match self.options.view {
                     View::Full | View::Direct => radiance,
                     _ => DVec3::ZERO,

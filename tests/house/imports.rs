@@ -97,10 +97,7 @@ fn tree(
     mut prefix: Option<Vec<String>>,
     leaves: &mut Vec<Vec<String>>,
 ) -> usize {
-    loop {
-        let Some(token) = tokens.get(at) else {
-            break;
-        };
+    while let Some(token) = tokens.get(at) {
         match token.text {
             "{" => {
                 at += 1;

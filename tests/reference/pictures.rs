@@ -1,12 +1,16 @@
 //! Pictures as a whole: views, determinism, progress, cancelling.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::measure::metrics::absolute_sum;
 use grotto::measure::picture::Picture;
-use grotto::reference::{FilmOptions, View, render_scene};
+use grotto::measure::statistics::MeanEstimate;
+use grotto::reference::{FilmOptions, RenderOptions, View, render, render_scene};
 use grotto::world::Camera;
+use grotto::world::file::{self, Overrides};
+use grotto::world::generate::generate;
 
 use super::stage::{Stage, options, point_lamp, square_camera, uniform_sky};
 
@@ -85,14 +89,50 @@ fn views_of_data_show_the_surface_and_nothing_beyond_it() {
 }
 
 #[test]
-fn a_camera_in_stone_sees_black() {
+fn a_camera_in_stone_sees_what_the_stone_emits() {
     let stage = Stage::new(UVec3::splat(9), &[(0.5, 3.0)], |_| 1).under(uniform_sky(1.0));
-    let picture = with_view(
-        &stage,
-        &square_camera(DVec3::splat(4.5), 0.0, 0.0),
-        View::Full,
-    );
-    assert!(picture.rgb.iter().all(|rgb| *rgb == [0.0; 3]));
+    let camera = square_camera(DVec3::splat(4.5), 0.0, 0.0);
+    for (view, radiance) in [
+        (View::Full, 3.0),
+        (View::Indirect, 0.0),
+        (View::Albedo, 0.0),
+    ] {
+        let picture = with_view(&stage, &camera, view);
+        assert!(
+            picture.rgb.iter().all(|rgb| *rgb == [radiance; 3]),
+            "{view:?}"
+        );
+    }
+}
+
+/// From a world's file to its picture: lamps, materials and origin find their places.
+#[test]
+fn a_world_renders_from_its_file() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/furnace.ron");
+    let world = file::load(&path, &Overrides::default()).expect("a world of ours");
+    let voxels = generate(&world);
+    for camera in &world.cameras {
+        let film = FilmOptions {
+            samples: 64,
+            ..options(camera)
+        };
+        let lamps = &world.lamp_presets[0];
+        let options = RenderOptions {
+            lamps,
+            time_s: 0.0,
+            textures: true,
+            film,
+        };
+        let cancel = AtomicBool::new(false);
+        let picture = render(&world, &voxels, &options, &|_, _| {}, &cancel);
+        let values = picture.rgb.iter().map(|rgb| f64::from(rgb[2]));
+        let mean = MeanEstimate::of(values).expect("a picture with pixels");
+        assert!(
+            mean.agrees_with(2.0, 3.0, 0.01),
+            "{}: {mean:?}",
+            camera.name
+        );
+    }
 }
 
 /// Where the world lies in space is no concern of its light.

@@ -4,11 +4,11 @@ use std::fmt;
 use std::sync::Arc;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
-use ron::error::{Error as RonError, Position, SpannedError};
+use ron::error::{Position, SpannedError};
 
+use super::explain::explain;
 use super::leaf::{Leaf, block_comment_length};
 use super::schema::Vector;
-use crate::parameters::nearest;
 
 /// Lines longer than this are quoted in part, in the message, and not shown as a whole.
 const LONGEST_SHOWN_LINE: usize = 400;
@@ -200,7 +200,7 @@ impl Source {
     }
 
     /// What the RON parser found wrong, in the words of this format.
-    pub fn from_ron(&self, error: SpannedError) -> Box<Problem> {
+    pub fn of_parser(&self, error: SpannedError) -> Box<Problem> {
         let start = self.offset_of(error.span.start);
         let end = self.offset_of(error.span.end).max(start);
         let (message, help, word) = explain(error.code);
@@ -213,10 +213,17 @@ impl Source {
 
     fn offset_of(&self, position: Position) -> usize {
         let mut lines = self.text.split_inclusive('\n');
-        let before: usize = lines.by_ref().take(position.line - 1).map(str::len).sum();
+        let before: usize = lines
+            .by_ref()
+            .take(position.line.saturating_sub(1))
+            .map(str::len)
+            .sum();
         let line = lines.next().unwrap_or("");
         let mut chars = line.char_indices().map(|(offset, _)| offset);
-        before + chars.nth(position.col - 1).unwrap_or(line.len())
+        before
+            + chars
+                .nth(position.col.saturating_sub(1))
+                .unwrap_or(line.len())
     }
 
     /// The parser has sometimes gone past a key when it objects to it: look back for the word.
@@ -227,12 +234,8 @@ impl Source {
             let after = self.text[at + word.len()..].chars().next();
             !before.is_some_and(is_part) && !after.is_some_and(is_part)
         };
-        let until = &self.text[..(end + word.len()).min(self.text.len())];
-        let until = if self.text.is_char_boundary(until.len()) {
-            until
-        } else {
-            &self.text[..end]
-        };
+        let until = (end + word.len()).min(self.text.len());
+        let until = &self.text[..self.text.floor_char_boundary(until)];
         let places = until.rmatch_indices(word).map(|(at, _)| at);
         match places.filter(|at| *at <= end).find(alone) {
             Some(at) => (at, word.len()),
@@ -246,11 +249,14 @@ impl Source {
         let trimmed = text.trim_start();
         let start = start + text.len() - trimmed.len();
         let trimmed = trimmed.lines().next().unwrap_or("").trim_end();
-        let length = match self.text[start..].chars().next() {
-            Some(c) if trimmed.is_empty() => c.len_utf8(),
-            _ => trimmed.len(),
-        };
-        (start, length)
+        if !trimmed.is_empty() {
+            return (start, trimmed.len());
+        }
+        // A place between characters: take the word or the sign that begins there.
+        let rest = &self.text[start..];
+        let word = rest.find(|c: char| !(c.is_alphanumeric() || "_.+-".contains(c)));
+        let sign = rest.chars().next().map_or(0, char::len_utf8);
+        (start, word.unwrap_or(rest.len()).max(sign))
     }
 }
 
@@ -277,104 +283,6 @@ fn raw_string_length(text: &str) -> usize {
     let body = &text[2 + hashes..];
     body.find(&close)
         .map_or(text.len(), |end| 2 + hashes + end + close.len())
-}
-
-/// "Did you mean", and what there is.
-pub fn suggest<'a>(wanted: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
-    let all: Vec<String> = known.clone().map(|name| format!("`{name}`")).collect();
-    let all = match all.len() {
-        0 => "there is none yet".to_owned(),
-        1 => format!("there is only {}", all[0]),
-        _ => format!("there are {}", all.join(", ")),
-    };
-    match nearest(wanted, known).first() {
-        Some(near) => format!("did you mean `{near}`? {all}"),
-        None => all,
-    }
-}
-
-/// Message, remedy, and the word that the message is about.
-fn explain(error: RonError) -> (String, String, Option<String>) {
-    let near = |found: &str, expected: &[&str]| suggest(found, expected.iter().copied());
-    let of = |outer: Option<String>| outer.map_or(String::new(), |outer| format!(" of {outer}"));
-    match error {
-        RonError::NoSuchStructField {
-            expected,
-            found,
-            outer,
-        } => (
-            format!("`{found}` is not a key{}", of(outer)),
-            near(&found, expected),
-            Some(found),
-        ),
-        RonError::NoSuchEnumVariant {
-            expected, found, ..
-        } => (
-            format!("`{found}` is not known here"),
-            near(&found, expected),
-            Some(found),
-        ),
-        RonError::MissingStructField { field, outer } => (
-            format!("the key `{field}`{} is missing", of(outer)),
-            format!("add `{field}: …`; worlds/README.md describes it"),
-            None,
-        ),
-        RonError::DuplicateStructField { field, .. } => (
-            format!("the key `{field}` is given twice"),
-            "remove one of the two".into(),
-            Some(field.into()),
-        ),
-        RonError::ExpectedDifferentStructName { expected, found } => (
-            format!("expected {expected}, found {found}"),
-            format!("write `(…)` or `{expected}(…)`"),
-            Some(found),
-        ),
-        RonError::ExpectedArray => (
-            "expected a list".into(),
-            "write the elements between `[` and `]`".into(),
-            None,
-        ),
-        RonError::ExpectedStructLike | RonError::ExpectedNamedStructLike(_) => (
-            "expected an opening `(`".into(),
-            "three numbers are written (x, y, z), a group of keys (key: value, …)".into(),
-            None,
-        ),
-        RonError::ExpectedBoolean => (
-            "expected true or false".into(),
-            "write `true` or `false`".into(),
-            None,
-        ),
-        RonError::ExpectedDifferentLength { expected, found } => (
-            format!("expected {expected}, found {found} values"),
-            "a vector is three numbers (x, y, z), a pair two".into(),
-            None,
-        ),
-        RonError::ExceededRecursionLimit => (
-            "the file nests too deep".into(),
-            format!("brackets may nest {MAX_NESTING} deep"),
-            None,
-        ),
-        RonError::Eof | RonError::ExpectedStructLikeEnd | RonError::ExpectedArrayEnd => (
-            format!("{error}"),
-            "a bracket or a comma is missing here or just before".into(),
-            None,
-        ),
-        RonError::ExpectedComma => (
-            "expected a comma".into(),
-            "separate keys and elements with `,`".into(),
-            None,
-        ),
-        RonError::TrailingCharacters => (
-            "there is text after the end of the world".into(),
-            "a world file is one group of keys: ( … )".into(),
-            None,
-        ),
-        error => (
-            format!("this is not valid RON: {error}"),
-            "worlds/minimal.ron is the smallest world to copy".into(),
-            None,
-        ),
-    }
 }
 
 #[cfg(test)]

@@ -112,9 +112,8 @@ impl<'de> Deserialize<'de> for OneOrThree {
         let text = <&'de RawValue>::deserialize(deserializer)?.get_ron();
         // Parsed from the same buffer again, so that the leaves know their place in it.
         if skip_blank(text).starts_with('(') {
-            ron::from_str(text).map(Self::Three).map_err(|error| {
-                D::Error::custom(format!("one number or three (x, y, z): {}", error.code))
-            })
+            let three = ron::from_str(text).map(Self::Three);
+            three.map_err(|_| D::Error::custom("expected one number, or three: (x, y, z)"))
         } else {
             Ok(Self::One(Leaf::new(text)))
         }

@@ -4,7 +4,11 @@
 //! neighbours make the world of them. `worlds/README.md` documents every key.
 
 mod diagnostics;
+mod explain;
+mod features;
+mod lamps;
 mod leaf;
+mod matter;
 mod place;
 mod resolve;
 mod scenery;
@@ -103,6 +107,6 @@ fn read(source: &Source, folder: Option<&Path>, overrides: &Overrides) -> Read<W
         .with_recursion_limit(8 * MAX_NESTING);
     let file: schema::World = options
         .from_str(&source.text)
-        .map_err(|error| source.from_ron(error))?;
+        .map_err(|error| source.of_parser(error))?;
     resolve::resolve(source, folder, &file, overrides)
 }

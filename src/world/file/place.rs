@@ -1,22 +1,19 @@
-//! Features and scattered things: where they stand.
+//! Where scattered things stand: on the floors and under the ceilings of a shape.
 
-use glam::{DVec3, IVec3, Vec3};
+use std::collections::HashMap;
+
+use glam::{DVec3, IVec2, IVec3, Vec3};
 use rayon::prelude::*;
 
-use super::leaf::Leaf;
-use super::resolve::Reader;
-use super::schema::{self, Ground};
-use super::values::{Read, or};
-use crate::world::FeaturePart;
+use super::schema::Ground;
 use crate::world::materials::hash::{hash, unit};
 use crate::world::sdf::Shape;
 
-/// Most boxes of all features and models together.
-pub const MAX_PARTS: usize = 2_000_000;
-/// Most things of one scatter.
-const MAX_SCATTERED: u32 = 100_000;
 /// Places tried for each thing that is asked for, before the rest is given up.
 const TRIES: u32 = 32;
+
+/// Places tried at a time; after so many in vain a scatter is given up.
+const BATCH: u32 = 4096;
 
 /// What a scatter asks for.
 pub(super) struct Ask {
@@ -40,29 +37,66 @@ pub(super) struct Found {
     pub chance: u32,
 }
 
+/// The places taken so far, in squares of the plane as wide as the spacing.
+struct Taken {
+    spacing: f32,
+    squares: HashMap<IVec2, Vec<IVec3>>,
+}
+
+impl Taken {
+    fn new(spacing: f32) -> Self {
+        Self {
+            spacing,
+            squares: HashMap::new(),
+        }
+    }
+
+    /// Takes a place, unless it is taken or too near to one that is.
+    fn take(&mut self, voxel: IVec3) -> bool {
+        let plane = IVec2::new(voxel.x, voxel.z);
+        let square = (plane.as_vec2() / self.spacing.max(1.0)).floor().as_ivec2();
+        let near = |other: &IVec3| {
+            let between = (IVec2::new(other.x, other.z) - plane).as_vec2();
+            between.length() < self.spacing || *other == voxel
+        };
+        for x in -1..=1 {
+            for z in -1..=1 {
+                let others = self.squares.get(&(square + IVec2::new(x, z)));
+                if others.is_some_and(|others| others.iter().any(near)) {
+                    return false;
+                }
+            }
+        }
+        self.squares.entry(square).or_default().push(voxel);
+        true
+    }
+}
+
 impl Ask {
     /// As many places as there are, up to `count`. The same for the same seed and shape, on any
     /// number of threads.
     pub fn places(&self, shape: &Shape, world: (IVec3, IVec3)) -> Vec<Found> {
         let mut found: Vec<Found> = Vec::new();
+        let mut taken = Taken::new(self.spacing);
         let most = self.count.saturating_mul(TRIES);
         let mut tried = 0;
         while found.len() < self.count as usize && tried < most {
             let missing = self.count - found.len() as u32;
-            let batch = tried..most.min(tried + missing.max(16));
+            let batch = tried..most.min(tried + missing.clamp(16, BATCH));
+            let before = found.len();
             tried = batch.end;
+            let full = batch.len() as u32 == BATCH;
             let candidates: Vec<Option<Found>> = batch
                 .into_par_iter()
                 .map(|index| self.candidate(index, shape, world))
                 .collect();
             for candidate in candidates.into_iter().flatten() {
-                let apart = |other: &Found| {
-                    let between = (other.voxel - candidate.voxel).as_vec3().with_y(0.0);
-                    between.length() >= self.spacing && other.voxel != candidate.voxel
-                };
-                if found.len() < self.count as usize && found.iter().all(apart) {
+                if found.len() < self.count as usize && taken.take(candidate.voxel) {
                     found.push(candidate);
                 }
+            }
+            if full && found.len() == before {
+                break;
             }
         }
         found
@@ -131,164 +165,118 @@ fn column(shape: &Shape, x: i32, z: i32, low: i32, high: i32) -> Vec<(i32, bool)
     runs
 }
 
-impl Reader<'_> {
-    /// Lowest voxel of the world, and the one beyond its highest.
-    pub(super) fn world_voxels(&self) -> (IVec3, IVec3) {
-        (self.origin, self.origin + self.size.as_ivec3())
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::Sdf;
+    use crate::world::noise::{Basis, Fractal, NoiseField};
+
+    const WORLD: (IVec3, IVec3) = (IVec3::splat(-32), IVec3::splat(32));
+
+    /// A cave with an uneven floor and ceiling, and a pillar.
+    fn cave() -> Shape {
+        let noise = NoiseField {
+            name: "floor".into(),
+            basis: Basis::Perlin,
+            fractal: Fractal::None,
+            frequency: DVec3::splat(0.1),
+            offset: DVec3::ZERO,
+            seed: 5,
+        };
+        let air = Sdf::Displace {
+            noise: 0,
+            amplitude: 4.0,
+            of: Box::new(Sdf::Box {
+                half: Vec3::new(26.0, 12.0, 26.0),
+            }),
+        };
+        let rock = Sdf::Subtraction(vec![
+            Sdf::Box {
+                half: Vec3::splat(40.0),
+            },
+            air,
+        ]);
+        let pillar = Sdf::Cylinder {
+            radius: 3.0,
+            half_height: 40.0,
+        };
+        Shape::new(&Sdf::Union(vec![rock, pillar]), &[noise])
     }
 
-    /// `count`, or `density` for each 1000 columns of the box; `place` stands for both in messages.
-    pub(super) fn how_many(
-        &self,
-        count: &Option<Leaf>,
-        density: &Option<Leaf>,
-        (low, high): (Vec3, Vec3),
-        place: &Leaf,
-    ) -> Read<u32> {
-        let source = self.source;
-        match (count, density) {
-            (Some(count), None) => source.count(count, "count", 0..=MAX_SCATTERED),
-            (None, Some(leaf)) => {
-                let density = f64::from(source.not_negative(leaf, "density")?);
-                let columns = f64::from(high.x - low.x) * f64::from(high.z - low.z);
-                let count = (density * columns / 1000.0).round();
-                if count > f64::from(MAX_SCATTERED) {
-                    return Err(source.at(
-                        leaf,
-                        format!("{density} for each 1000 columns are {count} in this box"),
-                        format!("a scatter may have {MAX_SCATTERED}: lower the density"),
-                    ));
+    fn is_solid(shape: &Shape, voxel: IVec3) -> bool {
+        shape.eval(voxel.as_dvec3() + 0.5) < 0.0
+    }
+
+    #[test]
+    fn columns_skip_no_change_of_sign() {
+        let shape = cave();
+        for (x, z) in [(0, 0), (2, 3), (-13, 7), (25, -25), (31, 31), (-30, 4)] {
+            let mut start = WORLD.0.y;
+            for (end, solid) in column(&shape, x, z, WORLD.0.y, WORLD.1.y) {
+                for y in start..end {
+                    let voxel = IVec3::new(x, y, z);
+                    assert_eq!(is_solid(&shape, voxel), solid, "{voxel}");
                 }
-                Ok(count as u32)
+                start = end;
             }
-            (Some(count), Some(_)) => Err(source.at(
-                count,
-                "this scatter has both a `count` and a `density`",
-                "keep one of the two",
-            )),
-            (None, None) => Err(source.at(
-                place,
-                "this scatter does not say how many",
-                "add `count: n`, or `density: n` for n in each 1000 columns",
-            )),
+            assert_eq!(start, WORLD.1.y);
         }
     }
 
-    pub(super) fn clearance(&self, clearance: &Option<Leaf>, default: u32) -> Read<u32> {
-        or(clearance, default, |leaf| {
-            self.source
-                .count(leaf, "clearance", 0..=super::resolve::MAX_EDGE)
-        })
+    fn ask(ground: Ground) -> Ask {
+        Ask {
+            count: 60,
+            bounds: (Vec3::splat(-24.0), Vec3::splat(24.0)),
+            ground,
+            clearance: 6,
+            spacing: 3.0,
+            seed: 1,
+        }
     }
 
-    /// The boxes of all features, in the file's order.
-    pub(super) fn features(
-        &mut self,
-        features: &schema::Features,
-        shape: &Shape,
-    ) -> Read<Vec<FeaturePart>> {
-        let source = self.source;
-        let mut names = Vec::new();
-        let mut kinds = Vec::new();
-        for (name, parts) in &features.kinds.0 {
-            names.push(source.name(name, "kind of feature", &names)?);
-            let parts = parts.iter().map(|part| self.part(part));
-            kinds.push(parts.collect::<Read<Vec<_>>>()?);
-        }
-        let known = || names.iter().map(String::as_str);
-        let mut placed = Vec::new();
-        for place in &features.place {
-            match place {
-                schema::Place::At { kind, places } => {
-                    let parts = &kinds[source.find(kind, "kind", known())?];
-                    for place in places {
-                        let at = source.voxel(place, "places")?;
-                        placed.extend(parts.iter().map(|part| moved(part, at)));
-                    }
-                    self.check_parts(placed.len(), kind)?;
+    #[test]
+    fn places_lie_on_floors_and_ceilings_with_room_and_apart() {
+        let shape = cave();
+        for (ground, away) in [(Ground::Floor, IVec3::Y), (Ground::Ceiling, IVec3::NEG_Y)] {
+            let places = ask(ground).places(&shape, WORLD);
+            assert_eq!(places.len(), 60);
+            for (index, place) in places.iter().enumerate() {
+                assert!(is_solid(&shape, place.voxel - away), "{place:?}");
+                for step in 0..6 {
+                    assert!(!is_solid(&shape, place.voxel + away * step), "{place:?}");
                 }
-                schema::Place::Scatter {
-                    kinds: wanted,
-                    count,
-                    density,
-                    on,
-                    min,
-                    max,
-                    clearance,
-                    spacing,
-                    seed,
-                } => {
-                    let own_seed = self.next_seed();
-                    let wanted: Vec<(&Leaf, usize)> = wanted
-                        .iter()
-                        .map(|leaf| Ok((leaf, source.find(leaf, "kind", known())?)))
-                        .collect::<Read<_>>()?;
-                    let Some(&(first, _)) = wanted.first() else {
-                        let stand_in = count.as_ref().or(density.as_ref());
-                        let message = "this scatter has no kinds";
-                        let help = "name at least one kind of feature in `kinds`";
-                        return Err(match stand_in {
-                            Some(leaf) => source.at(leaf, message, help),
-                            None => super::Problem::of_file(message, help),
-                        });
-                    };
-                    let bounds = self.bounds(min, max)?;
-                    let ask = Ask {
-                        count: self.how_many(count, density, bounds, first)?,
-                        bounds,
-                        ground: *on,
-                        clearance: self.clearance(clearance, 1)?,
-                        spacing: or(spacing, 0.0, |leaf| source.not_negative(leaf, "spacing"))?,
-                        seed: or(seed, own_seed, |leaf| source.seed(leaf))?,
-                    };
-                    for found in ask.places(shape, self.world_voxels()) {
-                        let (_, kind) = wanted[found.chance as usize % wanted.len()];
-                        placed.extend(kinds[kind].iter().map(|part| moved(part, found.voxel)));
-                    }
-                    self.check_parts(placed.len(), first)?;
+                for other in &places[..index] {
+                    let between = (other.voxel - place.voxel).with_y(0).as_vec3();
+                    assert!(between.length() >= 3.0, "{place:?} {other:?}");
                 }
             }
         }
-        Ok(placed)
     }
 
-    pub(super) fn check_parts(&self, parts: usize, place: &Leaf) -> Read<()> {
-        if parts <= MAX_PARTS {
-            return Ok(());
-        }
-        Err(self.source.at(
-            place,
-            format!("with these the features have {parts} boxes"),
-            format!("a world may have {MAX_PARTS}: place fewer, or kinds of fewer parts"),
-        ))
-    }
-
-    fn part(&self, part: &schema::Part) -> Read<FeaturePart> {
-        let source = self.source;
-        let (min, max) = (
-            source.voxel(&part.min, "min")?,
-            source.voxel(&part.max, "max")?,
+    #[test]
+    fn the_same_seed_gives_the_same_places_and_a_full_world_none() {
+        let shape = cave();
+        let places = ask(Ground::Floor).places(&shape, WORLD);
+        assert_eq!(places, ask(Ground::Floor).places(&shape, WORLD));
+        let other = Ask {
+            seed: 2,
+            ..ask(Ground::Floor)
+        };
+        assert_ne!(places, other.places(&shape, WORLD));
+        let crowded = Ask {
+            count: 100_000,
+            ..ask(Ground::Floor)
+        };
+        let crowded = crowded.places(&shape, WORLD);
+        assert!((100..400).contains(&crowded.len()), "{}", crowded.len());
+        let solid = Shape::new(
+            &Sdf::Box {
+                half: Vec3::splat(99.0),
+            },
+            &[],
         );
-        if min.cmpgt(max).any() {
-            return Err(source.at_vector(
-                &part.max,
-                format!("this part is empty: `min` is {min} and `max` is {max}"),
-                "both ends belong to the part, and `min` must be at most `max` on every axis",
-            ));
-        }
-        Ok(FeaturePart {
-            min,
-            max,
-            material: self.material(&part.material)?,
-            without_corners: part.without_corners,
-        })
-    }
-}
-
-fn moved(part: &FeaturePart, by: IVec3) -> FeaturePart {
-    FeaturePart {
-        min: part.min + by,
-        max: part.max + by,
-        ..*part
+        assert!(ask(Ground::Floor).places(&solid, WORLD).is_empty());
+        let empty = Shape::new(&Sdf::Empty, &[]);
+        assert!(ask(Ground::Floor).places(&empty, WORLD).is_empty());
     }
 }

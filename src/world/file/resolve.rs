@@ -10,17 +10,16 @@ use super::diagnostics::{Problem, Source};
 use super::leaf::Leaf;
 use super::schema;
 use super::values::{Read, or};
+use crate::world::generate::FeatureBins;
 use crate::world::materials::hash::hash;
 use crate::world::noise::{Basis, Fractal, NoiseBank, NoiseField};
 use crate::world::sdf::{NoiseId, Shape};
-use crate::world::{Colour, Material, Pattern, Rule, Sky, World};
+use crate::world::{Colour, Material, Sky, World};
 
 /// Longest edge of a world, voxels.
 pub const MAX_EDGE: u32 = 4096;
 /// Most voxels of a world.
 pub const MAX_VOXELS: u64 = 1 << 32;
-/// Most materials: voxels name them by a byte, and 0 is air.
-pub const MAX_MATERIALS: usize = 255;
 
 /// What has been read so far; the parts of the file are read in an order in which names are known
 /// before they are referred to.
@@ -69,6 +68,19 @@ pub(super) fn resolve(
     reader.read_materials(&file.materials)?;
     let mut features = reader.features(&file.features, &shape)?;
     reader.models(&file.models, &mut features)?;
+    let crowding = FeatureBins::count(&features, origin, reader.size);
+    if crowding > FeatureBins::MOST {
+        return Err(Problem::of_file(
+            format!(
+                "{}: the boxes of its features overlap {crowding} cells of 8³ voxels",
+                source.name
+            ),
+            format!(
+                "{} are allowed: make the boxes smaller, or part of the shape",
+                FeatureBins::MOST
+            ),
+        ));
+    }
     let rules = reader.rules(&file.rules)?;
     let lamp_presets = reader.lamp_presets(&file.lamps, &shape)?;
     let cameras = reader.cameras(&file.cameras, &shape)?;
@@ -181,173 +193,6 @@ impl Reader<'_> {
         }
         Ok(())
     }
-
-    fn read_materials(&mut self, materials: &schema::Named<schema::Material>) -> Read<()> {
-        let source = self.source;
-        let mut names = Vec::new();
-        for (name, material) in &materials.0 {
-            if names.len() == MAX_MATERIALS {
-                return Err(source.at(
-                    name,
-                    format!("there are more than {MAX_MATERIALS} materials"),
-                    "a voxel names its material by a byte; let materials share colours by `Hash` \
-                     or `Bands`",
-                ));
-            }
-            names.push(source.name(name, "material", &names)?);
-            let a = colour(source, &material.a)?;
-            self.materials.push(Material {
-                name: names.last().expect("one was just pushed").clone(),
-                b: or(&material.b, a.clone(), |b| colour(source, b))?,
-                a,
-                pattern: self.pattern(name, &material.pattern)?,
-                emission: or(&material.emission, Vec3::ZERO, |v| {
-                    source.not_negative3(v, "emission")
-                })?,
-            });
-        }
-        if self.materials.is_empty() {
-            self.materials.push(Material {
-                name: "rock".into(),
-                a: Colour::Flat(Vec3::splat(0.5)),
-                b: Colour::Flat(Vec3::splat(0.5)),
-                pattern: Pattern::Plain,
-                emission: Vec3::ZERO,
-            });
-        }
-        Ok(())
-    }
-
-    fn rules(&mut self, rules: &[schema::Rule]) -> Read<Vec<Rule>> {
-        use crate::world::materials::Condition;
-        let mut resolved = Vec::with_capacity(rules.len() + 1);
-        for rule in rules {
-            resolved.push(Rule {
-                material: self.material(&rule.material)?,
-                when: self.condition(&rule.when)?,
-            });
-        }
-        let holds_always = |rule: &Rule| rule.when == Condition::Always;
-        if !resolved.last().is_some_and(holds_always) {
-            resolved.push(Rule {
-                material: 1,
-                when: Condition::Always,
-            });
-        }
-        Ok(resolved)
-    }
-
-    fn condition(&mut self, when: &schema::Condition) -> Read<crate::world::materials::Condition> {
-        use crate::world::materials::Condition;
-        use schema::Condition as Written;
-        let source = self.source;
-        Ok(match when {
-            Written::Always => Condition::Always,
-            Written::Below(height) => Condition::Below(source.length(height, "Below")?),
-            Written::Above(height) => Condition::Above(source.length(height, "Above")?),
-            Written::InBox { min, max } => Condition::InBox {
-                min: source.point(min, "min")?,
-                max: source.point(max, "max")?,
-            },
-            Written::Inside(shape) => Condition::Inside(self.shape(shape)?),
-            Written::NoiseBelow { noise, value } => Condition::NoiseBelow {
-                noise: self.noise(noise)?,
-                value: source.length(value, "value")?,
-            },
-            Written::ShallowerThan(depth) => {
-                Condition::ShallowerThan(source.length(depth, "ShallowerThan")?)
-            }
-            Written::FacesUp => Condition::FacesUp,
-            Written::FacesDown => Condition::FacesDown,
-            Written::All(of) => Condition::All(self.conditions(of)?),
-            Written::Any(of) => Condition::Any(self.conditions(of)?),
-            Written::Not(of) => Condition::Not(Box::new(self.condition(of)?)),
-        })
-    }
-
-    fn conditions(
-        &mut self,
-        of: &[schema::Condition],
-    ) -> Read<Vec<crate::world::materials::Condition>> {
-        of.iter().map(|when| self.condition(when)).collect()
-    }
-
-    fn pattern(&self, name: &Leaf, written: &schema::Pattern) -> Read<Pattern> {
-        use schema::Pattern as Written;
-        let source = self.source;
-        let number = |leaf, key| -> Read<f32> { Ok(source.number(leaf, key)? as f32) };
-        let count = |leaf, key| source.count(leaf, key, 0..=u32::MAX);
-        // The first number of the pattern stands for it in messages.
-        let (pattern, place) = match written {
-            Written::Plain => (Pattern::Plain, name),
-            Written::Stripes { pitch, width } => (
-                Pattern::Stripes {
-                    pitch: number(pitch, "pitch")?,
-                    width: number(width, "width")?,
-                },
-                pitch,
-            ),
-            Written::Dots {
-                radius,
-                pitch,
-                angle_deg,
-            } => (
-                Pattern::Dots {
-                    radius: number(radius, "radius")?,
-                    pitch: number(pitch, "pitch")?,
-                    angle_deg: number(angle_deg, "angle_deg")?,
-                },
-                radius,
-            ),
-            Written::Checker { squares } => (
-                Pattern::Checker {
-                    squares: count(squares, "squares")?,
-                },
-                squares,
-            ),
-            Written::Bricks { rows, joint } => (
-                Pattern::Bricks {
-                    rows: count(rows, "rows")?,
-                    joint: number(joint, "joint")?,
-                },
-                rows,
-            ),
-            Written::Worley { cells, radius } => (
-                Pattern::Worley {
-                    cells: count(cells, "cells")?,
-                    radius: number(radius, "radius")?,
-                },
-                cells,
-            ),
-            Written::Fbm { cells, octaves } => (
-                Pattern::Fbm {
-                    cells: count(cells, "cells")?,
-                    octaves: count(octaves, "octaves")?,
-                },
-                cells,
-            ),
-            Written::StripesFbm { cells, octaves } => (
-                Pattern::StripesFbm {
-                    cells: count(cells, "cells")?,
-                    octaves: count(octaves, "octaves")?,
-                },
-                cells,
-            ),
-            Written::Radial { rings } => (
-                Pattern::Radial {
-                    rings: count(rings, "rings")?,
-                },
-                rings,
-            ),
-        };
-        match pattern.fault() {
-            None => Ok(pattern),
-            Some(fault) => {
-                let (message, help) = fault.split_once("; ").unwrap_or((&fault, ""));
-                Err(source.at(place, format!("pattern: {message}"), help))
-            }
-        }
-    }
 }
 
 fn fractal(source: &Source, fractal: &schema::Fractal) -> Read<Fractal> {
@@ -401,55 +246,5 @@ fn fractal(source: &Source, fractal: &schema::Fractal) -> Read<Fractal> {
                 persistence,
             }
         }
-    })
-}
-
-fn colour(source: &Source, colour: &schema::Colour) -> Read<Colour> {
-    use schema::Colour as Written;
-    let albedo = |vector: &schema::Vector, key| source.albedo(vector.leaves(), key);
-    Ok(match colour {
-        Written::Flat(r, g, b) => Colour::Flat(source.albedo([r, g, b], "Flat")?),
-        Written::Bands { below, above } => {
-            let mut stops: Vec<(f32, Vec3)> = Vec::with_capacity(below.len());
-            for (height, colour) in below {
-                let top = source.length(height, "below")?;
-                if let Some((last, _)) = stops.last()
-                    && *last >= top
-                {
-                    return Err(source.at(
-                        height,
-                        format!("this band ends at {top}, and the one before it at {last}"),
-                        "list the bands from the lowest to the highest",
-                    ));
-                }
-                stops.push((top, albedo(colour, "below")?));
-            }
-            Colour::Bands {
-                below: stops,
-                above: albedo(above, "above")?,
-            }
-        }
-        Written::DitherX {
-            from,
-            to,
-            low,
-            high,
-        } => {
-            let (start, end) = (source.length(from, "from")?, source.length(to, "to")?);
-            if start >= end {
-                return Err(source.at(
-                    to,
-                    format!("this dither goes from {start} to {end}"),
-                    "`from` must be less than `to`",
-                ));
-            }
-            Colour::DitherX {
-                from: start,
-                to: end,
-                low: albedo(low, "low")?,
-                high: albedo(high, "high")?,
-            }
-        }
-        Written::Hash(low, high) => Colour::Hash(albedo(low, "Hash")?, albedo(high, "Hash")?),
     })
 }

@@ -3,14 +3,16 @@
 //! scatter; the helpers lie in `shaders/sdf/`.
 
 mod copies;
+mod fold;
 mod noise;
 mod rules;
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
+use self::fold::Combine;
 use super::NoiseId;
 use super::shape::{Node, Shape, WARP_SHIFTS};
 use crate::world::World;
@@ -187,29 +189,48 @@ impl Writer<'_> {
                 let of = self.node(body, of, p);
                 self.variable(body, "d", format_args!("-{of}"))
             }
-            Node::Union(of) => self.fold(body, of, p, |a, b| format!("min({a}, {b})")),
-            Node::Intersection(of) => self.fold(body, of, p, |a, b| format!("max({a}, {b})")),
-            Node::SmoothUnion { k, of } if *k > 0.0 => {
-                let k = number(*k);
-                self.fold(body, of, p, |a, b| format!("smooth_min({a}, {b}, {k})"))
-            }
-            Node::SmoothIntersection { k, of } if *k > 0.0 => {
-                let k = number(*k);
-                self.fold(body, of, p, |a, b| format!("-smooth_min(-{a}, -{b}, {k})"))
-            }
-            Node::SmoothUnion { of, .. } => self.fold(body, of, p, |a, b| format!("min({a}, {b})")),
-            Node::SmoothIntersection { of, .. } => {
-                self.fold(body, of, p, |a, b| format!("max({a}, {b})"))
-            }
+            Node::Union(of) => self.fold(
+                body,
+                of,
+                p,
+                Combine {
+                    largest: false,
+                    k: 0.0,
+                },
+            ),
+            Node::Intersection(of) => self.fold(
+                body,
+                of,
+                p,
+                Combine {
+                    largest: true,
+                    k: 0.0,
+                },
+            ),
+            Node::SmoothUnion { k, of } => self.fold(
+                body,
+                of,
+                p,
+                Combine {
+                    largest: false,
+                    k: *k,
+                },
+            ),
+            Node::SmoothIntersection { k, of } => self.fold(
+                body,
+                of,
+                p,
+                Combine {
+                    largest: true,
+                    k: *k,
+                },
+            ),
             Node::Translate { by, of } => {
                 let q = self.variable(body, "p", format_args!("{p} - {}", vector(*by)));
                 self.node(body, of, &q)
             }
             Node::Rotate { inverse, of } => {
-                let columns = [inverse.x_axis, inverse.y_axis, inverse.z_axis]
-                    .map(vector)
-                    .join(", ");
-                let q = self.variable(body, "p", format_args!("mat3x3f({columns}) * {p}"));
+                let q = self.rotated(body, *inverse, p);
                 self.node(body, of, &q)
             }
             Node::Scale { by, of } => {
@@ -258,24 +279,11 @@ impl Writer<'_> {
         }
     }
 
-    fn fold(
-        &mut self,
-        body: &mut String,
-        of: &[Node],
-        p: &str,
-        combine: impl Fn(&str, &str) -> String,
-    ) -> String {
-        let mut result: Option<String> = None;
-        for node in of {
-            let value = self.node(body, node, p);
-            result = Some(match result {
-                None => value,
-                Some(before) => {
-                    self.variable(body, "d", format_args!("{}", combine(&before, &value)))
-                }
-            });
-        }
-        result.unwrap_or_else(|| "FAR".to_owned())
+    fn rotated(&mut self, body: &mut String, matrix: DMat3, p: &str) -> String {
+        let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis]
+            .map(vector)
+            .join(", ");
+        self.variable(body, "p", format_args!("mat3x3f({columns}) * {p}"))
     }
 }
 
