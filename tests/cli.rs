@@ -224,7 +224,7 @@ fn outputs_that_cannot_be_written_are_refused_before_any_work() {
         );
     }
     refused(grotto().args(["render", MINIMAL]), 2, &["--output"]);
-    assert_eq!(listing(folder.path()), [file.clone()]);
+    assert_eq!(listing(folder.path()), std::slice::from_ref(&file));
     assert_eq!(fs::read_to_string(file).expect("readable"), "mine");
 }
 
@@ -380,11 +380,12 @@ fn without_a_gpu_the_remedy_is_named() {
 }
 
 /// Renders the cave small, twice and with `extra`, and holds both pictures equal byte for byte.
-fn render_twice(command: fn() -> Command, extra: &[&str], extension: &str) -> (Vec<u8>, Value) {
+/// Gives the picture and the first run.
+fn render_twice(command: fn() -> Command, extra: &[&str]) -> (Vec<u8>, Ended) {
     let folder = folder();
     let mut first = None;
     for name in ["a", "b"] {
-        let output = folder.path().join(name).with_extension(extension);
+        let output = folder.path().join(name).with_extension("png");
         let ended = end(command()
             .args(["render", CAVE, "--size", "48x32", "--json", "-o"])
             .arg(&output)
@@ -392,7 +393,7 @@ fn render_twice(command: fn() -> Command, extra: &[&str], extension: &str) -> (V
         assert_eq!(ended.code, 0, "{}", ended.stderr);
         let bytes = fs::read(&output).expect("the picture");
         match &first {
-            None => first = Some((bytes, ended.json())),
+            None => first = Some((bytes, ended)),
             Some((expected, _)) => assert!(bytes == *expected, "two runs differ"),
         }
     }
@@ -414,7 +415,8 @@ fn a_picture_from_the_gpu_with_its_record() {
         "--set",
         "probes.rays=32",
     ];
-    let (png, record) = render_twice(grotto, &extra, "png");
+    let (png, ended) = render_twice(grotto, &extra);
+    let record = ended.json();
     let decoded = image::load_from_memory(&png).expect("a PNG").into_rgb8();
     assert_eq!(decoded.dimensions(), (48, 32));
     let brightest = decoded.pixels().map(|pixel| pixel.0[1]).max();
@@ -438,8 +440,11 @@ fn a_picture_from_the_gpu_with_its_record() {
         "probes",
         "memory_bytes",
     ];
+    let mut rest = ended.stdout.as_str();
     for field in expected {
         assert!(fields.contains_key(field), "{field}");
+        let at = rest.find(&format!("\"{field}\":"));
+        rest = &rest[at.unwrap_or_else(|| panic!("{field} is out of order in {}", ended.stdout))..];
     }
     assert_eq!(fields.len(), expected.len());
     assert_eq!(record["world"], "cave");
@@ -497,11 +502,60 @@ fn another_seed_gives_another_picture() {
 
 #[test]
 fn the_cpu_needs_no_gpu() {
-    let (png, record) = render_twice(grotto_without_gpu, &["--cpu", "--spp", "2"], "png");
+    let (png, ended) = render_twice(grotto_without_gpu, &["--cpu", "--spp", "2"]);
+    let record = ended.json();
     let decoded = image::load_from_memory(&png).expect("a PNG");
     assert_eq!((decoded.width(), decoded.height()), (48, 32));
     assert_eq!(record["adapter"]["backend"], "cpu");
     assert!(record["layout"].is_null());
+}
+
+#[test]
+fn bench_traversal_measures_rows_and_writes_them() {
+    let folder = folder();
+    let out = folder.path().join("new");
+    let ended = end(grotto()
+        .args([
+            "bench",
+            "traversal",
+            MINIMAL,
+            "--size",
+            "32x16",
+            "--repeats",
+            "1",
+            "--json",
+        ])
+        .arg("--out")
+        .arg(&out));
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let record = ended.json();
+    let written = fs::read_to_string(out.join("traversal.json")).expect("the record");
+    let written: Value = serde_json::from_str(&written).expect("JSON");
+    assert_eq!(written, record);
+    let rows = record["rows"].as_array().expect("an array");
+    for kind in ["camera", "shadow", "probe"] {
+        let row = rows.iter().find(|row| row["rays"] == kind).expect(kind);
+        assert_eq!(row["mismatches"], 0);
+        assert!(
+            row["grays_per_s"].as_f64().is_some_and(|rate| rate > 0.0),
+            "{row}"
+        );
+    }
+    refused(
+        grotto().args(["bench", "traversal", "worlds/none.ron"]),
+        2,
+        &["worlds/none.ron"],
+    );
+    refused(grotto().args(["bench", "layout"]), 2, &["layout"]);
+    let file = folder.path().join("file");
+    fs::write(&file, "").expect("writable");
+    refused(
+        grotto()
+            .args(["bench", "traversal", MINIMAL, "--out"])
+            .arg(&file),
+        2,
+        &["file"],
+    );
 }
 
 #[test]

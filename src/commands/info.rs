@@ -43,8 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             reason: match found.len() {
                 0 => "no Vulkan, Metal or Direct3D 12 adapter was found".to_owned(),
                 count => format!("none of the {count} adapters found fits grotto's needs"),
-            }
-            .into(),
+            },
         }
         .into()),
     }

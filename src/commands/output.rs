@@ -1,6 +1,9 @@
 //! Results go to stdout, everything else to stderr.
 
-use std::io::{self, IsTerminal as _, Write as _};
+use std::{
+    io::{self, IsTerminal as _, Write as _},
+    time::Duration,
+};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -53,6 +56,16 @@ pub fn progress(run: &RunOptions, unit: &'static str, length: u64) -> ProgressBa
     ProgressBar::new(length)
         .with_style(style)
         .with_message(unit)
+}
+
+/// A sign of life for work whose length nobody knows, seen where [`progress`] is.
+pub fn spinner(run: &RunOptions, doing: &'static str) -> ProgressBar {
+    if run.quiet || !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let spinner = ProgressBar::new_spinner().with_message(doing);
+    spinner.enable_steady_tick(Duration::from_millis(100));
+    spinner
 }
 
 /// Opens the adapter that was asked for, or the fastest; says so loudly if it is a CPU.

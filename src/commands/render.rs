@@ -49,6 +49,8 @@ pub struct Arguments {
     spp: u32,
 }
 
+const VOXELISING: &str = "building the voxels";
+
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     picture_file::check_writable(&arguments.output)?;
     let scene = Scene::load(&arguments.world, &arguments.run, &arguments.picture)?;
@@ -107,7 +109,9 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     let grid_bytes = grid_cells(scene.world.size).as_u64vec3().element_product() * 4;
     memory::check("a world of this size", grid_bytes)?;
 
+    let spinner = output::spinner(run, VOXELISING);
     let voxels = generate::generate(&scene.world);
+    spinner.finish_and_clear();
     let samples = u64::from(width) * u64::from(height) * u64::from(arguments.spp);
     let bar = output::progress(run, "samples", samples);
     let start = Instant::now();
@@ -183,7 +187,9 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
 fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record), Failure> {
     let (options, run) = (&arguments.picture, &arguments.run);
     let gpu = output::open_gpu(run)?;
+    let spinner = output::spinner(run, VOXELISING);
     let stage = Stage::build(&gpu, &scene.world)?;
+    spinner.finish_and_clear();
     let probes = &scene.parameters.probes;
     let mut frame = Frame::new(&gpu, stage, &scene.layout, probes, options.size)?;
     let mut timing = Timing::new(&gpu)?;

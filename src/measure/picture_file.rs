@@ -83,7 +83,7 @@ pub enum Encoding {
 /// Tries whether a picture could be written here, and leaves no trace: for asking before long work.
 ///
 /// # Errors
-/// As [`write`], as far as can be known before.
+/// As [`write()`], as far as can be known before.
 pub fn check_writable(path: &Path) -> Result<PictureFormat, PictureError> {
     let format = PictureFormat::of(path)?;
     open(path)?
@@ -108,7 +108,7 @@ pub fn write(path: &Path, linear: &Picture, exposure_ev: f32) -> Result<(), Pict
 /// 8 bits a channel.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_png(path: &Path, display: &Picture) -> Result<(), PictureError> {
     let bytes: Vec<u8> = display
         .rgb
@@ -131,7 +131,7 @@ pub fn write_png(path: &Path, display: &Picture) -> Result<(), PictureError> {
 /// Writes a picture with its full range.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_exr(path: &Path, linear: &Picture) -> Result<(), PictureError> {
     let width = linear.width as usize;
     let pixel = |at: exr::math::Vec2<usize>| {

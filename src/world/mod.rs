@@ -1,9 +1,9 @@
 //! What a world is: shape, materials, features, lights, cameras and probe layouts, as read from a
 //! RON file, and the voxels that come of it. Knows no GPU.
 //!
-//! Spaces: `_ws` is world space (+Y up, right-handed, in voxels; a file with `voxel_m` other than 1
-//! is converted while it is read, so that one unit is one voxel everywhere behind
-//! [`file::load`]). `_gs` is grid space: world space minus [`World::origin`], so that the grid
+//! Spaces: `_ws` is world space (+Y up, right-handed, in voxels; the lamp powers of a file with
+//! `voxel_m` other than 1 are converted while it is read, so that one unit is one voxel everywhere
+//! behind [`file::load`]). `_gs` is grid space: world space minus [`World::origin`], so that the grid
 //! begins at 0. Voxel (x, y, z) covers [x, x+1) on each axis, and its shape is sampled at its centre.
 
 pub mod camera;

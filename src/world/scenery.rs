@@ -1,7 +1,6 @@
 //! Everything in a world that is not a voxel: lamps and their motion, sun, sky, cameras, layouts.
 
 use glam::{UVec3, Vec3};
-use serde::Deserialize;
 
 /// Most lamps of one preset; the sun comes on top.
 pub const MAX_LAMPS: usize = 64;
@@ -29,8 +28,7 @@ pub struct Lamp {
     pub motion: Vec<Motion>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LampKind {
     Point,
     /// `direction` is where the light goes; full inside `inner_deg`, none outside `outer_deg`
@@ -46,32 +44,20 @@ pub enum LampKind {
 }
 
 /// How a lamp changes with world time t (seconds).
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
     /// Adds radius · (cos(rate·t + phase), 0, sin(rate·t + phase)) with a radius per axis (y uses sin).
-    Orbit {
-        radius: Vec3,
-        rate: f32,
-        #[serde(default)]
-        phase: f32,
-    },
+    Orbit { radius: Vec3, rate: f32, phase: f32 },
     /// Adds amplitude · sin(rate·t + phase).
     Bob {
         amplitude: Vec3,
         rate: f32,
-        #[serde(default)]
         phase: f32,
     },
     /// Multiplies the power by a smooth noise in [1 − amount, 1].
     Flicker { amount: f32, rate: f32 },
     /// Multiplies the power by 1 − amount · (½ + ½ sin(rate·t + phase)).
-    Pulse {
-        amount: f32,
-        rate: f32,
-        #[serde(default)]
-        phase: f32,
-    },
+    Pulse { amount: f32, rate: f32, phase: f32 },
     /// Walks a closed Catmull–Rom path through `points` (world space) at `speed` voxels a second.
     Path { points: Vec<Vec3>, speed: f32 },
     /// Turns the hue by `rate` turns a second.

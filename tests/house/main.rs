@@ -63,7 +63,7 @@ const TESTS_MAY_IMPORT: [&str; 2] = ["measure", "reference"];
 const MOST_LINES: usize = 400;
 
 /// Files that are longer, each with the reason why it is better whole.
-const LONG_FILES: [(&str, &str); 6] = [
+const LONG_FILES: [(&str, &str); 3] = [
     (
         "shaders/passes/probe_blend.wesl",
         "the kernels of one pass, which share its bindings",
@@ -73,20 +73,8 @@ const LONG_FILES: [(&str, &str); 6] = [
         "the kernels of one pass, which share its bindings",
     ),
     (
-        "src/world/file/resolve.rs",
-        "one method a part of a world file, over the names that came before",
-    ),
-    (
         "src/world/file/schema.rs",
         "one key after the other, as worlds/README.md lists them",
-    ),
-    (
-        "src/world/sdf/shape.rs",
-        "one arm an operator: its value and its bound stand together",
-    ),
-    (
-        "src/world/sdf/wgsl.rs",
-        "one arm an operator, as in shape.rs, whose twin it writes",
     ),
 ];
 

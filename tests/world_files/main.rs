@@ -24,7 +24,7 @@ fn sound(text: &str) -> World {
 /// The one problem of a text that must be refused.
 #[track_caller]
 fn refused(result: Result<World, miette::Report>) -> Problem {
-    let report = result.err().expect("must be refused");
+    let report = result.expect_err("must be refused");
     let rendered = format!("{report:?}");
     let problem: Problem = report.downcast().expect("a problem of the file");
     assert!(!problem.remedy().is_empty(), "no remedy: {rendered}");

@@ -151,6 +151,9 @@ fn too_much_of_anything_is_refused() {
     let materials: String = (0..256)
         .map(|index| format!("\"m{index}\": (a: Flat(0, 0, 0)),\n"))
         .collect();
+    let cameras: String = (0..1025)
+        .map(|index| format!("(name: \"c{index}\", position: (0, 0, 0)),\n"))
+        .collect();
     let lamps = "(position: (0, 0, 0), power: 1),".repeat(65);
     let places = "(0, 0, 0),".repeat(50_001);
     let parts = "(min: (0, 0, 0), max: (0, 0, 0), material: \"rock\"),".repeat(40);
@@ -162,6 +165,11 @@ fn too_much_of_anything_is_refused() {
             format!("materials: {{\n{materials}}}"),
             3 + 255,
             "more than 255",
+        ),
+        (
+            format!("cameras: [\n{cameras}]"),
+            3 + 1024,
+            "more than 1024 cameras",
         ),
         (
             format!("lamps: [\n(name: \"a\", lamps: [{lamps}])]"),
@@ -189,4 +197,19 @@ fn a_long_line_is_not_shown_but_its_place_is_told() {
     let rendered = format!("{report:?}");
     assert!(rendered.len() < 2000, "{} bytes", rendered.len());
     assert!(rendered.contains("test.ron:1:100037"), "{rendered}");
+}
+
+#[test]
+fn features_that_crowd_the_cells_are_refused() {
+    let places = "(0, 0, 0), ".repeat(200);
+    let text = format!(
+        "(title: \"t\", size: (512, 512, 512), shape: Plane(normal: (0, 1, 0), offset: 0),
+          materials: {{ \"stone\": (a: Flat(1, 1, 1)) }},
+          features: (
+            kinds: {{ \"all\": [(min: (0, 0, 0), max: (511, 511, 511), material: \"stone\")] }},
+            place: [At(kind: \"all\", places: [{places}])],
+          ))"
+    );
+    let problem = refused(read(&text));
+    assert!(problem.to_string().contains("overlap"), "{problem}");
 }

@@ -142,8 +142,21 @@ fn models_that_cannot_be_are_refused() {
         attributes: dict(&[]),
         children: vec![0],
     }]);
+    // Two ways from each group to the next: 2⁶⁰ ways in all.
+    let mut doubling: Vec<_> = (1..=60)
+        .map(|next| dot_vox::SceneNode::Group {
+            attributes: dict(&[]),
+            children: vec![next, next],
+        })
+        .collect();
+    doubling.push(dot_vox::SceneNode::Shape {
+        attributes: dict(&[]),
+        models: Vec::new(),
+    });
+    let doubling = model(doubling);
     for (name, bytes) in [
-        ("worlds/good.vox", &good[..]),
+        ("worlds/doubling.vox", &doubling[..]),
+        ("worlds/good.vox", &good),
         ("worlds/cut.vox", &good[..good.len() - 9]),
         ("worlds/text.vox", b"hello"),
         ("worlds/nested.vox", &nested),
@@ -168,6 +181,7 @@ fn models_that_cannot_be_are_refused() {
         ("text.vox", "not a MagicaVoxel model", "export"),
         ("nested.vox", "nest deeper", "export"),
         ("endless.vox", "nests groups", "export"),
+        ("doubling.vox", "shows more than", "export"),
         (".", "is not a file", "export"),
     ];
     if cfg!(unix) {

@@ -85,10 +85,9 @@ fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {
     let file = file.transpose()?;
     let gpu = output::open_gpu(run)?;
 
-    let bar = output::progress(run, "worlds", worlds.len() as u64);
+    let spinner = output::spinner(run, "marching");
     let mut rows = Vec::new();
     for world in &worlds {
-        bar.tick();
         let stage = Stage::build(&gpu, world)?;
         let voxels = stage.read_back(&gpu)?;
         rows.extend(traversal::measure(
@@ -99,9 +98,8 @@ fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {
             arguments.size,
             arguments.repeats,
         )?);
-        bar.inc(1);
     }
-    bar.finish_and_clear();
+    spinner.finish_and_clear();
 
     let record = TraversalRecord {
         suite: "traversal",

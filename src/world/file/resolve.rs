@@ -10,6 +10,7 @@ use super::diagnostics::{Problem, Source};
 use super::leaf::Leaf;
 use super::schema;
 use super::values::{Read, or};
+use crate::world::generate::FeatureBins;
 use crate::world::materials::hash::hash;
 use crate::world::noise::{Basis, Fractal, NoiseBank, NoiseField};
 use crate::world::sdf::{NoiseId, Shape};
@@ -67,6 +68,19 @@ pub(super) fn resolve(
     reader.read_materials(&file.materials)?;
     let mut features = reader.features(&file.features, &shape)?;
     reader.models(&file.models, &mut features)?;
+    let crowding = FeatureBins::count(&features, origin, reader.size);
+    if crowding > FeatureBins::MOST {
+        return Err(Problem::of_file(
+            format!(
+                "{}: the boxes of its features overlap {crowding} cells of 8³ voxels",
+                source.name
+            ),
+            format!(
+                "{} are allowed: make the boxes smaller, or part of the shape",
+                FeatureBins::MOST
+            ),
+        ));
+    }
     let rules = reader.rules(&file.rules)?;
     let lamp_presets = reader.lamp_presets(&file.lamps, &shape)?;
     let cameras = reader.cameras(&file.cameras, &shape)?;

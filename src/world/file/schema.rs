@@ -1,7 +1,7 @@
 //! The keys of a world file, as they are written. `worlds/README.md` explains each with unit,
 //! default and example; a test holds that it names them all.
 //!
-//! Numbers, names and texts stay [`Leaf`]s here: `resolve` reads them, so that a message about what
+//! Numbers, names and texts stay `Leaf`s here: `resolve` reads them, so that a message about what
 //! they mean can point at the very characters. A key whose type is an `Option`, or that has a
 //! `default`, may be left out.
 

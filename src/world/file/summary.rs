@@ -69,8 +69,8 @@ impl fmt::Display for Summary {
         )?;
         writeln!(
             f,
-            "  grid       {:.1} MB, and the bricks of its surface",
-            self.grid_bytes as f64 / 1e6
+            "  grid       {}, and the bricks of its surface",
+            bytes(self.grid_bytes)
         )?;
         writeln!(f, "  materials  {}", self.materials.join(", "))?;
         writeln!(f, "  features   {} boxes", self.parts)?;
@@ -78,5 +78,14 @@ impl fmt::Display for Summary {
         writeln!(f, "  lamps      {}{sun}", counted(&self.lamp_presets))?;
         writeln!(f, "  cameras    {}", self.cameras.join(", "))?;
         write!(f, "  layouts    {} (probes)", counted(&self.layouts))
+    }
+}
+
+/// With a unit that leaves one to four digits before the point.
+fn bytes(count: u64) -> String {
+    match count {
+        0..10_000 => format!("{count} bytes"),
+        10_000..10_000_000 => format!("{} kB", count / 1000),
+        _ => format!("{} MB", count / 1_000_000),
     }
 }

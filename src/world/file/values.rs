@@ -15,6 +15,9 @@ pub type Read<T> = Result<T, Box<Problem>>;
 /// Coordinates lie within ± this many voxels, so that f32 still tells voxels apart.
 pub const FARTHEST: f64 = 1_048_576.0;
 
+/// Most noises, kinds of features, presets, cameras or layouts of a world.
+const MAX_NAMES: usize = 1024;
+
 /// Longer texts are cut in messages.
 const LONGEST_QUOTE: usize = 40;
 
@@ -142,6 +145,14 @@ impl Source {
         if name.trim().is_empty() {
             let help = format!("write what the {what} is called");
             return Err(self.at(leaf, format!("the name of this {what} is empty"), help));
+        }
+        if taken.len() >= MAX_NAMES {
+            let help = "names must be told apart one by one: use fewer";
+            return Err(self.at(
+                leaf,
+                format!("there are more than {MAX_NAMES} {what}s"),
+                help,
+            ));
         }
         if taken.contains(&name) {
             return Err(self.at(

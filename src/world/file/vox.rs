@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use dot_vox::{Dict, DotVoxData, SceneNode};
 use glam::{IVec3, Mat3, Vec3};
 
-use super::features::MAX_PARTS;
 use super::leaf::Leaf;
 use super::matter::MAX_MATERIALS;
 use super::resolve::Reader;
@@ -18,6 +17,8 @@ use crate::world::{Colour, FeaturePart, Material, Pattern};
 
 /// Larger model files are refused unread.
 const MAX_BYTES: u64 = 64 << 20;
+/// Most voxels and nodes of a scene, counted as often as they are shown.
+const MAX_WORK: usize = 1 << 24;
 /// Groups of a scene may nest this deep.
 const MAX_SCENE_DEPTH: usize = 64;
 
@@ -213,70 +214,103 @@ struct Pose {
     position: Vec3,
 }
 
-/// All voxels of the scene with their palette index, in our axes (+Y up); later models win.
-fn scene_voxels(data: &DotVoxData) -> Result<BTreeMap<[i32; 3], u8>, String> {
-    let mut voxels = BTreeMap::new();
-    let start = Pose {
+impl Pose {
+    const HOME: Self = Self {
         turn: Mat3::IDENTITY,
         position: Vec3::ZERO,
     };
-    if data.scenes.is_empty() {
-        for model in 0..data.models.len() {
-            add_voxels(data, model, start, &mut voxels)?;
-        }
-    } else {
-        walk(data, 0, start, 0, &mut voxels)?;
-    }
-    Ok(voxels)
 }
 
-fn walk(
-    data: &DotVoxData,
-    node: u32,
-    pose: Pose,
-    depth: usize,
-    voxels: &mut BTreeMap<[i32; 3], u8>,
-) -> Result<(), String> {
-    if depth > MAX_SCENE_DEPTH {
-        return Err(format!("nests groups more than {MAX_SCENE_DEPTH} deep"));
+/// All voxels of the scene with their palette index, in our axes (+Y up); later models win.
+fn scene_voxels(data: &DotVoxData) -> Result<BTreeMap<[i32; 3], u8>, String> {
+    let mut scene = Scene {
+        data,
+        voxels: BTreeMap::new(),
+        work: 0,
+    };
+    if data.scenes.is_empty() {
+        for model in 0..data.models.len() {
+            scene.add_model(model, Pose::HOME)?;
+        }
+    } else {
+        scene.walk(0, Pose::HOME, 0)?;
     }
-    let hidden = |attributes: &Dict| attributes.get("_hidden").is_some_and(|value| value == "1");
-    match data.scenes.get(node as usize) {
-        None => Err(format!("refers to node {node}, which it does not have")),
-        Some(SceneNode::Transform {
-            attributes,
-            frames,
-            child,
-            layer_id,
-        }) => {
-            let layer = data.layers.get(*layer_id as usize);
-            if hidden(attributes) || layer.is_some_and(dot_vox::Layer::hidden) {
-                return Ok(());
+    Ok(scene.voxels)
+}
+
+struct Scene<'a> {
+    data: &'a DotVoxData,
+    voxels: BTreeMap<[i32; 3], u8>,
+    /// Nodes and voxels visited: groups that share children could be walked for ever.
+    work: usize,
+}
+
+impl Scene<'_> {
+    fn spend(&mut self, work: usize) -> Result<(), String> {
+        self.work += work;
+        if self.work > MAX_WORK {
+            return Err(format!("shows more than {MAX_WORK} voxels and nodes"));
+        }
+        Ok(())
+    }
+
+    fn walk(&mut self, node: u32, pose: Pose, depth: usize) -> Result<(), String> {
+        self.spend(1)?;
+        if depth > MAX_SCENE_DEPTH {
+            return Err(format!("nests groups more than {MAX_SCENE_DEPTH} deep"));
+        }
+        let data = self.data;
+        let hidden = |attributes: &Dict| attributes.get("_hidden").is_some_and(|v| v == "1");
+        match data.scenes.get(node as usize) {
+            None => Err(format!("refers to node {node}, which it does not have")),
+            Some(
+                SceneNode::Transform { attributes, .. }
+                | SceneNode::Group { attributes, .. }
+                | SceneNode::Shape { attributes, .. },
+            ) if hidden(attributes) => Ok(()),
+            Some(SceneNode::Transform {
+                frames,
+                child,
+                layer_id,
+                ..
+            }) => {
+                let layer = data.layers.get(*layer_id as usize);
+                if layer.is_some_and(dot_vox::Layer::hidden) {
+                    return Ok(());
+                }
+                let local = frames.first().map(|frame| pose_of(&frame.attributes));
+                let local = local.transpose()?.unwrap_or(Pose::HOME);
+                let pose = Pose {
+                    turn: pose.turn * local.turn,
+                    position: pose.turn * local.position + pose.position,
+                };
+                self.walk(*child, pose, depth + 1)
             }
-            let local = frames.first().map(|frame| pose_of(&frame.attributes));
-            let local = local.transpose()?.unwrap_or(Pose {
-                turn: Mat3::IDENTITY,
-                position: Vec3::ZERO,
-            });
-            let pose = Pose {
-                turn: pose.turn * local.turn,
-                position: pose.turn * local.position + pose.position,
-            };
-            walk(data, *child, pose, depth + 1, voxels)
+            Some(SceneNode::Group { children, .. }) => children
+                .iter()
+                .try_for_each(|child| self.walk(*child, pose, depth + 1)),
+            // Several models are frames of an animation: the first is shown.
+            Some(SceneNode::Shape { models, .. }) => match models.first() {
+                Some(model) => self.add_model(model.model_id as usize, pose),
+                None => Ok(()),
+            },
         }
-        Some(SceneNode::Group { attributes, .. } | SceneNode::Shape { attributes, .. })
-            if hidden(attributes) =>
-        {
-            Ok(())
+    }
+
+    fn add_model(&mut self, model: usize, pose: Pose) -> Result<(), String> {
+        let model = self.data.models.get(model);
+        let model = model.ok_or("refers to a model that it does not have")?;
+        self.spend(model.voxels.len())?;
+        // A model turns about the corner in its middle.
+        let size = [model.size.x, model.size.y, model.size.z];
+        let pivot = Vec3::from(size.map(|edge| (edge / 2) as f32));
+        for voxel in &model.voxels {
+            let centre = Vec3::from([voxel.x, voxel.y, voxel.z].map(f32::from)) + 0.5;
+            let turned = pose.turn * (centre - pivot) + pose.position;
+            let ours = Vec3::new(turned.x, turned.z, -turned.y).floor().as_ivec3();
+            self.voxels.insert(ours.to_array(), voxel.i);
         }
-        Some(SceneNode::Group { children, .. }) => children
-            .iter()
-            .try_for_each(|child| walk(data, *child, pose, depth + 1, voxels)),
-        // Several models are frames of an animation: the first is shown.
-        Some(SceneNode::Shape { models, .. }) => match models.first() {
-            Some(model) => add_voxels(data, model.model_id as usize, pose, voxels),
-            None => Ok(()),
-        },
+        Ok(())
     }
 }
 
@@ -308,31 +342,4 @@ fn pose_of(attributes: &Dict) -> Result<Pose, String> {
             .as_vec3();
     }
     Ok(Pose { turn, position })
-}
-
-fn add_voxels(
-    data: &DotVoxData,
-    model: usize,
-    pose: Pose,
-    voxels: &mut BTreeMap<[i32; 3], u8>,
-) -> Result<(), String> {
-    let model = data.models.get(model);
-    let model = model.ok_or("refers to a model that it does not have")?;
-    // A model turns about the corner in its middle.
-    let size = &model.size;
-    let pivot = Vec3::new(
-        (size.x / 2) as f32,
-        (size.y / 2) as f32,
-        (size.z / 2) as f32,
-    );
-    for voxel in &model.voxels {
-        let centre = Vec3::new(f32::from(voxel.x), f32::from(voxel.y), f32::from(voxel.z)) + 0.5;
-        let turned = pose.turn * (centre - pivot) + pose.position;
-        let ours = Vec3::new(turned.x, turned.z, -turned.y).floor().as_ivec3();
-        voxels.insert(ours.to_array(), voxel.i);
-        if voxels.len() > 16 * MAX_PARTS {
-            return Err("has too many voxels".into());
-        }
-    }
-    Ok(())
 }

@@ -15,6 +15,18 @@ pub struct FeatureBins {
 }
 
 impl FeatureBins {
+    /// Most part numbers in all rows together: 128 MB of them.
+    pub const MOST: u64 = 1 << 25;
+
+    /// How many part numbers the rows would hold: for each part the cells that it overlaps. A world
+    /// is sound while this is at most [`Self::MOST`].
+    pub fn count(parts: &[FeaturePart], origin: IVec3, size: UVec3) -> u64 {
+        let cells = parts.iter().filter_map(|part| cells_of(part, origin, size));
+        cells
+            .map(|(first, last)| (last - first + 1).as_u64vec3().element_product())
+            .sum()
+    }
+
     /// Sorts the parts of a world of `size` voxels at `origin` into its cells.
     pub fn new(parts: &[FeaturePart], origin: IVec3, size: UVec3) -> Self {
         let cells = size.map(|n| n.div_ceil(CELL));
@@ -60,14 +72,21 @@ impl FeatureBins {
     }
 }
 
-fn for_each_cell(part: &FeaturePart, origin: IVec3, size: UVec3, mut visit: impl FnMut(UVec3)) {
+/// First and last cell that a part overlaps; nothing when it lies beyond the world.
+fn cells_of(part: &FeaturePart, origin: IVec3, size: UVec3) -> Option<(UVec3, UVec3)> {
     let last = size.as_ivec3() - 1;
     let (min, max) = (part.min - origin, part.max - origin);
     if max.cmplt(IVec3::ZERO).any() || min.cmpgt(last).any() || min.cmpgt(max).any() {
-        return;
+        return None;
     }
     let first = min.max(IVec3::ZERO).as_uvec3() / CELL;
-    let last = max.min(last).as_uvec3() / CELL;
+    Some((first, max.min(last).as_uvec3() / CELL))
+}
+
+fn for_each_cell(part: &FeaturePart, origin: IVec3, size: UVec3, mut visit: impl FnMut(UVec3)) {
+    let Some((first, last)) = cells_of(part, origin, size) else {
+        return;
+    };
     for z in first.z..=last.z {
         for y in first.y..=last.y {
             for x in first.x..=last.x {
@@ -103,5 +122,7 @@ mod tests {
         assert_eq!(bins.of(UVec3::new(2, 0, 2)), [2]);
         assert_eq!(bins.of(UVec3::new(2, 1, 2)), [] as [u32; 0]);
         assert_eq!(bins.rows().0.len(), 3 * 2 * 3 + 1);
+        let count = FeatureBins::count(&parts, IVec3::new(-4, 0, 0), UVec3::new(20, 12, 20));
+        assert_eq!(bins.rows().1.len() as u64, count);
     }
 }

@@ -12,7 +12,6 @@ pub mod set;
 pub mod table;
 
 use glam::Vec3;
-use serde::Deserialize;
 
 use super::sdf::{NoiseId, Sdf};
 pub use set::MaterialSet;
@@ -28,8 +27,7 @@ pub struct Material {
 }
 
 /// A colour that is constant over one voxel, and may depend on where the voxel lies.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Colour {
     Flat(Vec3),
     /// The colour of the first stop whose height exceeds that of the voxel's centre; else `above`.
@@ -52,8 +50,7 @@ pub enum Colour {
 /// The mask over a face. Lengths (pitch, radius, joint) are in blocks; `cells` and `rows` count along
 /// one block; [`Pattern::fault`] tells their limits. Pitches and angles are adjusted a little so that the pattern repeats after a whole
 /// number of blocks.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pattern {
     Plain,
     /// Vertical stripes; `width` is the share of the pitch that is b.

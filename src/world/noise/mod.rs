@@ -6,7 +6,6 @@ mod bounds;
 use glam::DVec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
 use noise::{Billow, Fbm, MultiFractal, NoiseFn, RidgedMulti};
-use serde::Deserialize;
 
 use self::basis::Octave;
 use super::sdf::NoiseId;
@@ -25,7 +24,7 @@ pub struct NoiseField {
     pub seed: u32,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Basis {
     Perlin,
     OpenSimplex,
@@ -34,39 +33,24 @@ pub enum Basis {
     Value,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fractal {
     None,
     Fbm {
         octaves: u32,
-        #[serde(default = "two")]
         lacunarity: f64,
-        #[serde(default = "half")]
         persistence: f64,
     },
     Ridged {
         octaves: u32,
-        #[serde(default = "two")]
         lacunarity: f64,
-        #[serde(default = "half")]
         persistence: f64,
     },
     Billow {
         octaves: u32,
-        #[serde(default = "two")]
         lacunarity: f64,
-        #[serde(default = "half")]
         persistence: f64,
     },
-}
-
-fn two() -> f64 {
-    2.0
-}
-
-fn half() -> f64 {
-    0.5
 }
 
 /// Fields prepared for evaluation: permutation tables are built once, then shared by all threads.
