@@ -1,1 +1,166 @@
-//! The window.
+//! The window: a camera that flies through a world, a panel, and files that are read again when
+//! they are edited.
+//!
+//! [`session`] is an open window and draws its frames; [`show`] is what it shows. The rest are its
+//! parts: [`camera`] and [`controls`] steer, [`panel`] and [`widgets`] choose, [`screen`] is the
+//! surface, [`reload`] watches files.
+
+mod camera;
+mod clock;
+mod controls;
+mod faults;
+mod messages;
+mod panel;
+mod reload;
+mod screen;
+mod screenshot;
+mod session;
+mod show;
+mod widgets;
+
+use std::{
+    path::PathBuf,
+    time::{Duration, Instant},
+};
+
+use winit::{
+    application::ApplicationHandler,
+    event::{DeviceEvent, DeviceId, StartCause, WindowEvent},
+    event_loop::{ActiveEventLoop, ControlFlow, EventLoop},
+    window::WindowId,
+};
+
+use crate::{
+    frame::FrameError,
+    gpu::GpuError,
+    parameters::Parameters,
+    passes::ViewMode,
+    world::{Camera, World},
+};
+use session::Session;
+
+/// How often a window that nobody sees is looked after.
+const IDLE: Duration = Duration::from_millis(250);
+
+/// What a window begins with.
+pub struct Options {
+    /// The file that `world` was read from, with the overrides of `parameters`.
+    pub world_path: PathBuf,
+    pub world: World,
+    pub parameters: Parameters,
+    pub camera: Camera,
+    /// Name of a probe layout of the world.
+    pub layout: String,
+    pub view: ViewMode,
+    /// Width and height of the window in pixels.
+    pub size: [u32; 2],
+    /// Part of the name of the adapter to run on; the fastest without.
+    pub adapter: Option<String>,
+    /// Of the random rays.
+    pub seed: u32,
+    /// Reads the shaders from this folder, and again when they are edited.
+    pub shaders: Option<PathBuf>,
+    /// Closes the window after this many frames.
+    pub frames: Option<u32>,
+}
+
+/// Why the window is not, or no longer, open.
+#[derive(Debug, thiserror::Error)]
+pub enum AppError {
+    #[error(
+        "no window can be opened: {0}\n\
+         Without a display, `grotto render WORLD -o FILE.png` draws a picture of a world."
+    )]
+    NoWindow(String),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// [`AppError`] without a display or a usable adapter, when the adapter cannot hold the world, and
+/// when it fails on the way.
+pub fn run(options: Options) -> Result<(), AppError> {
+    let no_window = |error: winit::error::EventLoopError| AppError::NoWindow(error.to_string());
+    let event_loop = EventLoop::new().map_err(no_window)?;
+    let mut app = App {
+        options,
+        session: None,
+        error: None,
+    };
+    event_loop.run_app(&mut app).map_err(no_window)?;
+    app.error.map_or(Ok(()), Err)
+}
+
+struct App {
+    options: Options,
+    session: Option<Session>,
+    error: Option<AppError>,
+}
+
+impl App {
+    fn end(&mut self, event_loop: &ActiveEventLoop, result: Result<(), AppError>) {
+        if let Err(error) = result {
+            self.error = Some(error);
+        }
+        event_loop.exit();
+    }
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.session.is_none() {
+            match Session::open(event_loop, &self.options) {
+                Ok(session) => self.session = Some(session),
+                Err(error) => self.end(event_loop, Err(error)),
+            }
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(session) = &mut self.session else {
+            return;
+        };
+        match event {
+            WindowEvent::CloseRequested => self.end(event_loop, Ok(())),
+            WindowEvent::RedrawRequested => {
+                let drawn = session.draw(event_loop);
+                let enough = self
+                    .options
+                    .frames
+                    .is_some_and(|frames| session.presented() >= frames);
+                if drawn.is_err() || enough {
+                    self.end(event_loop, drawn);
+                }
+            }
+            event => session.event(&event),
+        }
+    }
+
+    fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
+        if let (Some(session), DeviceEvent::MouseMotion { delta }) = (&mut self.session, event) {
+            session.mouse_moved(delta);
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(session) = &self.session else {
+            return;
+        };
+        event_loop.set_control_flow(if session.hidden() {
+            ControlFlow::WaitUntil(Instant::now() + IDLE)
+        } else {
+            session.request_frame();
+            ControlFlow::Poll
+        });
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if let (Some(session), StartCause::ResumeTimeReached { .. }) = (&self.session, cause) {
+            session.request_frame();
+        }
+    }
+}

@@ -7,6 +7,7 @@ mod info;
 mod memory;
 mod options;
 mod output;
+mod play;
 mod record;
 mod render;
 
@@ -41,6 +42,7 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Play(play::Arguments),
     Render(render::Arguments),
     Check(check::Arguments),
     Bench(bench::Arguments),
@@ -54,6 +56,7 @@ enum Command {
 pub fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         None => output::print(GREETING),
+        Some(Command::Play(arguments)) => play::run(arguments),
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),

@@ -82,7 +82,7 @@ fn world_time(text: &str) -> Result<f64, String> {
 }
 
 /// Accepts what [`Parameters::set`] accepts, so that mistakes show as those of any other flag.
-fn assignment(text: &str) -> Result<String, String> {
+pub fn assignment(text: &str) -> Result<String, String> {
     let tried = Parameters::default().set(text);
     tried
         .map(|()| text.to_owned())

@@ -182,6 +182,15 @@ impl Gpu {
         })
     }
 
+    /// The same device with other shaders; nothing that was compiled before is taken over.
+    pub fn with_shaders(&self, shaders: ShaderLibrary) -> Self {
+        Self {
+            shaders: Arc::new(shaders),
+            kernels: Arc::default(),
+            ..self.clone()
+        }
+    }
+
     /// Blocks until everything submitted so far is done.
     ///
     /// # Errors
@@ -200,9 +209,11 @@ fn choose(
     surface: Option<&wgpu::Surface<'_>>,
 ) -> Result<wgpu::Adapter, GpuError> {
     let mut found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let count = found.len();
     if let Some(surface) = surface {
         found.retain(|adapter| adapter.is_surface_supported(surface));
     }
+    let presenting = found.len();
     found.retain(is_usable);
     found.sort_by_key(slowness);
     let names = |found: &[wgpu::Adapter]| {
@@ -214,7 +225,11 @@ fn choose(
     };
     if found.is_empty() {
         return Err(GpuError::NoAdapter {
-            reason: "no Vulkan, Metal or Direct3D 12 adapter was found".to_owned(),
+            reason: match (count, presenting) {
+                (0, _) => "no Vulkan, Metal or Direct3D 12 adapter was found".to_owned(),
+                (_, 0) => format!("none of the {count} adapters found can draw into this window"),
+                _ => format!("none of the {count} adapters found fits grotto's needs"),
+            },
         });
     }
     if let Some(name) = name {

@@ -63,9 +63,6 @@ impl Kernel {
     /// # Panics
     /// When an override is named that the shader does not have: that is a fault of the caller.
     pub fn new(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
-        if gpu.shaders.changes() {
-            return Self::compile(gpu, spec);
-        }
         let key = spec.key();
         let cache = || gpu.kernels.lock().expect("nobody panics holding it");
         if let Some(known) = cache().get(&key) {

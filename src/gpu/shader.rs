@@ -1,6 +1,6 @@
 //! Shader composition. The only file that knows that it is done by WESL.
 
-use std::{borrow::Cow, collections::HashMap, path::PathBuf};
+use std::{borrow::Cow, collections::BTreeMap, fs, path::Path};
 
 use wesl::{CompileOptions, Mangler, ModulePath, ResolveError, Resolver};
 
@@ -8,10 +8,11 @@ use super::GpuError;
 
 const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// Where shader modules come from: the binary, or the folder `shaders/` (for hot reload).
+/// The text of every shader module, by its name (`passes/shade`): what the binary carries, or a
+/// folder as it was at one moment.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShaderLibrary {
-    embedded: HashMap<&'static str, &'static str>,
-    folder: Option<PathBuf>,
+    modules: BTreeMap<String, Cow<'static, str>>,
 }
 
 /// A whole shader: plain WGSL, and the naga module that it parses to.
@@ -23,29 +24,46 @@ pub struct Composed {
 }
 
 impl ShaderLibrary {
+    /// What the binary carries.
     pub fn embedded() -> Self {
+        let modules = EMBEDDED
+            .iter()
+            .map(|&(name, text)| (name.to_owned(), text.into()));
         Self {
-            embedded: EMBEDDED.iter().copied().collect(),
-            folder: None,
+            modules: modules.collect(),
         }
     }
 
-    /// Reads modules from `folder` each time, so that edits show.
-    pub fn from_folder(folder: PathBuf) -> Self {
-        Self {
-            folder: Some(folder),
-            ..Self::embedded()
+    /// What lies in `folder` now. Later edits do not show: what is read here stays one whole.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] for a file that cannot be read, and a folder without any shader.
+    pub fn from_folder(folder: &Path) -> Result<Self, GpuError> {
+        let mut modules = BTreeMap::new();
+        read_modules(folder, "", &mut modules)?;
+        if modules.is_empty() {
+            return Err(GpuError::Shader {
+                name: folder.display().to_string(),
+                message: "the folder holds no .wesl files".to_owned(),
+            });
         }
+        Ok(Self { modules })
     }
 
-    /// Whether the same name may give another text tomorrow.
-    pub fn changes(&self) -> bool {
-        self.folder.is_some()
+    /// The names of all modules, as `passes/shade`.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.modules.keys().map(String::as_str)
     }
 
-    /// The names of all embedded modules, as `passes/shade`.
-    pub fn names(&self) -> impl Iterator<Item = &'static str> + '_ {
-        self.embedded.keys().copied()
+    /// The names of modules that only one of both has, or that read otherwise in the other.
+    pub fn differences<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = &'a str> {
+        let changed = self
+            .names()
+            .filter(|&name| self.modules.get(name) != other.modules.get(name));
+        let gone = other
+            .names()
+            .filter(|&name| !self.modules.contains_key(name));
+        changed.chain(gone)
     }
 
     /// Resolves the imports of module `name` (`passes/shade`). `generated` adds modules that are
@@ -89,6 +107,34 @@ impl ShaderLibrary {
     }
 }
 
+/// Reads the `.wesl` files under `folder`; their names begin with `prefix`.
+fn read_modules(
+    folder: &Path,
+    prefix: &str,
+    modules: &mut BTreeMap<String, Cow<'static, str>>,
+) -> Result<(), GpuError> {
+    let unreadable = |path: &Path, error: std::io::Error| GpuError::Shader {
+        name: path.display().to_string(),
+        message: format!("cannot be read: {error}"),
+    };
+    for entry in fs::read_dir(folder).map_err(|error| unreadable(folder, error))? {
+        let path = entry.map_err(|error| unreadable(folder, error))?.path();
+        let name = |part: Option<&std::ffi::OsStr>| {
+            format!("{prefix}{}", part.unwrap_or_default().to_string_lossy())
+        };
+        if path.is_dir() {
+            read_modules(&path, &format!("{}/", name(path.file_name())), modules)?;
+        } else if path
+            .extension()
+            .is_some_and(|extension| extension == "wesl")
+        {
+            let text = fs::read_to_string(&path).map_err(|error| unreadable(&path, error))?;
+            modules.insert(name(path.file_stem()), text.into());
+        }
+    }
+    Ok(())
+}
+
 struct LibraryResolver<'a> {
     library: &'a ShaderLibrary,
     generated: &'a [(&'a str, &'a str)],
@@ -102,14 +148,8 @@ impl Resolver for LibraryResolver<'_> {
             let found = self.generated.iter().find(|(known, _)| *known == generated);
             return found.map(|(_, text)| (*text).into()).ok_or_else(missing);
         }
-        if let Some(folder) = &self.library.folder {
-            let file = folder.join(format!("{name}.wesl"));
-            return std::fs::read_to_string(&file)
-                .map(Cow::Owned)
-                .map_err(|error| ResolveError::FileNotFound(file, error.to_string()));
-        }
-        let text = self.library.embedded.get(name.as_str());
-        text.map(|text| (*text).into()).ok_or_else(missing)
+        let text = self.library.modules.get(name.as_str());
+        text.map(|text| (&**text).into()).ok_or_else(missing)
     }
 
     fn display_name(&self, path: &ModulePath) -> Option<String> {
@@ -130,4 +170,39 @@ impl Mangler for ReadableMangler {
 /// The name of a declaration as its own module spells it.
 pub(super) fn base_name(mangled: &str) -> &str {
     mangled.split("__").next().unwrap_or(mangled)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_folder_that_was_embedded_reads_the_same() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+        let read = ShaderLibrary::from_folder(&folder).expect("the repository's own shaders");
+        assert_eq!(read, ShaderLibrary::embedded());
+        assert_eq!(read.differences(&ShaderLibrary::embedded()).count(), 0);
+    }
+
+    #[test]
+    fn an_edit_and_a_removal_are_told_apart_from_the_rest() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("writable");
+            fs::write(path, text).expect("writable");
+        };
+        let read = || ShaderLibrary::from_folder(folder.path());
+        assert!(read().is_err(), "nothing there yet");
+        write("passes/a.wesl", "fn a() {}");
+        write("b.wesl", "fn b() {}");
+        write("b.wesl~", "an editor's copy");
+        let before = read().expect("two modules");
+        assert_eq!(before.names().collect::<Vec<_>>(), ["b", "passes/a"]);
+        write("passes/a.wesl", "fn a() { b(); }");
+        fs::remove_file(folder.path().join("b.wesl")).expect("it is there");
+        let after = read().expect("one module");
+        let differences: Vec<_> = after.differences(&before).collect();
+        assert_eq!(differences, ["passes/a", "b"]);
+    }
 }

@@ -6,7 +6,7 @@ use std::{
     time::Instant,
 };
 
-use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
+use wgpu_profiler::{GpuProfiler, GpuProfilerQuery, GpuProfilerSettings, GpuTimerQueryResult};
 
 use super::{Gpu, GpuError};
 
@@ -119,11 +119,53 @@ impl<'a> Recorder<'a> {
 
     /// A compute pass under this label.
     pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
+        self.pass(label, |encoder, query| {
+            record(
+                &mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label: Some(label),
+                    timestamp_writes: query.and_then(|query| query.compute_pass_timestamp_writes()),
+                }),
+            );
+        });
+    }
+
+    /// A render pass under this label that draws on black over all of `target`.
+    pub fn render(
+        &mut self,
+        label: &str,
+        target: &wgpu::TextureView,
+        record: impl FnOnce(&mut wgpu::RenderPass<'static>),
+    ) {
+        self.pass(label, |encoder, query| {
+            let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(label),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: target,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                timestamp_writes: query.and_then(|query| query.render_pass_timestamp_writes()),
+                ..Default::default()
+            });
+            // It ends with this closure, before the encoder is used again.
+            record(&mut pass.forget_lifetime());
+        });
+    }
+
+    /// Times what `record` records into the encoder.
+    fn pass(
+        &mut self,
+        label: &str,
+        record: impl FnOnce(&mut wgpu::CommandEncoder, Option<&GpuProfilerQuery>),
+    ) {
         match self.timing.as_mut().map(|timing| &mut timing.clock) {
             Some(Clock::Gpu { profiler, .. }) => {
                 let query = profiler.begin_pass_query(label, &mut self.encoder);
-                let writes = query.compute_pass_timestamp_writes();
-                run(&mut self.encoder, label, writes, record);
+                record(&mut self.encoder, Some(&query));
                 profiler.end_query(&mut self.encoder, query);
             }
             Some(Clock::Wall { current, .. }) => {
@@ -131,7 +173,7 @@ impl<'a> Recorder<'a> {
                 let before = mem::replace(&mut self.encoder, next);
                 finish(&self.device, &self.queue, before);
                 let start = Instant::now();
-                run(&mut self.encoder, label, None, record);
+                record(&mut self.encoder, None);
                 let next = self.device.create_command_encoder(&Default::default());
                 let pass = mem::replace(&mut self.encoder, next);
                 finish(&self.device, &self.queue, pass);
@@ -139,7 +181,7 @@ impl<'a> Recorder<'a> {
                 *current.passes_ms.entry(label.to_owned()).or_default() += elapsed_ms;
                 current.frame_ms += elapsed_ms;
             }
-            Some(Clock::None) | None => run(&mut self.encoder, label, None, record),
+            Some(Clock::None) | None => record(&mut self.encoder, None),
         }
     }
 
@@ -162,20 +204,6 @@ impl<'a> Recorder<'a> {
             .map_err(|error| GpuError::Device(error.to_string()))?;
         Ok(index)
     }
-}
-
-fn run(
-    encoder: &mut wgpu::CommandEncoder,
-    label: &str,
-    timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
-    record: impl FnOnce(&mut wgpu::ComputePass<'_>),
-) {
-    record(
-        &mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(label),
-            timestamp_writes,
-        }),
-    );
 }
 
 /// Submits and waits. A device that is lost here is still lost, and said to be, at the next wait

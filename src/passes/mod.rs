@@ -4,6 +4,7 @@
 pub mod camera_rays;
 pub mod distances;
 mod lighting;
+pub mod overlay;
 pub mod probe_blend;
 mod probe_field;
 pub mod probe_rays;

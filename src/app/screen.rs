@@ -1,0 +1,141 @@
+//! The window's surface: configured, and configured again whenever it asks for that.
+
+use std::sync::Arc;
+
+use winit::window::Window;
+
+use crate::gpu::{Gpu, GpuError};
+
+/// What can be drawn to in the window.
+pub struct Screen {
+    window: Arc<Window>,
+    surface: wgpu::Surface<'static>,
+    configuration: wgpu::SurfaceConfiguration,
+    /// The surface no longer fits the window.
+    stale: bool,
+}
+
+/// Whether a frame can be drawn.
+pub enum Acquired {
+    Texture(wgpu::SurfaceTexture),
+    /// Not now; the next frame may be.
+    Later,
+    /// Nobody would see it.
+    Hidden,
+}
+
+/// The surface of a window, before an adapter is chosen that can draw to it.
+///
+/// # Errors
+/// [`GpuError::NoAdapter`] when the system offers none.
+pub fn surface(
+    instance: &wgpu::Instance,
+    window: &Arc<Window>,
+) -> Result<wgpu::Surface<'static>, GpuError> {
+    instance
+        .create_surface(window.clone())
+        .map_err(|error| GpuError::NoAdapter {
+            reason: format!("the window cannot be drawn to: {error}"),
+        })
+}
+
+impl Screen {
+    /// # Errors
+    /// [`GpuError::NoAdapter`] when the adapter cannot draw to this surface after all.
+    pub fn new(
+        gpu: &Gpu,
+        window: Arc<Window>,
+        surface: wgpu::Surface<'static>,
+    ) -> Result<Self, GpuError> {
+        let formats = surface.get_capabilities(&gpu.adapter).formats;
+        let format = egui_wgpu::preferred_framebuffer_format(&formats).map_err(|error| {
+            GpuError::NoAdapter {
+                reason: format!("`{}`: {error}", gpu.summary.name),
+            }
+        })?;
+        let size = window.inner_size();
+        let configuration = wgpu::SurfaceConfiguration {
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            format,
+            color_space: wgpu::SurfaceColorSpace::Auto,
+            width: size.width,
+            height: size.height,
+            present_mode: wgpu::PresentMode::AutoVsync,
+            // More frames in flight only make slow ones answer later.
+            desired_maximum_frame_latency: if gpu.summary.is_software() { 1 } else { 2 },
+            alpha_mode: wgpu::CompositeAlphaMode::Auto,
+            view_formats: Vec::new(),
+        };
+        Ok(Self {
+            window,
+            surface,
+            configuration,
+            stale: true,
+        })
+    }
+
+    pub fn format(&self) -> wgpu::TextureFormat {
+        self.configuration.format
+    }
+
+    /// Width and height in pixels, both 0 while the window is minimised.
+    pub fn size(&self) -> [u32; 2] {
+        [self.configuration.width, self.configuration.height]
+    }
+
+    /// The window has this size now.
+    pub fn resize(&mut self, [width, height]: [u32; 2]) {
+        if self.size() != [width, height] {
+            (self.configuration.width, self.configuration.height) = (width, height);
+            self.stale = true;
+        }
+    }
+
+    pub fn set_vsync(&mut self, vsync: bool) {
+        let mode = if vsync {
+            wgpu::PresentMode::AutoVsync
+        } else {
+            wgpu::PresentMode::AutoNoVsync
+        };
+        if self.configuration.present_mode != mode {
+            self.configuration.present_mode = mode;
+            self.stale = true;
+        }
+    }
+
+    /// The texture of the next frame. With vsync this waits for the display.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`] when a lost surface cannot be made again.
+    pub fn acquire(&mut self, gpu: &Gpu) -> Result<Acquired, GpuError> {
+        use wgpu::CurrentSurfaceTexture as Current;
+        if self.size().contains(&0) {
+            return Ok(Acquired::Hidden);
+        }
+        if self.stale {
+            self.surface.configure(&gpu.device, &self.configuration);
+            self.stale = false;
+        }
+        Ok(match self.surface.get_current_texture() {
+            Current::Success(texture) => Acquired::Texture(texture),
+            Current::Suboptimal(texture) => {
+                // It can still be shown; the next one will fit.
+                self.stale = true;
+                Acquired::Texture(texture)
+            }
+            Current::Occluded => Acquired::Hidden,
+            Current::Timeout => Acquired::Later,
+            Current::Outdated => {
+                self.stale = true;
+                Acquired::Later
+            }
+            Current::Lost => {
+                self.surface = surface(&gpu.instance, &self.window)?;
+                self.stale = true;
+                Acquired::Later
+            }
+            // The device's error handler has heard why.
+            Current::Validation => Acquired::Later,
+        })
+    }
+}

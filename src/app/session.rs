@@ -1,0 +1,493 @@
+//! A window that is open: what it shows, how it is steered, and one frame after another.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::{Instant, SystemTime},
+};
+
+use egui::Context;
+use winit::{
+    event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent},
+    event_loop::ActiveEventLoop,
+    keyboard::{KeyCode, PhysicalKey},
+    window::{CursorGrabMode, Fullscreen, Window},
+};
+
+use super::{
+    AppError, Options,
+    camera::{self, flown, scrolled},
+    clock::{FrameRate, WorldClock},
+    controls::Controls,
+    faults::Faults,
+    messages::Messages,
+    panel::{self, Action, Facts, PassMeans, Settings},
+    reload::Watch,
+    screen::{self, Acquired, Screen},
+    screenshot,
+    show::{Choice, Show},
+};
+use crate::{
+    frame::FrameError,
+    gpu::{self, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
+    measure::picture_file,
+    parameters::Remake,
+    passes::overlay::{Overlay, PanelShapes},
+    world::Camera,
+};
+
+/// Edge of the picture in parts of the window's where a CPU draws it.
+const SOFTWARE_SCALE: f32 = 0.35;
+/// Frames after which every probe has been traced, or lies in stone.
+const FRAMES_TO_COUNT: u32 = 4;
+
+pub struct Session {
+    window: Arc<Window>,
+    screen: Screen,
+    faults: Faults,
+    timing: Timing,
+    overlay: Overlay,
+    show: Show,
+    egui: egui_winit::State,
+    settings: Settings,
+    panel_open: bool,
+    messages: Messages,
+    camera: Camera,
+    speed: f32,
+    controls: Controls,
+    captured: bool,
+    rate: FrameRate,
+    passes: PassMeans,
+    alive: Option<u32>,
+    last_frame: Instant,
+    presented: u32,
+    hidden: bool,
+    world_watch: Watch,
+    shaders: Option<(PathBuf, Watch)>,
+    screenshot_wanted: bool,
+    seed: u32,
+}
+
+impl Session {
+    /// Opens the window and builds the world.
+    ///
+    /// # Errors
+    /// [`AppError`] without a usable adapter, and when it cannot hold the world.
+    pub fn open(event_loop: &ActiveEventLoop, options: &Options) -> Result<Self, AppError> {
+        let [width, height] = options.size;
+        let attributes = Window::default_attributes()
+            .with_title(format!("grotto: {}", options.world.name))
+            .with_inner_size(winit::dpi::PhysicalSize::new(width, height));
+        let window = event_loop
+            .create_window(attributes)
+            .map_err(|error| AppError::NoWindow(error.to_string()))?;
+        let window = Arc::new(window);
+        let instance = gpu::instance();
+        let surface = screen::surface(&instance, &window)?;
+        let adapter = options.adapter.as_deref();
+        let gpu = Gpu::open_with(instance, adapter, Some(&surface), ShaderChecks::default())?;
+        let faults = Faults::watch(&gpu);
+        let screen = Screen::new(&gpu, window.clone(), surface)?;
+        let scale = if gpu.summary.is_software() {
+            SOFTWARE_SCALE
+        } else {
+            1.0
+        };
+        let choice = Choice {
+            parameters: options.parameters.clone(),
+            layout: options.layout.clone(),
+            size: scaled(screen.size(), scale),
+        };
+        let mut messages = Messages::default();
+        let show = build(&gpu, options, choice, &mut messages)?;
+        let context = Context::default();
+        context.set_theme(egui::Theme::Dark);
+        let egui = egui_winit::State::new(
+            context,
+            egui::ViewportId::ROOT,
+            event_loop,
+            Some(window.scale_factor() as f32),
+            None,
+            Some(gpu.limits.max_texture_dimension_2d as usize),
+        );
+        messages.toast("Click into the picture to look around; F1 hides the panel");
+        Ok(Self {
+            overlay: Overlay::new(&show.gpu, screen.format())?,
+            timing: Timing::new(&gpu)?,
+            settings: Settings {
+                choice: show.choice().clone(),
+                view: options.view,
+                scale,
+                vsync: true,
+                clock: WorldClock::default(),
+            },
+            window,
+            screen,
+            faults,
+            show,
+            egui,
+            panel_open: true,
+            messages,
+            camera: options.camera.clone(),
+            speed: camera::DEFAULT_SPEED,
+            controls: Controls::default(),
+            captured: false,
+            rate: FrameRate::default(),
+            passes: PassMeans::default(),
+            alive: None,
+            last_frame: Instant::now(),
+            presented: 0,
+            hidden: false,
+            world_watch: Watch::file(&options.world_path),
+            shaders: options
+                .shaders
+                .clone()
+                .map(|folder| (folder.clone(), Watch::folder(&folder, "wesl"))),
+            screenshot_wanted: false,
+            seed: options.seed,
+        })
+    }
+
+    /// Asks for the next frame.
+    pub fn request_frame(&self) {
+        self.window.request_redraw();
+    }
+
+    /// Nobody sees the window: there is no hurry.
+    pub fn hidden(&self) -> bool {
+        self.hidden
+    }
+
+    /// Frames shown so far.
+    pub fn presented(&self) -> u32 {
+        self.presented
+    }
+
+    /// The mouse was moved by this many pixels, right and down.
+    pub fn mouse_moved(&mut self, (right, down): (f64, f64)) {
+        if self.captured {
+            self.controls.look(right, down);
+        }
+    }
+
+    /// Anything but a request to close or to draw.
+    pub fn event(&mut self, event: &WindowEvent) {
+        // What steers the camera is no business of the panel's, but it must hear what ends.
+        let steers = match event {
+            WindowEvent::CursorMoved { .. } | WindowEvent::MouseWheel { .. } => true,
+            WindowEvent::MouseInput { state, .. }
+            | WindowEvent::KeyboardInput {
+                event: KeyEvent { state, .. },
+                ..
+            } => *state == ElementState::Pressed,
+            _ => false,
+        };
+        if !(self.captured && steers) {
+            let _ = self.egui.on_window_event(&self.window, event);
+        }
+        match event {
+            WindowEvent::Resized(size) => self.screen.resize([size.width, size.height]),
+            WindowEvent::Focused(false) => {
+                self.controls.release_all();
+                self.release_mouse();
+            }
+            WindowEvent::KeyboardInput { event, .. } => self.key(event),
+            WindowEvent::MouseInput {
+                state: ElementState::Pressed,
+                button: MouseButton::Left,
+                ..
+            } if !self.over_panel() => self.capture_mouse(),
+            WindowEvent::MouseWheel { delta, .. } if self.captured || !self.over_panel() => {
+                let notches = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => *lines,
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / 40.0,
+                };
+                self.speed = scrolled(self.speed, notches);
+            }
+            _ => {}
+        }
+    }
+
+    fn over_panel(&self) -> bool {
+        let context = self.egui.egui_ctx();
+        !self.captured && (context.is_pointer_over_egui() || context.egui_is_using_pointer())
+    }
+
+    fn key(&mut self, event: &KeyEvent) {
+        let PhysicalKey::Code(code) = event.physical_key else {
+            return;
+        };
+        let now = Instant::now();
+        if event.state == ElementState::Released {
+            self.controls.release(code, now);
+            return;
+        }
+        if event.repeat {
+            return;
+        }
+        match code {
+            KeyCode::Escape => self.release_mouse(),
+            KeyCode::F1 => self.panel_open = !self.panel_open,
+            KeyCode::F2 => self.screenshot_wanted = true,
+            KeyCode::F5 => self.reload(true, true),
+            KeyCode::F11 => {
+                let full = self.window.fullscreen().is_none();
+                let mode = full.then_some(Fullscreen::Borderless(None));
+                self.window.set_fullscreen(mode);
+            }
+            // Somebody types a number into the panel.
+            _ if !self.captured && self.egui.egui_ctx().egui_wants_keyboard_input() => {}
+            KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
+            code => match digit(code) {
+                Some(index) => self.jump_to(index),
+                None => self.controls.press(code, now),
+            },
+        }
+    }
+
+    fn jump_to(&mut self, index: usize) {
+        if let Some(camera) = self.show.world().cameras.get(index) {
+            self.camera = camera.clone();
+            self.messages.toast(format!("camera {}", camera.name));
+        }
+    }
+
+    fn capture_mouse(&mut self) {
+        // Where neither is to be had, the mouse still turns the camera.
+        let _ = self
+            .window
+            .set_cursor_grab(CursorGrabMode::Locked)
+            .or_else(|_| self.window.set_cursor_grab(CursorGrabMode::Confined));
+        self.window.set_cursor_visible(false);
+        self.captured = true;
+        let input = self.egui.egui_input_mut();
+        input.events.push(egui::Event::PointerGone);
+    }
+
+    fn release_mouse(&mut self) {
+        if self.captured {
+            // A grab that was never had cannot be given up.
+            let _ = self.window.set_cursor_grab(CursorGrabMode::None);
+            self.window.set_cursor_visible(true);
+            self.captured = false;
+        }
+    }
+
+    /// One frame, from what was steered and edited to what is shown.
+    ///
+    /// # Errors
+    /// [`AppError`] when the GPU failed: there will be no further frame.
+    pub fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
+        let now = Instant::now();
+        let elapsed = now.saturating_duration_since(self.last_frame);
+        self.last_frame = now;
+        self.settings.clock.advance(elapsed.as_secs_f64());
+        let input = self.controls.take(now);
+        self.camera = flown(&self.camera, &input, self.speed);
+        if !self.hidden {
+            self.rate.push(elapsed.as_secs_f64() * 1e3);
+        }
+        self.follow_files(now);
+        self.screen.set_vsync(self.settings.vsync);
+        self.apply_settings();
+
+        let acquired = self.screen.acquire(&self.show.gpu)?;
+        self.hidden = matches!(acquired, Acquired::Hidden);
+        let Acquired::Texture(texture) = acquired else {
+            self.rate.clear();
+            return self.check();
+        };
+        let shapes = self.run_panel(event_loop);
+        let target = texture.texture.create_view(&Default::default());
+        let gpu = self.show.gpu.clone();
+        let mut recorder = Recorder::new(&gpu, Some(&mut self.timing));
+        let time_s = self.settings.clock.time_s;
+        let mode = self.settings.view;
+        self.show
+            .record(&mut recorder, &self.camera, mode, time_s, self.seed);
+        let size = [texture.texture.width(), texture.texture.height()];
+        let picture = self.show.frame().display();
+        self.overlay
+            .record(&gpu, &mut recorder, picture, &target, size, shapes);
+        recorder.submit(&gpu)?;
+        self.window.pre_present_notify();
+        gpu.queue.present(texture);
+        self.presented += 1;
+
+        while let Some(times) = self.timing.next_frame() {
+            self.passes.push(&times);
+        }
+        if std::mem::take(&mut self.screenshot_wanted) {
+            self.save_screenshot();
+        }
+        if self.alive.is_none() && self.show.frame().frames() >= FRAMES_TO_COUNT {
+            self.alive = Some(self.show.frame().field().alive(&gpu)?);
+        }
+        self.check()
+    }
+
+    fn check(&self) -> Result<(), AppError> {
+        self.faults
+            .first()
+            .map_or(Ok(()), |fault| Err(fault.into()))
+    }
+
+    fn run_panel(&mut self, event_loop: &ActiveEventLoop) -> PanelShapes {
+        let input = self.egui.take_egui_input(&self.window);
+        let context = self.egui.egui_ctx().clone();
+        let facts = Facts {
+            show: &self.show,
+            rate: &self.rate,
+            passes: &self.passes,
+            camera: &self.camera,
+            speed: self.speed,
+            alive: self.alive,
+        };
+        let mut action = None;
+        let output = context.run_ui(input, |ui| {
+            if self.panel_open {
+                action = panel::show(ui, &facts, &mut self.settings).or(action);
+            }
+            self.messages.show(ui);
+        });
+        match action {
+            Some(Action::JumpTo(index)) => self.jump_to(index),
+            Some(Action::Screenshot) => self.screenshot_wanted = true,
+            Some(Action::Reload) => self.reload(true, true),
+            None => {}
+        }
+        if !self.captured {
+            self.egui.handle_platform_output_with_event_loop(
+                &self.window,
+                event_loop,
+                output.platform_output,
+            );
+        }
+        PanelShapes {
+            primitives: context.tessellate(output.shapes, output.pixels_per_point),
+            textures: output.textures_delta,
+            pixels_per_point: output.pixels_per_point,
+        }
+    }
+
+    /// Shows what was chosen: at once if that is no work, else when the mouse is let go.
+    fn apply_settings(&mut self) {
+        let dragging = self.egui.egui_ctx().input(|input| input.pointer.any_down());
+        let minimised = self.screen.size().contains(&0);
+        let mut next = self.settings.choice.clone();
+        next.size = if dragging || minimised {
+            self.show.frame().size()
+        } else {
+            scaled(self.screen.size(), self.settings.scale)
+        };
+        let shown = self.show.choice();
+        let remake = shown.parameters.remake_for(&next.parameters);
+        if next == *shown || (dragging && remake != Remake::Nothing) {
+            return;
+        }
+        match self.show.apply(next) {
+            Ok(true) => self.remade(),
+            Ok(false) => {}
+            Err(error) => {
+                self.messages.toast_error(error.to_string());
+            }
+        }
+        // What the world lacks or the adapter cannot hold is taken back.
+        self.settings.choice = self.show.choice().clone();
+    }
+
+    /// After work that no frame should be measured by.
+    fn remade(&mut self) {
+        self.alive = None;
+        self.rate.clear();
+        self.last_frame = Instant::now();
+    }
+
+    fn follow_files(&mut self, now: Instant) {
+        let world = self.world_watch.changed(now);
+        let shaders = match &mut self.shaders {
+            Some((_, watch)) => watch.changed(now),
+            None => false,
+        };
+        self.reload(world, shaders);
+    }
+
+    fn reload(&mut self, world: bool, shaders: bool) {
+        if shaders && let Some((folder, _)) = &self.shaders {
+            let reloaded = self
+                .show
+                .reload_shaders(folder)
+                .and_then(|()| Ok(self.overlay.rebuild(&self.show.gpu)?));
+            self.messages.shaders = reloaded.err().map(|error| error.to_string());
+            if self.messages.shaders.is_none() {
+                self.messages.toast("shaders compiled");
+            }
+            self.remade();
+        }
+        if world {
+            self.messages.world = match self.show.reload_world() {
+                Ok(()) => {
+                    self.messages.toast("world read again");
+                    None
+                }
+                Err(error) => Some(error.to_string()),
+            };
+            self.settings.choice = self.show.choice().clone();
+            self.remade();
+        }
+    }
+
+    fn save_screenshot(&mut self) {
+        let path = screenshot::free_name(Path::new(""), SystemTime::now());
+        let picture = self.show.frame().read_display(&self.show.gpu);
+        let saved = picture
+            .map_err(|error| error.to_string())
+            .and_then(|picture| {
+                picture_file::write_png(&path, &picture).map_err(|error| error.to_string())
+            });
+        match saved {
+            Ok(()) => self.messages.toast(format!("saved {}", path.display())),
+            Err(error) => self.messages.toast_error(error),
+        }
+        self.last_frame = Instant::now();
+    }
+}
+
+/// The first show: with the shaders of a folder if they compile, else with those of the binary.
+fn build(
+    gpu: &Gpu,
+    options: &Options,
+    choice: Choice,
+    messages: &mut Messages,
+) -> Result<Show, FrameError> {
+    let new = |gpu: Gpu| {
+        let world = options.world.clone();
+        Show::new(gpu, &options.world_path, world, choice.clone())
+    };
+    if let Some(folder) = &options.shaders {
+        let shown = ShaderLibrary::from_folder(folder)
+            .map_err(FrameError::from)
+            .and_then(|shaders| new(gpu.with_shaders(shaders)));
+        match shown {
+            Err(FrameError::Gpu(error @ GpuError::Shader { .. })) => {
+                messages.shaders = Some(error.to_string());
+            }
+            shown => return shown,
+        }
+    }
+    new(gpu.clone())
+}
+
+fn scaled(size: [u32; 2], scale: f32) -> [u32; 2] {
+    size.map(|edge| ((edge as f32 * scale).round() as u32).max(1))
+}
+
+/// 0 for the key 1, and so on.
+fn digit(code: KeyCode) -> Option<usize> {
+    use KeyCode::{Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9};
+    [
+        Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9,
+    ]
+    .iter()
+    .position(|known| *known == code)
+}

@@ -1,0 +1,229 @@
+//! What the window shows: a world on the GPU, and what was chosen of it.
+
+use std::path::{Path, PathBuf};
+
+use miette::{GraphicalReportHandler, GraphicalTheme, Report};
+
+use crate::{
+    frame::{Frame, FrameError, Stage},
+    gpu::{Gpu, Recorder, ShaderLibrary},
+    lights::Lights,
+    parameters::{Parameters, Remake},
+    passes::{View, ViewMode},
+    world::{self, Camera, LampPreset, LayoutSpec, World, file::Overrides},
+};
+
+/// What a user chooses of a world; a change takes effect through [`Show::apply`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    pub parameters: Parameters,
+    /// Name of a probe layout of the world.
+    pub layout: String,
+    /// Width and height of the picture in pixels.
+    pub size: [u32; 2],
+}
+
+/// Why what was chosen or edited cannot be shown; what was shown before still is.
+#[derive(Debug, thiserror::Error)]
+pub enum ShowError {
+    /// The diagnostic of a world file, as a terminal would show it.
+    #[error("{0}")]
+    World(String),
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}
+
+impl From<Report> for ShowError {
+    fn from(report: Report) -> Self {
+        let mut text = String::new();
+        let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor());
+        Self::World(match handler.render_report(&mut text, &*report) {
+            Ok(()) => text,
+            // What the report quotes cannot be shown: its message alone.
+            Err(_) => report.to_string(),
+        })
+    }
+}
+
+/// A world, its frame, and what was chosen.
+pub struct Show {
+    pub gpu: Gpu,
+    path: PathBuf,
+    world: World,
+    frame: Frame,
+    choice: Choice,
+}
+
+/// Shaders that voxels and distances come of: an edit builds the world again.
+const STAGE_SHADERS: [&str; 5] = [
+    "sdf/",
+    "passes/voxelise",
+    "passes/distances",
+    "data/voxel",
+    "data/noise_tables",
+];
+
+impl Show {
+    /// Builds `world`, which was read from `path` with the overrides of `choice`.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold it.
+    pub fn new(gpu: Gpu, path: &Path, world: World, choice: Choice) -> Result<Self, FrameError> {
+        let choice = fitting(choice, &world);
+        let stage = Stage::build(&gpu, &world)?;
+        let layout = layout(&world, &choice.layout);
+        let frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
+        Ok(Self {
+            gpu,
+            path: path.to_owned(),
+            world,
+            frame,
+            choice,
+        })
+    }
+
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// What is shown.
+    pub fn choice(&self) -> &Choice {
+        &self.choice
+    }
+
+    /// Shows another choice, and makes anew what it takes. Returns whether that was anything at all.
+    ///
+    /// # Errors
+    /// [`ShowError`] when the adapter cannot hold it; what was shown still is.
+    pub fn apply(&mut self, next: Choice) -> Result<bool, ShowError> {
+        let mut remake = self.choice.parameters.remake_for(&next.parameters);
+        if remake == Remake::World {
+            let overrides = Overrides::from(&next.parameters);
+            let world = world::file::load(&self.path, &overrides)?;
+            self.rebuild(world, next)?;
+            return Ok(true);
+        }
+        if next.layout != self.choice.layout {
+            remake = Remake::Probes;
+        }
+        if remake == Remake::Probes {
+            let layout = layout(&self.world, &next.layout);
+            self.frame
+                .replace_probes(&self.gpu, layout, &next.parameters.probes)?;
+            self.choice.layout.clone_from(&next.layout);
+            self.choice.parameters.clone_from(&next.parameters);
+        }
+        let resized = next.size != self.frame.size();
+        if resized {
+            self.frame.resize(&self.gpu, next.size)?;
+        }
+        self.choice = next;
+        Ok(remake == Remake::Probes || resized)
+    }
+
+    /// Reads the world file again.
+    ///
+    /// # Errors
+    /// [`ShowError`] with the diagnostic; the last good world stays.
+    pub fn reload_world(&mut self) -> Result<(), ShowError> {
+        let overrides = Overrides::from(&self.choice.parameters);
+        let world = world::file::load(&self.path, &overrides)?;
+        Ok(self.rebuild(world, self.choice.clone())?)
+    }
+
+    /// Compiles every pass from the shaders in `folder`; the probes keep their light unless the
+    /// voxels change. What else draws should then be rebuilt with [`Show::gpu`] too.
+    ///
+    /// # Errors
+    /// [`FrameError`] with the place; the last good shaders stay.
+    pub fn reload_shaders(&mut self, folder: &Path) -> Result<(), FrameError> {
+        let shaders = ShaderLibrary::from_folder(folder)?;
+        let stage_changed = shaders
+            .differences(&self.gpu.shaders)
+            .any(|name| STAGE_SHADERS.iter().any(|part| name.starts_with(part)));
+        let gpu = self.gpu.with_shaders(shaders);
+        if stage_changed {
+            let stage = Stage::build(&gpu, &self.world)?;
+            let layout = layout(&self.world, &self.choice.layout);
+            let probes = &self.choice.parameters.probes;
+            self.frame = Frame::new(&gpu, stage, layout, probes, self.choice.size)?;
+        } else {
+            self.frame.rebuild_passes(&gpu)?;
+        }
+        self.gpu = gpu;
+        Ok(())
+    }
+
+    fn rebuild(&mut self, world: World, choice: Choice) -> Result<(), FrameError> {
+        *self = Self::new(self.gpu.clone(), &self.path, world, choice)?;
+        Ok(())
+    }
+
+    /// Records a frame, as seen from `camera` at world time `time_s`.
+    pub fn record(
+        &mut self,
+        recorder: &mut Recorder<'_>,
+        camera: &Camera,
+        mode: ViewMode,
+        time_s: f64,
+        seed: u32,
+    ) {
+        let parameters = &self.choice.parameters;
+        let view = View {
+            camera: camera.clone(),
+            size: self.frame.size(),
+            frame: self.frame.frames(),
+            seed,
+            exposure_ev: parameters.picture.exposure_ev,
+            mode,
+            time_s,
+            textures: parameters.textures.enabled,
+        };
+        let lamp_time_s = if parameters.lights.animate {
+            time_s
+        } else {
+            0.0
+        };
+        let lights = Lights::at(&self.world, &self.lamps(), lamp_time_s);
+        self.frame
+            .record(&self.gpu, recorder, &view, &lights, &parameters.probes);
+    }
+
+    /// As many lamps of the chosen preset as the parameters allow.
+    fn lamps(&self) -> LampPreset {
+        let parameters = &self.choice.parameters.lights;
+        let presets = &self.world.lamp_presets;
+        let chosen = presets
+            .iter()
+            .find(|preset| preset.name == parameters.preset);
+        let mut lamps = chosen
+            .unwrap_or_else(|| presets.first().expect("a world has a lamp preset"))
+            .clone();
+        lamps.lamps.truncate(parameters.max_lamps as usize);
+        lamps
+    }
+}
+
+/// The choice with what this world lacks replaced by what it has.
+fn fitting(mut choice: Choice, world: &World) -> Choice {
+    choice
+        .layout
+        .clone_from(&layout(world, &choice.layout).name);
+    let preset = &mut choice.parameters.lights.preset;
+    if world.lamp_presets.iter().all(|known| known.name != *preset) {
+        preset.clear();
+    }
+    choice
+}
+
+/// The layout of this name, or the world's first.
+fn layout<'a>(world: &'a World, name: &str) -> &'a LayoutSpec {
+    let mut layouts = world.layouts.iter();
+    layouts
+        .find(|layout| layout.name == name)
+        .unwrap_or_else(|| world.layouts.first().expect("a world has a probe layout"))
+}

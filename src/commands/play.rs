@@ -1,0 +1,101 @@
+//! `grotto play`: the window.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{
+    Failure,
+    options::{PictureOptions, RunOptions, Scene, assignment, picture_size},
+};
+use crate::{
+    app::{self, AppError},
+    passes::ViewMode,
+};
+
+/// Fly through a world in a window
+#[derive(Args)]
+pub struct Arguments {
+    /// World file; read again whenever it is edited
+    #[arg(default_value = "worlds/cave.ron")]
+    world: PathBuf,
+    /// Width and height of the window in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size)]
+    size: [u32; 2],
+    /// One of the world's cameras to begin at [default: its first]
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// One of the world's probe layouts [default: its first]
+    #[arg(long, value_name = "NAME")]
+    layout: Option<String>,
+    /// What the picture shows
+    #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
+    view: ViewMode,
+    /// Set a parameter (repeatable); `grotto info --keys` lists them
+    #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
+    set: Vec<String>,
+    /// The adapter whose name contains this, in place of the fastest
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Seed of the random rays; the world's own is `--set world.seed=N`
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u32,
+    /// Read the shaders from this folder, and again whenever they are edited
+    #[arg(long, value_name = "DIR")]
+    shaders: Option<PathBuf>,
+    /// Close the window after this many frames
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+}
+
+pub fn run(arguments: Arguments) -> Result<(), Failure> {
+    if let Some(folder) = &arguments.shaders
+        && !folder.join("passes/shade.wesl").is_file()
+    {
+        return Err(Failure::bad_input(format!(
+            "{} is no folder of shaders: it has no passes/shade.wesl. \
+             A checkout of grotto has them in shaders/.",
+            folder.display()
+        )));
+    }
+    let run = RunOptions {
+        adapter: arguments.adapter,
+        set: arguments.set,
+        json: false,
+        quiet: false,
+    };
+    let picture = PictureOptions {
+        size: arguments.size,
+        camera: arguments.camera,
+        layout: arguments.layout,
+        frames: None,
+        time: 0.0,
+        seed: arguments.seed,
+        view: arguments.view,
+    };
+    let scene = Scene::load(&arguments.world, &run, &picture)?;
+    app::run(app::Options {
+        world_path: arguments.world,
+        world: scene.world,
+        parameters: scene.parameters,
+        camera: scene.camera,
+        layout: scene.layout.name,
+        view: arguments.view,
+        size: arguments.size,
+        adapter: run.adapter,
+        seed: arguments.seed,
+        shaders: arguments.shaders,
+        frames: arguments.frames,
+    })?;
+    Ok(())
+}
+
+impl From<AppError> for Failure {
+    fn from(error: AppError) -> Self {
+        match error {
+            AppError::NoWindow(_) => Self::fault(error),
+            AppError::Gpu(error) => error.into(),
+            AppError::Frame(error) => error.into(),
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The window, opened on a display that nobody sees (Xvfb).
+#![cfg(target_os = "linux")]
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Output, Stdio},
+};
+
+fn grotto() -> String {
+    env!("CARGO_BIN_EXE_grotto").to_owned()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn ended(command: &mut Command) -> Output {
+    command
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .stdin(Stdio::null())
+        .output()
+        .expect("the binary starts")
+}
+
+/// `grotto play` with these arguments, on a display of its own.
+fn play(arguments: &[&str]) -> Output {
+    let found = Command::new("xvfb-run").arg("--help").output();
+    assert!(
+        found.is_ok(),
+        "xvfb-run was not found. scripts/test installs it on Debian (packages xvfb and xauth)."
+    );
+    ended(
+        Command::new("xvfb-run")
+            .args(["--auto-servernum", "--server-args=-screen 0 640x480x24"])
+            .args([&grotto(), "play"])
+            .args(arguments)
+            .env_remove("WAYLAND_DISPLAY"),
+    )
+}
+
+#[test]
+fn the_window_opens_shows_frames_and_closes() {
+    let output = play(&[
+        "worlds/minimal.ron",
+        "--frames",
+        "3",
+        "--size",
+        "160x96",
+        "--set",
+        "probes.rays=16",
+    ]);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+}
+
+#[test]
+fn shaders_from_a_folder_run_and_broken_ones_leave_those_of_the_binary() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    copy(Path::new("shaders"), folder.path());
+    fs::write(folder.path().join("passes/shade.wesl"), "fn main( {").expect("writable");
+    let output = play(&[
+        "worlds/minimal.ron",
+        "--frames",
+        "2",
+        "--size",
+        "160x96",
+        "--set",
+        "probes.rays=16",
+        "--shaders",
+        folder.path().to_str().expect("UTF-8"),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+#[test]
+fn without_a_display_the_message_names_the_way_to_a_picture() {
+    let output = ended(
+        Command::new(grotto())
+            .args(["play", "worlds/minimal.ron"])
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET"),
+    );
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("grotto render"), "{stderr}");
+    assert_eq!(stderr.matches("error").count(), 1, "{stderr}");
+}
+
+#[test]
+fn bad_arguments_are_told_before_any_window_opens() {
+    for (arguments, part) in [
+        (&["worlds/minimal.ron", "--camera", "nope"][..], "no camera"),
+        (&["worlds/minimal.ron", "--layout", "nope"], "no layout"),
+        (&["worlds/none.ron"], "worlds/none.ron"),
+        (
+            &["worlds/minimal.ron", "--shaders", "src"],
+            "no folder of shaders",
+        ),
+        (&["worlds/minimal.ron", "--size", "0x10"], "WIDTHxHEIGHT"),
+        (&["worlds/minimal.ron", "--frames", "0"], "--frames"),
+    ] {
+        let output = ended(Command::new(grotto()).arg("play").args(arguments));
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(part), "{arguments:?}: {stderr}");
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("writable");
+    for entry in fs::read_dir(from).expect("readable").flatten() {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).expect("writable");
+        }
+    }
+}
