@@ -194,6 +194,31 @@ fn bad_flags_are_refused_before_any_work() {
 }
 
 #[test]
+fn a_picture_beyond_the_limits_of_the_adapter_is_refused() {
+    let info = run(&["info", "--json"]).json();
+    let adapters = info["adapters"].as_array().expect("an array");
+    let chosen = adapters
+        .iter()
+        .find(|one| one["chosen"] == true)
+        .expect("an adapter");
+    let limit = &chosen["limits"]["max_storage_buffer_binding_size"];
+    // At 8 bytes a pixel; an adapter that can hold it would be busy for a while.
+    if limit
+        .as_u64()
+        .is_some_and(|limit| limit < 16384 * 16384 * 8)
+    {
+        let folder = folder();
+        let output = folder.path().join("a.png");
+        let mut command = grotto();
+        command
+            .args(["render", MINIMAL, "--size", "16384x16384", "-o"])
+            .arg(output);
+        refused(&mut command, 2, &["a picture of this size", "--adapter"]);
+        assert!(listing(folder.path()).is_empty());
+    }
+}
+
+#[test]
 fn outputs_that_cannot_be_written_are_refused_before_any_work() {
     let folder = folder();
     let file = folder.path().join("file");

@@ -5,7 +5,7 @@ use grotto::{
     gpu::{Gpu, ShaderChecks},
     passes::{
         GpuVoxels, View, ViewMode,
-        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet},
+        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
     },
     reference::march::{Outcome, Ray, march_plain},
     world::{
@@ -104,7 +104,11 @@ fn marching_equals_plain_dda_hit_for_hit() {
             &RaySet {
                 view: &view_buffer,
                 size: view.size,
-                lamp_gs: Vec3::new(20.0, 60.0, 40.0),
+                shadow: if seed == 2 {
+                    ShadowTarget::Sun(Vec3::new(0.3, 0.8, 0.4))
+                } else {
+                    ShadowTarget::Lamp(Vec3::new(20.0, 60.0, 40.0))
+                },
                 probes: &probes,
                 directions: &directions,
             },

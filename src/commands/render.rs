@@ -16,14 +16,14 @@ use super::{
 };
 use crate::{
     frame::{Frame, Stage},
-    gpu::{AdapterSummary, Recorder, Timing},
+    gpu::{AdapterSummary, Gpu, Recorder, Timing},
     lights::Lights,
     measure::{
         picture::Picture,
         picture_file::{self, PictureFormat},
         tonemap,
     },
-    passes::{MemoryUse, View, ViewMode},
+    passes::{MemoryUse, View, ViewMode, camera_rays::CameraRays},
     reference,
     world::{generate, voxels::grid_cells},
 };
@@ -187,6 +187,7 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
 fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record), Failure> {
     let (options, run) = (&arguments.picture, &arguments.run);
     let gpu = output::open_gpu(run)?;
+    check_size(&gpu, options.size)?;
     let spinner = output::spinner(run, VOXELISING);
     let stage = Stage::build(&gpu, &scene.world)?;
     spinner.finish_and_clear();
@@ -258,6 +259,23 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         memory_bytes: frame.memory(),
     };
     Ok((picture, record))
+}
+
+/// Refuses pictures that the adapter cannot hold before the voxels are built for them.
+fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Failure> {
+    let longest = gpu.limits.max_texture_dimension_2d;
+    if width.max(height) > longest {
+        return Err(Failure::bad_input(format!(
+            "--size {width}x{height}: pictures on adapter `{}` have edges of at most {longest} pixels",
+            gpu.summary.name
+        )));
+    }
+    let pixels = u64::from(width) * u64::from(height);
+    gpu.check_buffer(
+        "a picture of this size",
+        pixels * CameraRays::BYTES_PER_PIXEL,
+    )?;
+    Ok(())
 }
 
 /// Writes light as it is (EXR) or tone-mapped (PNG), and data without exposure and curve.

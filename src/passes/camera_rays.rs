@@ -12,6 +12,9 @@ pub struct CameraRays {
 }
 
 impl CameraRays {
+    /// Of the largest buffer that a picture takes.
+    pub const BYTES_PER_PIXEL: u64 = 8;
+
     /// For pictures of `size` pixels. `resources` are those of the voxels and the view.
     ///
     /// # Errors
@@ -22,7 +25,7 @@ impl CameraRays {
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let surfaces = gpu.storage_buffer("surfaces", pixels * 8)?;
+        let surfaces = gpu.storage_buffer("surfaces", pixels * Self::BYTES_PER_PIXEL)?;
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {

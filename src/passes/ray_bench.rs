@@ -7,14 +7,16 @@ use glam::{UVec3, Vec3};
 use super::GpuVoxels;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing};
 
-/// Rays that a workgroup of 64 threads takes from its queue: measured best of 128, 256, 512, 1024.
-const RAYS_PER_GROUP: u32 = 512;
+/// Most rays that a workgroup of 64 threads takes from its queue: measured best of 128 … 1024.
+const MOST_RAYS_PER_GROUP: u32 = 512;
+/// Workgroups that keep a large GPU busy: with fewer rays, the queues are shorter.
+const BUSY_GROUPS: u32 = 4096;
 
 /// The three kinds of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayKind {
     Camera,
-    /// From the camera rays' hits to a lamp; needs a camera run before.
+    /// From the camera rays' hits to a light; needs a camera run before.
     Shadow,
     /// From voxels' centres in given directions.
     Probe,
@@ -61,10 +63,11 @@ pub struct RayRun {
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
 struct GpuRayBench {
-    lamp_gs: [f32; 3],
+    target_gs: [f32; 3],
     rays_per_probe: u32,
     ray_count: u32,
-    _pad: [u32; 3],
+    towards_lamp: u32,
+    _pad: [u32; 2],
 }
 
 struct Runner {
@@ -77,8 +80,18 @@ pub struct RayBench {
     runners: Vec<(RayKind, Marcher, Runner)>,
     size: [u32; 2],
     probe_rays: u32,
+    rays_per_group: u32,
     camera_found: wgpu::Buffer,
     found: wgpu::Buffer,
+}
+
+/// Where shadow rays go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShadowTarget {
+    /// A point in grid space.
+    Lamp(Vec3),
+    /// A direction, without end.
+    Sun(Vec3),
 }
 
 /// Which rays: a picture's, towards a lamp, and from probes.
@@ -86,8 +99,7 @@ pub struct RaySet<'a> {
     /// The `View` uniform.
     pub view: &'a wgpu::Buffer,
     pub size: [u32; 2],
-    /// Grid space.
-    pub lamp_gs: Vec3,
+    pub shadow: ShadowTarget,
     /// Voxels (grid space) whose centres send `directions` each.
     pub probes: &'a [UVec3],
     pub directions: &'a [Vec3],
@@ -101,13 +113,18 @@ impl RayBench {
     pub fn new(gpu: &Gpu, voxels: &GpuVoxels, rays: &RaySet<'_>) -> Result<Self, GpuError> {
         let probe_rays = (rays.probes.len() * rays.directions.len()) as u32;
         let pixels = rays.size[0] * rays.size[1];
+        let (target, towards_lamp) = match rays.shadow {
+            ShadowTarget::Lamp(at_gs) => (at_gs, 1),
+            ShadowTarget::Sun(towards) => (towards, 0),
+        };
         let uniform = gpu.uniform_buffer(
             "ray_bench",
             &GpuRayBench {
-                lamp_gs: rays.lamp_gs.to_array(),
+                target_gs: target.to_array(),
                 rays_per_probe: rays.directions.len() as u32,
                 ray_count: probe_rays,
-                _pad: [0; 3],
+                towards_lamp,
+                _pad: [0; 2],
             },
         );
         let probes: Vec<[u32; 4]> = rays.probes.iter().map(|p| [p.x, p.y, p.z, 0]).collect();
@@ -120,6 +137,9 @@ impl RayBench {
         let directions = gpu.storage_buffer_of("bench_directions", &directions)?;
         let camera_found = gpu.storage_buffer("camera_found", u64::from(pixels) * 8)?;
         let found = gpu.storage_buffer("found", u64::from(pixels.max(probe_rays)) * 8)?;
+        let rays_per_group = (probe_rays / BUSY_GROUPS)
+            .next_multiple_of(64)
+            .clamp(64, MOST_RAYS_PER_GROUP);
         let bits = build_bits(gpu, voxels)?;
         let mut runners = Vec::new();
         for marcher in [Marcher::BrickMap, Marcher::PlainDda] {
@@ -139,7 +159,8 @@ impl RayBench {
                         entry,
                         overrides: &[
                             ("PLAIN", f64::from(marcher == Marcher::PlainDda)),
-                            ("RAYS_PER_GROUP", f64::from(RAYS_PER_GROUP)),
+                            ("COHERENT", f64::from(kind != RayKind::Probe)),
+                            ("RAYS_PER_GROUP", f64::from(rays_per_group)),
                         ],
                         ..Default::default()
                     },
@@ -162,6 +183,7 @@ impl RayBench {
             runners,
             size: rays.size,
             probe_rays,
+            rays_per_group,
             camera_found,
             found,
         })
@@ -205,7 +227,7 @@ impl RayBench {
                     pass,
                     &runner.bindings,
                     linear_groups(self.probe_rays.div_ceil(match marcher {
-                        Marcher::BrickMap => RAYS_PER_GROUP,
+                        Marcher::BrickMap => self.rays_per_group,
                         Marcher::PlainDda => 64,
                     })),
                 ),

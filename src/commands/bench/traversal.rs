@@ -1,7 +1,7 @@
 //! `grotto bench traversal`: camera, shadow and probe rays through a world by the brick map and by
 //! plain DDA, in one run, compared hit for hit.
 
-use glam::{DVec3, UVec3, Vec3};
+use glam::{UVec3, Vec3};
 use serde::Serialize;
 
 use crate::{
@@ -9,7 +9,7 @@ use crate::{
     measure::statistics,
     passes::{
         GpuVoxels, View, ViewMode,
-        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet},
+        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
     },
     probes::sampling,
     world::{Camera, World, voxels::Voxels},
@@ -28,7 +28,7 @@ pub struct Row {
     pub world: String,
     /// The camera whose rays (or whose hits' shadow rays) these are; `lattice` for probe rays.
     pub camera: String,
-    /// `camera`, `shadow` or `probe`.
+    /// `camera`; `sun`, `lamp` or `above` for shadow rays to it; `probe`.
     pub rays: &'static str,
     pub count: u32,
     pub ms: f64,
@@ -62,7 +62,15 @@ pub fn measure(
         .map(|ray| sampling::fibonacci(ray, per_probe).as_vec3())
         .collect();
     let mut rows = Vec::new();
-    for (index, camera) in world.cameras.iter().enumerate() {
+    let lights = world
+        .cameras
+        .iter()
+        .enumerate()
+        .flat_map(|(index, camera)| {
+            let lights = shadow_targets(world, camera).into_iter().enumerate();
+            lights.map(move |(light, (name, target))| (index, camera, light, name, target))
+        });
+    for (index, camera, light, name, shadow) in lights {
         let view = gpu.uniform_buffer("view", &still(camera, size).to_gpu());
         let bench = RayBench::new(
             gpu,
@@ -70,23 +78,25 @@ pub fn measure(
             &RaySet {
                 view: &view,
                 size,
-                lamp_gs: nearest_lamp(world, camera) - world.origin.as_vec3(),
+                shadow,
                 probes: &probes,
                 directions: &directions,
             },
         )?;
-        let mut kinds = vec![
-            (RayKind::Camera, "camera", camera.name.as_str()),
-            (RayKind::Shadow, "shadow", camera.name.as_str()),
-        ];
-        if index == 0 && !probes.is_empty() {
+        // Shadow rays start where this bench's own camera rays ended.
+        bench.run(gpu, RayKind::Camera, Marcher::BrickMap, 1)?;
+        let mut kinds = vec![(RayKind::Shadow, name, camera.name.as_str())];
+        if light == 0 {
+            kinds.insert(0, (RayKind::Camera, "camera", camera.name.as_str()));
+        }
+        if light == 0 && index == 0 && !probes.is_empty() {
             kinds.push((RayKind::Probe, "probe", "lattice"));
         }
         for (kind, rays, place) in kinds {
             let marched = bench.run(gpu, kind, Marcher::BrickMap, WARM_UP + repeats)?;
             let plain = bench.run(gpu, kind, Marcher::PlainDda, WARM_UP + repeats)?;
             let count = bench.rays(kind);
-            // Rays that face away from the lamp are not marched by either.
+            // Rays that face away from the light are not marched by either.
             let marched_rays = plain.found.iter().filter(|hit| hit.steps() > 0).count();
             let median = |times: &[f64]| {
                 statistics::median(times.get(WARM_UP as usize..).unwrap_or_default())
@@ -171,21 +181,24 @@ fn still(camera: &Camera, size: [u32; 2]) -> View {
     }
 }
 
-/// World-space position of the lamp of the first preset that is nearest to the camera; a point
-/// high above it in a world without any.
-fn nearest_lamp(world: &World, camera: &Camera) -> Vec3 {
-    let lamps = world
-        .lamp_presets
-        .first()
-        .map_or(&[][..], |preset| &preset.lamps);
-    lamps
+/// The lights that shadow rays are sent to, by name: the sun, if the world has one, and the lamp of
+/// the first preset that is nearest to the camera; a point high above in a world with neither.
+fn shadow_targets(world: &World, camera: &Camera) -> Vec<(&'static str, ShadowTarget)> {
+    let sun = world.sun.map(|sun| ("sun", ShadowTarget::Sun(sun.towards)));
+    let distance = |p: &Vec3| p.distance_squared(camera.position);
+    let preset = world.lamp_presets.first();
+    let lamps = preset.map_or(&[][..], |preset| &preset.lamps);
+    let nearest = lamps
         .iter()
         .map(|lamp| lamp.position)
-        .min_by(|a, b| {
-            let distance = |p: &Vec3| p.distance_squared(camera.position);
-            distance(a).total_cmp(&distance(b))
-        })
-        .unwrap_or(camera.position + DVec3::Y.as_vec3() * 1000.0)
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        .map(|at_ws| ("lamp", ShadowTarget::Lamp(at_ws - world.origin.as_vec3())));
+    let found: Vec<_> = sun.into_iter().chain(nearest).collect();
+    if found.is_empty() {
+        vec![("above", ShadowTarget::Sun(Vec3::Y))]
+    } else {
+        found
+    }
 }
 
 /// Lattice voxels (grid space) that are air.
