@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::{
+    frame::BuildReport,
     gpu::{AdapterSummary, Gpu, GpuError, PassTimes},
     measure::statistics,
     passes::{MemoryUse, ProbeField},
@@ -34,6 +35,33 @@ pub struct Record {
     pub mrays_per_s: Rays<f64>,
     pub probes: ProbeCounts,
     pub memory_bytes: MemoryUse,
+    /// What voxelising the world took; `null` where the GPU did not.
+    pub build: Option<Build>,
+}
+
+/// How the world's voxels came about.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Build {
+    /// GPU milliseconds; `null` where the adapter cannot time them.
+    pub voxelise_ms: Option<f64>,
+    pub distances_ms: Option<f64>,
+    /// From start to end, without compiling, counts read back included.
+    pub wall_ms: f64,
+    pub bricks: u32,
+    /// Most GPU memory held at a time.
+    pub peak_bytes: u64,
+}
+
+impl From<BuildReport> for Build {
+    fn from(report: BuildReport) -> Self {
+        Self {
+            voxelise_ms: report.voxelise.gpu_ms,
+            distances_ms: report.distances_ms,
+            wall_ms: report.voxelise.wall_ms,
+            bricks: report.voxelise.bricks,
+            peak_bytes: report.voxelise.peak_bytes,
+        }
+    }
 }
 
 /// Milliseconds a frame, and the frames per second of the slowest 1 %.

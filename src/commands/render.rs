@@ -180,6 +180,7 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         },
         probes: ProbeCounts::default(),
         memory_bytes: MemoryUse::default(),
+        build: None,
     };
     Ok((picture, record))
 }
@@ -257,6 +258,7 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         passes,
         probes: probe_counts,
         memory_bytes: frame.memory(),
+        build: frame.stage.built.map(Into::into),
     };
     Ok((picture, record))
 }
