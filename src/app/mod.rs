@@ -1,9 +1,9 @@
 //! The window: a camera that flies through a world, a panel, and files that are read again when
 //! they are edited.
 //!
-//! [`session`] is an open window and draws its frames; [`show`] is what it shows. The rest are its
-//! parts: [`camera`] and [`controls`] steer, [`panel`] and [`widgets`] choose, [`screen`] is the
-//! surface, [`reload`] watches files.
+//! `session` is an open window: it hears the user and draws the frames; `show` is what it shows.
+//! The rest are their parts: `camera` and `controls` steer, `panel` and `widgets` choose, `screen` is
+//! the surface, `reload` watches files.
 
 mod camera;
 mod clock;

@@ -1,0 +1,133 @@
+//! What a user does to the window: keys and mouse, to the camera or to the panel.
+
+use std::time::Instant;
+
+use winit::{
+    event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent},
+    keyboard::{KeyCode, PhysicalKey},
+    window::{CursorGrabMode, Fullscreen},
+};
+
+use super::{super::camera::scrolled, Session};
+
+impl Session {
+    /// The mouse was moved by this many pixels, right and down.
+    pub fn mouse_moved(&mut self, (right, down): (f64, f64)) {
+        if self.captured {
+            self.controls.look(right, down);
+        }
+    }
+
+    /// Anything but a request to close or to draw.
+    pub fn event(&mut self, event: &WindowEvent) {
+        // What steers the camera is no business of the panel's, but it must hear what ends.
+        let steers = match event {
+            WindowEvent::CursorMoved { .. } | WindowEvent::MouseWheel { .. } => true,
+            WindowEvent::MouseInput { state, .. }
+            | WindowEvent::KeyboardInput {
+                event: KeyEvent { state, .. },
+                ..
+            } => *state == ElementState::Pressed,
+            _ => false,
+        };
+        if !(self.captured && steers) {
+            let _ = self.egui.on_window_event(&self.window, event);
+        }
+        match event {
+            WindowEvent::Resized(size) => self.screen.resize([size.width, size.height]),
+            WindowEvent::Focused(false) => {
+                self.controls.release_all();
+                self.release_mouse();
+            }
+            WindowEvent::KeyboardInput { event, .. } => self.key(event),
+            WindowEvent::MouseInput {
+                state: ElementState::Pressed,
+                button: MouseButton::Left,
+                ..
+            } if !self.over_panel() => self.capture_mouse(),
+            WindowEvent::MouseWheel { delta, .. } if self.captured || !self.over_panel() => {
+                let notches = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => *lines,
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / 40.0,
+                };
+                self.speed = scrolled(self.speed, notches);
+            }
+            _ => {}
+        }
+    }
+
+    fn over_panel(&self) -> bool {
+        let context = self.egui.egui_ctx();
+        !self.captured && (context.is_pointer_over_egui() || context.egui_is_using_pointer())
+    }
+
+    fn key(&mut self, event: &KeyEvent) {
+        let PhysicalKey::Code(code) = event.physical_key else {
+            return;
+        };
+        let now = Instant::now();
+        if event.state == ElementState::Released {
+            self.controls.release(code, now);
+            return;
+        }
+        if event.repeat {
+            return;
+        }
+        match code {
+            KeyCode::Escape => self.release_mouse(),
+            KeyCode::F1 => self.panel_open = !self.panel_open,
+            KeyCode::F2 => self.screenshot_wanted = true,
+            KeyCode::F5 => self.reload(true, true),
+            KeyCode::F11 => {
+                let full = self.window.fullscreen().is_none();
+                let mode = full.then_some(Fullscreen::Borderless(None));
+                self.window.set_fullscreen(mode);
+            }
+            // Somebody types a number into the panel.
+            _ if !self.captured && self.egui.egui_ctx().egui_wants_keyboard_input() => {}
+            KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
+            code => match digit(code) {
+                Some(index) => self.jump_to(index),
+                None => self.controls.press(code, now),
+            },
+        }
+    }
+
+    pub(super) fn jump_to(&mut self, index: usize) {
+        if let Some(camera) = self.show.world().cameras.get(index) {
+            self.camera = camera.clone();
+            self.messages.toast(format!("camera {}", camera.name));
+        }
+    }
+
+    fn capture_mouse(&mut self) {
+        // Where neither is to be had, the mouse still turns the camera.
+        let _ = self
+            .window
+            .set_cursor_grab(CursorGrabMode::Locked)
+            .or_else(|_| self.window.set_cursor_grab(CursorGrabMode::Confined));
+        self.window.set_cursor_visible(false);
+        self.captured = true;
+        let input = self.egui.egui_input_mut();
+        input.events.push(egui::Event::PointerGone);
+    }
+
+    fn release_mouse(&mut self) {
+        if self.captured {
+            // A grab that was never had cannot be given up.
+            let _ = self.window.set_cursor_grab(CursorGrabMode::None);
+            self.window.set_cursor_visible(true);
+            self.captured = false;
+        }
+    }
+}
+
+/// 0 for the key 1, and so on.
+fn digit(code: KeyCode) -> Option<usize> {
+    use KeyCode::{Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9};
+    [
+        Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9,
+    ]
+    .iter()
+    .position(|known| *known == code)
+}
