@@ -464,6 +464,7 @@ fn a_picture_from_the_gpu_with_its_record() {
         "mrays_per_s",
         "probes",
         "memory_bytes",
+        "build",
     ];
     let mut rest = ended.stdout.as_str();
     for field in expected {

@@ -28,8 +28,10 @@ pub struct Row {
     pub world: String,
     /// The camera whose rays (or whose hits' shadow rays) these are; `lattice` for probe rays.
     pub camera: String,
-    /// `camera`; `sun`, `lamp` or `above` for shadow rays to it; `probe`.
+    /// `camera`, `shadow` or `probe`.
     pub rays: &'static str,
+    /// What shadow rays are sent to: the `sun`, the nearest `lamp`, or the sky `above`.
+    pub light: Option<&'static str>,
     pub count: u32,
     pub ms: f64,
     pub grays_per_s: f64,
@@ -85,7 +87,7 @@ pub fn measure(
         )?;
         // Shadow rays start where this bench's own camera rays ended.
         bench.run(gpu, RayKind::Camera, Marcher::BrickMap, 1)?;
-        let mut kinds = vec![(RayKind::Shadow, name, camera.name.as_str())];
+        let mut kinds = vec![(RayKind::Shadow, "shadow", camera.name.as_str())];
         if light == 0 {
             kinds.insert(0, (RayKind::Camera, "camera", camera.name.as_str()));
         }
@@ -112,6 +114,7 @@ pub fn measure(
                 world: world.name.clone(),
                 camera: place.to_owned(),
                 rays,
+                light: (kind == RayKind::Shadow).then_some(name),
                 count: marched_rays as u32,
                 ms,
                 grays_per_s: grays(ms),
@@ -154,7 +157,7 @@ pub fn table(rows: &[Row]) -> String {
             "{:<10} {:<12} {:<7} {:>9} {:>9.3} {:>10.2} {:>7.1} {:>11.2} {:>7.1} {:>7.1}x {:>10}\n",
             row.world,
             row.camera,
-            row.rays,
+            row.light.unwrap_or(row.rays),
             row.count,
             row.ms,
             row.grays_per_s,
