@@ -80,7 +80,7 @@ impl ShaderLibrary {
             .parse()
             .map_err(|error| fault(format!("{error:?}")))?;
         let resolver = LibraryResolver {
-            library: self,
+            shaders: self,
             generated,
         };
         let options = CompileOptions {
@@ -147,7 +147,7 @@ fn read_modules(
 }
 
 struct LibraryResolver<'a> {
-    library: &'a ShaderLibrary,
+    shaders: &'a ShaderLibrary,
     generated: &'a [(&'a str, &'a str)],
 }
 
@@ -159,7 +159,7 @@ impl Resolver for LibraryResolver<'_> {
             let found = self.generated.iter().find(|(known, _)| *known == generated);
             return found.map(|(_, text)| (*text).into()).ok_or_else(missing);
         }
-        let text = self.library.modules.get(name.as_str());
+        let text = self.shaders.modules.get(name.as_str());
         text.map(|text| (&**text).into()).ok_or_else(missing)
     }
 
