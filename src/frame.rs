@@ -18,6 +18,7 @@ use crate::{
         probe_blend::ProbeBlend,
         probe_rays::ProbeRays,
         shade::Shade,
+        shadow_count,
         tonemap::Tonemap,
         voxelise::{Voxelise, VoxeliseReport},
     },
@@ -270,6 +271,22 @@ impl Frame {
 
     pub fn field(&self) -> &ProbeField {
         &self.field
+    }
+
+    /// Shadow rays of the last frame; `pixels`: whether the picture's own count, as they do in views
+    /// of direct light.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`]; [`GpuError::Device`] when the device is lost.
+    pub fn count_shadow_rays(&self, gpu: &Gpu, pixels: bool) -> Result<u64, GpuError> {
+        shadow_count::count(
+            gpu,
+            &self.field,
+            &self.passes.camera_rays.surfaces,
+            self.size,
+            pixels,
+            &resources(&self.stage, &self.view, &self.lights),
+        )
     }
 
     /// Bytes of GPU memory.

@@ -72,8 +72,9 @@ pub struct FrameTimes {
     pub low1_fps: f64,
 }
 
-/// A figure for each kind of ray; `null` where that kind was not counted. Shadow rays end at many
-/// places of one pass and are not, as counting costs time; `grotto bench traversal` measures them.
+/// A figure for each kind of ray; `null` where there is none. Shadow rays are counted after the frames;
+/// they share their passes with other work, so that they have no rate of their own here:
+/// `grotto bench traversal` measures it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Rays<T> {
     pub camera: Option<T>,

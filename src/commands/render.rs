@@ -233,9 +233,13 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     let passes = median_passes(&times);
     let probe_counts = ProbeCounts::read(&gpu, frame.field())?;
     let [width, height] = options.size.map(u64::from);
+    let direct = matches!(
+        options.view,
+        ViewMode::Full | ViewMode::Direct | ViewMode::TexturesOff
+    );
     let rays = Rays {
         camera: Some(width * height),
-        shadow: None,
+        shadow: Some(frame.count_shadow_rays(&gpu, direct)?),
         probe: Some(u64::from(probe_counts.alive) * u64::from(frame.field().rays_per_probe())),
     };
     let rate = |rays, pass: &str| mrays_per_s(rays, passes.get(pass).copied());

@@ -11,6 +11,7 @@ pub mod probe_rays;
 pub mod ray_bench;
 mod scene;
 pub mod shade;
+pub mod shadow_count;
 pub mod tonemap;
 mod view;
 pub mod voxelise;
