@@ -2,6 +2,7 @@
 
 pub mod bench;
 mod check;
+mod compare;
 mod failure;
 mod info;
 mod memory;
@@ -44,6 +45,7 @@ pub struct Cli {
 enum Command {
     Play(play::Arguments),
     Render(render::Arguments),
+    Compare(compare::Arguments),
     Check(check::Arguments),
     Bench(bench::Arguments),
     Info(info::Arguments),
@@ -58,6 +60,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         None => output::print(GREETING),
         Some(Command::Play(arguments)) => play::run(arguments),
         Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
