@@ -17,6 +17,7 @@ use crate::{
         distances::Distances,
         probe_blend::ProbeBlend,
         probe_rays::ProbeRays,
+        probe_states::ProbeStates,
         shade::Shade,
         shadow_count,
         tonemap::Tonemap,
@@ -121,11 +122,14 @@ pub struct Frame {
     view: wgpu::Buffer,
     lights: GpuLights,
     field: ProbeField,
+    /// Whether voxels or probes are new, so that the probes must be placed.
+    misplaced: bool,
     passes: Passes,
 }
 
 struct Passes {
     camera_rays: CameraRays,
+    probe_states: ProbeStates,
     probe_rays: ProbeRays,
     probe_blend: ProbeBlend,
     shade: Shade,
@@ -153,6 +157,7 @@ impl Frame {
             view,
             lights,
             field,
+            misplaced: true,
             passes,
         })
     }
@@ -174,6 +179,9 @@ impl Frame {
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
+        if std::mem::take(&mut self.misplaced) {
+            self.passes.probe_states.record(recorder);
+        }
         self.passes.probe_rays.record(recorder);
         self.passes.probe_blend.record(recorder);
         self.passes.shade.record(recorder);
@@ -216,6 +224,7 @@ impl Frame {
         let resources = resources(&self.stage, &self.view, &self.lights);
         self.passes = Passes::new(gpu, self.size, &field, &resources)?;
         self.field = field;
+        self.misplaced = true;
         self.frames = 0;
         Ok(())
     }
@@ -228,6 +237,7 @@ impl Frame {
         if self.stage.voxels.apply(gpu, voxels, edit)? {
             self.rebuild_passes(gpu)?;
         }
+        self.misplaced = true;
         Ok(())
     }
 
@@ -315,6 +325,7 @@ impl Passes {
         let hdr = shade.hdr.create_view(&Default::default());
         Ok(Self {
             tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
+            probe_states: ProbeStates::new(gpu, field, resources)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
             camera_rays,

@@ -122,6 +122,17 @@ choice! {
 }
 
 choice! {
+    /// What becomes of a probe whose lattice point lies in stone.
+    Relocation {
+        /// It is dead.
+        Off = "off",
+        /// It moves to the nearest air, if that is near enough.
+        Exact = "exact",
+    }
+    later: []
+}
+
+choice! {
     /// Whether probes sleep, die and move by what surrounds them.
     ProbeStates {
         /// Every probe is traced and gathered.
@@ -157,6 +168,10 @@ parameters! {
         visibility: Visibility = Visibility::Chebyshev, Visibility::KIND, Nothing;
         #[doc = "Whether probes sleep and move by what surrounds them; off updates every probe that is not in stone."]
         states: ProbeStates = ProbeStates::Off, ProbeStates::KIND, Probes;
+        #[doc = "What becomes of probes in stone: exact moves them to the nearest air, off leaves them dead; exact lights corners truer and traces more probes."]
+        relocation: Relocation = Relocation::Exact, Relocation::KIND, Probes;
+        #[doc = "Farthest that a probe in stone moves along an axis, in spacings (and 31 voxels); more reaches more walls, for more probes to trace."]
+        move_reach: f32 = 0.95, Kind::Number { min: 0.0, max: 0.95 }, Probes;
         #[doc = "Edge of a probe's irradiance map; more resolves sharper bounced light, for memory and blend time by its square."]
         irradiance_texels: u32 = 8, Kind::Count { min: 4, max: 32 }, Probes;
         #[doc = "Edge of a probe's distance map; more leaks less at thin walls, for memory and blend time by its square."]

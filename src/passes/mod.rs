@@ -8,6 +8,7 @@ pub mod overlay;
 pub mod probe_blend;
 mod probe_field;
 pub mod probe_rays;
+pub mod probe_states;
 pub mod ray_bench;
 mod scene;
 pub mod shade;

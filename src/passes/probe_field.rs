@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::{
     gpu::{Gpu, GpuError},
-    parameters::{LongRays, ProbeParameters, Visibility},
+    parameters::{LongRays, ProbeParameters, Relocation, Visibility},
     probes::{AtlasLayout, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling},
 };
 
@@ -50,7 +50,7 @@ pub struct GpuProbeInfo {
     pub change_large: f32,
     pub change_deviations: f32,
     pub firefly_clamp: f32,
-    pub _pad: f32,
+    pub move_reach: f32,
 }
 
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
@@ -67,6 +67,7 @@ pub struct ProbeField {
     irradiance_history: wgpu::Buffer,
     distance_history: wgpu::Buffer,
     states: wgpu::Buffer,
+    places: wgpu::Buffer,
     irradiance_atlas: wgpu::Texture,
     distance_atlas: wgpu::Texture,
     irradiance_view: wgpu::TextureView,
@@ -105,7 +106,15 @@ impl ProbeField {
         }
         let irradiance_atlas = texture(gpu, "irradiance_atlas", &atlas, atlas.irradiance_texels);
         let distance_atlas = texture(gpu, "distance_atlas", &atlas, atlas.distance_texels);
+        let places = gpu.storage_buffer("probe_places", memory.places)?;
+        // Until pass `probe_states` looks, all probes stand on the lattice and are thought alive.
+        let lattice: Vec<[f32; 4]> = (0..volume.slots())
+            .map(|slot| volume.position(slot).extend(1.0).to_array())
+            .collect();
+        gpu.queue
+            .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
         Ok(Self {
+            places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
                 .storage_buffer("ray_directions", u64::from(parameters.rays) * 16)?,
@@ -186,12 +195,15 @@ impl ProbeField {
             change_large: parameters.change_large,
             change_deviations: parameters.change_deviations,
             firefly_clamp: parameters.firefly_clamp,
-            _pad: 0.0,
+            move_reach: match parameters.relocation {
+                Relocation::Off => 0.0,
+                Relocation::Exact => parameters.move_reach,
+            },
         }
     }
 
     /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 5] {
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 6] {
         use wgpu::BindingResource::{Sampler, TextureView};
         [
             ("probe_info", self.info.as_entire_binding()),
@@ -199,6 +211,7 @@ impl ProbeField {
             ("irradiance_atlas", TextureView(&self.irradiance_view)),
             ("distance_atlas", TextureView(&self.distance_view)),
             ("probe_sampler", Sampler(&self.sampler)),
+            ("probe_places", self.places.as_entire_binding()),
         ]
     }
 
@@ -221,6 +234,21 @@ impl ProbeField {
             ("irradiance_out", TextureView(&self.irradiance_view)),
             ("distance_out", TextureView(&self.distance_view)),
         ]
+    }
+
+    /// What pass `probe_states` writes: where each probe stands, and what it knows.
+    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
+        [
+            ("probe_info", self.info.as_entire_binding()),
+            ("probe_places_out", self.places.as_entire_binding()),
+            ("probe_states", self.states.as_entire_binding()),
+        ]
+    }
+
+    /// Where each probe stands (world space; XYZ), and whether it gives light (W: 1 or 0): four f32
+    /// each.
+    pub fn places(&self) -> &wgpu::Buffer {
+        &self.places
     }
 
     pub fn volume(&self) -> &Volume {

@@ -28,6 +28,8 @@ const DISTANCE_HISTORY_BYTES: u64 = 8;
 const RAY_BYTES: u64 = 16;
 /// Updates so far, and the mean luminance.
 const STATE_BYTES: u64 = 8;
+/// Where it stands, and whether it gives light.
+const PLACE_BYTES: u64 = 16;
 
 /// What a probe field takes on the GPU, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +40,7 @@ pub struct ProbeMemory {
     pub distance_history: u64,
     pub rays: u64,
     pub states: u64,
+    pub places: u64,
 }
 
 impl ProbeMemory {
@@ -48,6 +51,7 @@ impl ProbeMemory {
             + self.distance_history
             + self.rays
             + self.states
+            + self.places
     }
 }
 
@@ -122,6 +126,7 @@ impl AtlasLayout {
             distance_history: slots * square(self.distance_texels) * DISTANCE_HISTORY_BYTES,
             rays: slots * u64::from(rays) * RAY_BYTES,
             states: slots * STATE_BYTES,
+            places: slots * PLACE_BYTES,
         }
     }
 }
