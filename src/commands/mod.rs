@@ -2,6 +2,7 @@
 
 pub mod bench;
 mod check;
+mod compare;
 mod failure;
 mod info;
 mod memory;
@@ -46,6 +47,7 @@ enum Command {
     Play(play::Arguments),
     Render(render::Arguments),
     Reference(reference::Arguments),
+    Compare(compare::Arguments),
     Check(check::Arguments),
     Bench(bench::Arguments),
     Info(info::Arguments),
@@ -61,6 +63,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Some(Command::Play(arguments)) => play::run(arguments),
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Reference(arguments)) => reference::run(&arguments),
+        Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
