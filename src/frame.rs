@@ -331,7 +331,7 @@ impl Passes {
 }
 
 /// What every pass may bind by name.
-fn resources<'a>(
+pub fn resources<'a>(
     stage: &'a Stage,
     view: &'a wgpu::Buffer,
     lights: &'a GpuLights,
