@@ -183,9 +183,9 @@ parameters! {
         #[doc = "What becomes of longer distances: clamp counts them as the clamp, reject leaves them out and keeps near walls sharper."]
         long_rays: LongRays = LongRays::Clamp, LongRays::KIND, Nothing;
         #[doc = "Voxels along the normal that a gather point is moved; more leaks less from behind, less keeps contact shadows."]
-        normal_bias: f32 = 0.3, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
+        normal_bias: f32 = 0.1, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
         #[doc = "Voxels towards the camera that a gather point is moved under chebyshev; more hides self-shadowing, less shifts light less."]
-        view_bias: f32 = 0.3, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
+        view_bias: f32 = 0.0, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
         #[doc = "Added to the squared wrap weight of a probe; 0.2 keeps probes at grazing angles (smoother), 0 drops them (sharper)."]
         wrap_offset: f32 = 0.2, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "Visibility weights below this are crushed to their cube; more leaks less, 0 crushes none and is smoother."]

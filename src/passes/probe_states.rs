@@ -3,17 +3,14 @@
 
 use super::ProbeField;
 use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder},
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
     probes::Layout as _,
 };
-
-/// Most workgroups along one axis that every device supports.
-const MOST_GROUPS: u32 = 65_535;
 
 pub struct ProbeStates {
     kernel: Kernel,
     bindings: Bindings,
-    groups: [u32; 3],
+    groups: [u32; 2],
 }
 
 impl ProbeStates {
@@ -39,14 +36,12 @@ impl ProbeStates {
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
             kernel,
-            groups: [slots.min(MOST_GROUPS), slots.div_ceil(MOST_GROUPS), 1],
+            groups: rectangle(slots),
         })
     }
 
     /// After [`ProbeField::begin_frame`], before pass `probe_rays`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.compute("probe_states", |pass| {
-            self.kernel.dispatch(pass, &self.bindings, self.groups);
-        });
+        recorder.run(&self.kernel, &self.bindings, self.groups);
     }
 }
