@@ -16,6 +16,7 @@ mod screen;
 mod screenshot;
 mod session;
 mod show;
+mod truth;
 mod widgets;
 
 use std::{
@@ -53,6 +54,8 @@ pub struct Options {
     /// Name of a probe layout of the world.
     pub layout: String,
     pub view: ViewMode,
+    /// Path-traced in place of lit by probes.
+    pub traced: bool,
     /// Width and height of the window in pixels.
     pub size: [u32; 2],
     /// Part of the name of the adapter to run on; the fastest without.

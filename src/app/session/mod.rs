@@ -95,6 +95,7 @@ impl Session {
             parameters: options.parameters.clone(),
             layout: options.layout.clone(),
             size: scaled(screen.size(), scale),
+            traced: options.traced,
         };
         let mut messages = Messages::default();
         let show = build(&gpu, options, choice, &mut messages)?;
@@ -119,7 +120,10 @@ impl Session {
                 view: options.view,
                 scale,
                 vsync: true,
-                clock: WorldClock::default(),
+                clock: WorldClock {
+                    paused: options.traced,
+                    ..WorldClock::default()
+                },
             },
             window,
             screen,
@@ -194,9 +198,9 @@ impl Session {
         let time_s = self.settings.clock.time_s;
         let mode = self.settings.view;
         self.show
-            .record(&mut recorder, &self.camera, mode, time_s, self.seed);
+            .record(&mut recorder, &self.camera, mode, time_s, self.seed)?;
         let size = [texture.texture.width(), texture.texture.height()];
-        let picture = self.show.frame().display();
+        let picture = self.show.display();
         self.overlay
             .record(&gpu, &mut recorder, picture, &target, size, shapes);
         recorder.submit(&gpu)?;
@@ -204,9 +208,19 @@ impl Session {
         gpu.queue.present(texture);
         self.presented += 1;
 
+        let frame_ms = elapsed.as_secs_f64() * 1e3;
         while let Some(times) = self.timing.next_frame() {
             self.passes.push(&times);
+            if let Some(truth) = self.show.truth() {
+                truth.took(Some(&times), frame_ms);
+            }
         }
+        self.messages.status = self.show.truth().map(|truth| {
+            if !self.timing.supported() {
+                truth.took(None, frame_ms);
+            }
+            format!("path-traced: {} samples a pixel", truth.samples())
+        });
         if std::mem::take(&mut self.screenshot_wanted) {
             self.save_screenshot();
         }
@@ -329,7 +343,7 @@ impl Session {
 
     fn save_screenshot(&mut self) {
         let path = screenshot::free_name(Path::new(""), SystemTime::now());
-        let picture = self.show.frame().read_display(&self.show.gpu);
+        let picture = self.show.read_display();
         let saved = picture
             .map_err(|error| error.to_string())
             .and_then(|picture| {
