@@ -298,14 +298,14 @@ fn it_agrees_with_the_cpu_in_every_view() {
 fn planted_faults_are_found() {
     let tracer = OnGpu::open();
     let truth = runs(&Cpu, &glow(), View::Full, false);
-    let mut brighter = glow();
-    for material in &mut brighter.0.list {
-        if let Colour::Flat(albedo) = &mut material.a {
-            *albedo *= 1.02;
-        }
-    }
-    let [faulty, sound] = [(&tracer as &dyn Tracer, brighter), (&Cpu, glow())]
-        .map(|(tracer, scene)| runs(tracer, &scene, View::Indirect, false));
+    // Where light bounces often, an albedo off by 2 % makes a tenth more of it.
+    let [faulty, sound] =
+        [(&tracer as &dyn Tracer, 0.8 * 1.02), (&Cpu, 0.8)].map(|(tracer, albedo)| {
+            let lamp = point_lamp(Vec3::new(2.5, 4.8, 3.1), 50.0);
+            let stage = Stage::closed_box(6, albedo, 0.0).lit_by(&[lamp], None);
+            let camera = square_camera(DVec3::splat(4.0), 30.0, -20.0);
+            runs(tracer, &(stage, camera), View::Indirect, false)
+        });
     assert!(agree(&faulty, &sound).is_err(), "albedo × 1.02");
     for (file, sound, faulty) in [
         // Uniform in place of cosine-weighted directions.
@@ -411,7 +411,7 @@ fn long_sums_lose_nothing_and_slices_change_nothing() {
     let above = square_camera(DVec3::new(32.0, 6.0, 32.0), 0.0, -90.0);
     let film = FilmOptions {
         size: [8, 8],
-        samples: 2500,
+        samples: 1100,
         ..options(&above)
     };
     let truth = 0.125 / 3.0;
