@@ -2,6 +2,7 @@
 
 pub mod bench;
 mod check;
+mod compare;
 mod failure;
 mod info;
 mod memory;
@@ -9,13 +10,14 @@ mod options;
 mod output;
 mod play;
 mod record;
+pub mod reference;
 mod render;
 
 use std::panic::PanicHookInfo;
 
 use clap::{Parser, Subcommand};
 
-pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_GATE, EXIT_NO_GPU, Failure};
+pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_GATE, EXIT_INTERRUPTED, EXIT_NO_GPU, Failure};
 
 /// What is printed to those who type nothing but the name.
 const GREETING: &str = "\
@@ -30,7 +32,7 @@ The worlds lie in the folder worlds/ (copy worlds/minimal.ron to begin your own)
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 a fault of grotto's or of the machine; 2 a bad file or flag; 3 no usable GPU; \
-4 a comparison failed.";
+4 a comparison failed; 130 stopped before there was a result.";
 
 /// Procedural voxel worlds with real-time global illumination.
 #[derive(Parser)]
@@ -44,6 +46,8 @@ pub struct Cli {
 enum Command {
     Play(play::Arguments),
     Render(render::Arguments),
+    Reference(reference::Arguments),
+    Compare(compare::Arguments),
     Check(check::Arguments),
     Bench(bench::Arguments),
     Info(info::Arguments),
@@ -58,6 +62,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         None => output::print(GREETING),
         Some(Command::Play(arguments)) => play::run(arguments),
         Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Reference(arguments)) => reference::run(&arguments),
+        Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),

@@ -71,7 +71,7 @@ pub fn energy_ratio(picture: &Picture, reference: &Picture) -> Result<f64, Metri
     Ok(if value == truth { 1.0 } else { value / truth })
 }
 
-fn comparable(a: &Picture, b: &Picture) -> Result<(), MetricError> {
+pub(super) fn comparable(a: &Picture, b: &Picture) -> Result<(), MetricError> {
     if (a.width, a.height) != (b.width, b.height) {
         return Err(MetricError::Size {
             a: [a.width, a.height],
@@ -86,18 +86,22 @@ fn comparable(a: &Picture, b: &Picture) -> Result<(), MetricError> {
 }
 
 fn finite(picture: &Picture, name: &'static str) -> Result<(), MetricError> {
-    match picture
-        .rgb
-        .iter()
-        .position(|rgb| rgb.iter().any(|value| !value.is_finite()))
-    {
+    match first_not_finite(picture) {
         None => Ok(()),
-        Some(index) => Err(MetricError::NotFinite {
+        Some([x, y]) => Err(MetricError::NotFinite {
             picture: name,
-            x: (index % picture.width as usize) as u32,
-            y: (index / picture.width as usize) as u32,
+            x,
+            y,
         }),
     }
+}
+
+/// Column and row of the first pixel with a NaN or an infinity.
+pub fn first_not_finite(picture: &Picture) -> Option<[u32; 2]> {
+    let bad = |rgb: &[f32; 3]| rgb.iter().any(|value| !value.is_finite());
+    let index = picture.rgb.iter().position(bad)?;
+    let width = picture.width as usize;
+    Some([(index % width) as u32, (index / width) as u32])
 }
 
 fn channels(a: &[f32; 3], b: &[f32; 3]) -> impl Iterator<Item = (f64, f64)> {

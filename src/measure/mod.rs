@@ -1,7 +1,11 @@
 //! Pictures and statistics. Knows no world.
 
+pub mod comparison;
+pub mod flip;
+pub mod magma;
 pub mod metrics;
 pub mod picture;
 pub mod picture_file;
+pub mod selection;
 pub mod statistics;
 pub mod tonemap;

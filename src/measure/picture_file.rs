@@ -177,7 +177,19 @@ fn decode_png(path: &Path, bytes: &[u8]) -> Result<Picture, PictureError> {
     })
 }
 
+/// Most pixels of a picture that is read: a header alone must not make us allocate more.
+const MOST_PIXELS: usize = 1 << 28;
+
 fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Picture, PictureError> {
+    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| malformed(path, error))?;
+    let too_large = |header: &exr::meta::header::Header| header.layer_size.area() > MOST_PIXELS;
+    if meta.headers.iter().any(too_large) {
+        return Err(malformed(
+            path,
+            format!("it has more than {MOST_PIXELS} pixels"),
+        ));
+    }
     let decoded = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()

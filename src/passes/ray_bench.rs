@@ -6,15 +6,15 @@ use glam::{UVec3, Vec3};
 
 use super::GpuVoxels;
 use crate::{
-    gpu::{Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing},
+    gpu::{Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing, rectangle},
     world::voxels::{CELL, grid_cells},
 };
 
 /// Most rays that a workgroup of 64 threads takes from its queue: measured best of 128 … 1024.
 const MOST_RAYS_PER_GROUP: u32 = 512;
-/// Times that a timed pass of a GPU marches the same rays, one dispatch after the other as passes of a
-/// frame follow each other: on its own, a dispatch of two million rays takes 20–30 µs longer.
-const DISPATCHES: u32 = 8;
+/// Times that a repeat on a GPU marches the same rays, one pass after the other as in a frame: alone, a
+/// pass over two million rays takes 20–30 µs longer on a large GPU, to start and to run dry.
+const PASSES: u32 = 8;
 /// Workgroups that keep a large GPU busy: with fewer rays, the queues are shorter.
 const BUSY_GROUPS: u32 = 4096;
 
@@ -304,33 +304,26 @@ impl<'a> RayBench<'a> {
             resources.push(("shadow_starts", starts.as_entire_binding()));
         }
         let bindings = kernel.bind(gpu, &resources);
-        let rays_per_group = match (kind, marcher) {
-            (RayKind::Probe, Marcher::BrickMap) => self.rays_per_group,
-            _ => 64,
+        let groups = match (kind, marcher) {
+            (RayKind::Camera, _) => kernel.groups_of(self.size),
+            (RayKind::Probe, Marcher::BrickMap) => rectangle(rays.div_ceil(self.rays_per_group)),
+            _ => rectangle(rays.div_ceil(64)),
         };
-        let dispatches = match timed {
-            Some(_) if !gpu.summary.is_software() => DISPATCHES,
+        let passes = match timed {
+            Some(_) if !gpu.summary.is_software() => PASSES,
             _ => 1,
         };
         let mut timing = Timing::new(gpu)?;
         let mut times_ms = Vec::new();
         for _ in 0..timed.unwrap_or(1) {
             let mut recorder = Recorder::new(gpu, timed.is_some().then_some(&mut timing));
-            recorder.compute("ray_bench", |pass| {
-                for _ in 0..dispatches {
-                    if kind == RayKind::Camera {
-                        let threads = [self.size[0], self.size[1], 1];
-                        kernel.dispatch_threads(pass, &bindings, threads);
-                    } else {
-                        let groups = linear_groups(rays.div_ceil(rays_per_group));
-                        kernel.dispatch(pass, &bindings, groups);
-                    }
-                }
-            });
+            for _ in 0..passes {
+                recorder.run(&kernel, &bindings, groups);
+            }
             recorder.submit(gpu)?;
             gpu.wait()?;
             let times = timing.next_frame();
-            times_ms.extend(times.map(|times| times.frame_ms / f64::from(dispatches)));
+            times_ms.extend(times.map(|times| times.frame_ms / f64::from(passes)));
         }
         let written = match (kind, timed) {
             (RayKind::Shadow, Some(_)) => blocked,
@@ -374,15 +367,7 @@ fn build_bits(gpu: &Gpu, voxels: &GpuVoxels) -> Result<wgpu::Buffer, GpuError> {
     resources.push(("bits_out", bits.as_entire_binding()));
     let bindings = kernel.bind(gpu, &resources);
     let mut recorder = Recorder::new(gpu, None);
-    recorder.compute("bits", |pass| {
-        kernel.dispatch(pass, &bindings, linear_groups(words.div_ceil(64) as u32));
-    });
+    recorder.run(&kernel, &bindings, rectangle(words.div_ceil(64) as u32));
     recorder.submit(gpu)?;
     Ok(bits)
-}
-
-/// At least `groups` workgroups as a rectangle within the limit of each dimension.
-fn linear_groups(groups: u32) -> [u32; 3] {
-    let rows = groups.div_ceil(32768).max(1);
-    [groups.div_ceil(rows), rows, 1]
 }

@@ -98,6 +98,9 @@ pub fn measure(
         }
         for (name, light) in shadow_targets(world, camera) {
             bench.aim(gpu, light)?;
+            if bench.rays(RayKind::Shadow) == 0 {
+                continue;
+            }
             let per_edge = rays_per_edge(gpu, size, bench.rays(RayKind::Shadow));
             let measured = if per_edge > 1 {
                 let mut finer = bench_at(per_edge)?;
@@ -130,8 +133,9 @@ fn rays_per_edge(gpu: &Gpu, size: [u32; 2], lit: u32) -> u32 {
         gpu.check_buffer("found", bytes).is_ok()
             && size[0].max(size[1]) * per_edge <= ray_bench::MAX_EDGE
     };
-    let enough =
-        |per_edge: &u32| u64::from(lit * per_edge * per_edge) >= SHADOW_RAYS_PER_PIXEL * pixels;
+    let enough = |per_edge: &u32| {
+        u64::from(lit) * u64::from(per_edge * per_edge) >= SHADOW_RAYS_PER_PIXEL * pixels
+    };
     let largest = (1..=MOST_RAYS_PER_EDGE).take_while(fits).last();
     (1..=largest.unwrap_or(1))
         .find(enough)
