@@ -104,6 +104,7 @@ fn marching_equals_plain_dda_hit_for_hit() {
             &RaySet {
                 view: &view_buffer,
                 size: view.size,
+                rays_per_edge: 1,
                 probes: &probes,
                 directions: &directions,
             },
@@ -134,6 +135,10 @@ fn marching_equals_plain_dda_hit_for_hit() {
             };
             let marched = run(Marcher::BrickMap);
             let plain = run(Marcher::PlainDda);
+            bench.scattered = true;
+            let scattered = bench.hits(&gpu, kind, Marcher::BrickMap).expect("runs");
+            bench.scattered = false;
+            assert_eq!(mismatches(&scattered, &plain), 0, "{kind:?}, seed {seed}");
             assert_eq!(mismatches(&marched, &plain), 0, "{kind:?}, seed {seed}");
             let hits = marched
                 .iter()

@@ -165,6 +165,7 @@ fn bench_rays_do_not_depend_on_how_they_went_out() {
         let rays = RaySet {
             view: &buffer,
             size: SIZE,
+            rays_per_edge: 1,
             probes: &probes,
             directions: &directions,
         };

@@ -1,6 +1,8 @@
 //! Pass `ray_bench`: rays of one kind at a time, by either marcher, for `grotto bench traversal`
 //! and for the tests that hold the two equal.
 
+use std::time::{Duration, Instant};
+
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec3, Vec3};
 
@@ -12,9 +14,10 @@ use crate::{
 
 /// Most rays that a workgroup of 64 threads takes from its queue: measured best of 128 … 1024.
 const MOST_RAYS_PER_GROUP: u32 = 512;
-/// Times that a repeat on a GPU marches the same rays, one pass after the other as in a frame: alone, a
-/// pass over two million rays takes 20–30 µs longer on a large GPU, to start and to run dry.
-const PASSES: u32 = 8;
+/// Runs before those that are timed, and how long they go on at least on a GPU: it lowers its clock while
+/// the CPU compares hits, and takes its time to raise it.
+const WARM_UP: u32 = 3;
+const WARM_UP_TIME: Duration = Duration::from_millis(200);
 /// Workgroups that keep a large GPU busy: with fewer rays, the queues are shorter.
 const BUSY_GROUPS: u32 = 4096;
 
@@ -63,7 +66,7 @@ impl FoundHit {
 pub struct TimedRun {
     /// What the kernel wrote: [`RayKind::timed_words`] a ray.
     pub results: Vec<u32>,
-    /// GPU milliseconds of each repeat, for all rays once; empty where the adapter cannot tell.
+    /// GPU milliseconds of each repeat; empty where the adapter cannot tell.
     pub times_ms: Vec<f64>,
 }
 
@@ -121,6 +124,9 @@ pub struct RaySet<'a> {
     pub view: &'a wgpu::Buffer,
     /// At most [`MAX_EDGE`] along an edge.
     pub size: [u32; 2],
+    /// How many of its rays along each edge make a pixel. Shadow rays go out one of each pixel after
+    /// another, so that neighbours are as far apart as the pixels are.
+    pub rays_per_edge: u32,
     /// Voxels (grid space) whose centres send `directions` each.
     pub probes: &'a [UVec3],
     pub directions: &'a [Vec3],
@@ -138,10 +144,13 @@ pub struct RayBench<'a> {
     probes: wgpu::Buffer,
     directions: wgpu::Buffer,
     size: [u32; 2],
+    rays_per_edge: u32,
     /// As in the uniform, which is made for each run.
     rays: GpuRayBench,
     rays_per_group: u32,
     shadow_starts: Option<wgpu::Buffer>,
+    /// Whether camera and shadow rays too are marched as rays that scatter, which pass `probe_rays` does.
+    pub scattered: bool,
 }
 
 impl<'a> RayBench<'a> {
@@ -166,6 +175,7 @@ impl<'a> RayBench<'a> {
             probes: gpu.storage_buffer_of("bench_probes", &probes)?,
             directions: gpu.storage_buffer_of("bench_directions", &directions)?,
             size: rays.size,
+            rays_per_edge: rays.rays_per_edge,
             rays: GpuRayBench {
                 rays_per_probe: rays.directions.len() as u32,
                 probe_rays,
@@ -175,11 +185,12 @@ impl<'a> RayBench<'a> {
                 .next_multiple_of(64)
                 .clamp(64, MOST_RAYS_PER_GROUP),
             shadow_starts: None,
+            scattered: false,
         })
     }
 
-    /// Marches the camera rays and lists the pixels whose surface faces the light, in Morton order,
-    /// so that the threads of a subgroup start from a block of the picture: from there the
+    /// Marches the camera rays and lists those whose surface faces the light, in Morton order of the
+    /// pixels, so that the threads of a subgroup start from a block of the picture: from there the
     /// [`RayKind::Shadow`] rays go.
     ///
     /// # Errors
@@ -187,7 +198,12 @@ impl<'a> RayBench<'a> {
     pub fn aim(&mut self, gpu: &Gpu, light: ShadowTarget) -> Result<(), GpuError> {
         let seen = self.hits(gpu, RayKind::Camera, Marcher::BrickMap)?;
         let extent = extent_of(self.voxels);
-        let mut starts: Vec<(u32, [u32; 2])> = (0..)
+        let per_edge = self.rays_per_edge;
+        let order = |x: u32, y: u32| {
+            let within = x % per_edge + per_edge * (y % per_edge);
+            (within, morton(x / per_edge) | (morton(y / per_edge) << 1))
+        };
+        let mut starts: Vec<((u32, u32), [u32; 2])> = (0..)
             .zip(&seen)
             .filter(|(_, hit)| hit.place != FoundHit::MISS)
             .filter_map(|(pixel, hit)| {
@@ -199,9 +215,7 @@ impl<'a> RayBench<'a> {
                     hit.place / extent.x / extent.y,
                 );
                 let start = [x | (y << 14) | (face << 28), hit.place];
-                light
-                    .lights(voxel, face)
-                    .then_some((morton(x) | (morton(y) << 1), start))
+                light.lights(voxel, face).then_some((order(x, y), start))
             })
             .collect();
         starts.sort_unstable_by_key(|(order, _)| *order);
@@ -240,7 +254,7 @@ impl<'a> RayBench<'a> {
         gpu.read_buffer_range(&found, 0, u64::from(self.rays(kind)) * 8)
     }
 
-    /// Marches all rays of a kind `repeats` times.
+    /// Marches all rays of a kind `repeats` times, after some that warm the GPU up.
     ///
     /// # Errors
     /// As [`RayBench::hits`].
@@ -280,7 +294,10 @@ impl<'a> RayBench<'a> {
                 entry,
                 overrides: &[
                     ("PLAIN", f64::from(marcher == Marcher::PlainDda)),
-                    ("COHERENT", f64::from(kind != RayKind::Probe)),
+                    (
+                        "COHERENT",
+                        f64::from(kind != RayKind::Probe && !self.scattered),
+                    ),
                     ("TIMED", f64::from(timed.is_some())),
                     ("RAYS_PER_GROUP", f64::from(self.rays_per_group)),
                 ],
@@ -309,21 +326,25 @@ impl<'a> RayBench<'a> {
             (RayKind::Probe, Marcher::BrickMap) => rectangle(rays.div_ceil(self.rays_per_group)),
             _ => rectangle(rays.div_ceil(64)),
         };
-        let passes = match timed {
-            Some(_) if !gpu.summary.is_software() => PASSES,
-            _ => 1,
-        };
         let mut timing = Timing::new(gpu)?;
         let mut times_ms = Vec::new();
-        for _ in 0..timed.unwrap_or(1) {
-            let mut recorder = Recorder::new(gpu, timed.is_some().then_some(&mut timing));
-            for _ in 0..passes {
-                recorder.run(&kernel, &bindings, groups);
-            }
+        let march = |timing: &mut Timing| {
+            let mut recorder = Recorder::new(gpu, timed.is_some().then_some(&mut *timing));
+            recorder.run(&kernel, &bindings, groups);
             recorder.submit(gpu)?;
             gpu.wait()?;
-            let times = timing.next_frame();
-            times_ms.extend(times.map(|times| times.frame_ms / f64::from(passes)));
+            Ok::<_, GpuError>(timing.next_frame().map(|times| times.frame_ms))
+        };
+        let start = Instant::now();
+        let cold =
+            |runs| runs < WARM_UP || !gpu.summary.is_software() && start.elapsed() < WARM_UP_TIME;
+        let mut warm_up = 0;
+        while timed.is_some() && cold(warm_up) {
+            march(&mut timing)?;
+            warm_up += 1;
+        }
+        for _ in 0..timed.unwrap_or(1) {
+            times_ms.extend(march(&mut timing)?);
         }
         let written = match (kind, timed) {
             (RayKind::Shadow, Some(_)) => blocked,

@@ -23,8 +23,6 @@ const PROBE_RAYS: u32 = 1 << 21;
 const SHADOW_RAYS_PER_PIXEL: u64 = 2;
 /// Most camera rays along each edge of a pixel.
 const MOST_RAYS_PER_EDGE: u32 = 4;
-/// Runs of each kind that are thrown away, and that the median is taken of.
-const WARM_UP: u32 = 3;
 
 /// One kind of rays from one place.
 #[derive(Clone, Debug, Serialize)]
@@ -77,6 +75,7 @@ pub fn measure(
             let rays = RaySet {
                 view: &view,
                 size,
+                rays_per_edge: per_edge,
                 probes: &probes,
                 directions: &directions,
             };
@@ -154,7 +153,7 @@ fn measure_row(
     let run = |marcher| {
         Ok((
             bench.hits(gpu, kind, marcher)?,
-            bench.time(gpu, kind, marcher, WARM_UP + repeats)?,
+            bench.time(gpu, kind, marcher, repeats)?,
         ))
     };
     let (hits, timed) = run(Marcher::BrickMap)?;
@@ -170,9 +169,7 @@ fn measure_row(
     let steps = |found: &[FoundHit]| {
         found.iter().map(|hit| f64::from(hit.steps())).sum::<f64>() / f64::from(rays.max(1))
     };
-    let median = |times: &[f64]| {
-        statistics::median(times.get(WARM_UP as usize..).unwrap_or_default()).unwrap_or(f64::NAN)
-    };
+    let median = |times: &[f64]| statistics::median(times).unwrap_or(f64::NAN);
     let grays = |ms: f64| f64::from(rays) / ms / 1e6;
     let (ms, plain_ms) = (median(&timed.times_ms), median(&plain_timed.times_ms));
     Ok(Row {
