@@ -2,9 +2,10 @@
 //! they are edited.
 //!
 //! `session` is an open window: it hears the user and draws the frames; `show` is what it shows.
-//! The rest are their parts: `camera` and `controls` steer, `panel` and `widgets` choose, `screen` is
-//! the surface, `reload` watches files.
+//! The rest are their parts: `camera` and `controls` steer, `brush` digs and builds, `panel` and
+//! `widgets` choose, `screen` is the surface, `reload` watches files.
 
+mod brush;
 mod camera;
 mod clock;
 mod controls;
@@ -138,7 +139,7 @@ impl ApplicationHandler for App {
             return;
         };
         match event {
-            WindowEvent::CloseRequested => self.end(event_loop, Ok(())),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => self.end(event_loop, Ok(())),
             WindowEvent::RedrawRequested => {
                 let drawn = session.draw(event_loop);
                 let enough = self

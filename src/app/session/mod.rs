@@ -13,6 +13,7 @@ use winit::{event_loop::ActiveEventLoop, window::Window};
 
 use super::{
     AppError, Options,
+    brush::{self, Brush, Stroke},
     camera::{self, flown},
     clock::{FrameRate, WorldClock},
     controls::Controls,
@@ -124,6 +125,7 @@ impl Session {
                     paused: options.traced,
                     ..WorldClock::default()
                 },
+                brush: Brush::default(),
             },
             window,
             screen,
@@ -179,13 +181,18 @@ impl Session {
         let input = self.controls.take(now);
         self.camera = flown(&self.camera, &input, self.speed);
         if !self.hidden {
-            self.rate.push(elapsed.as_secs_f64() * 1e3);
+            self.rate.tick(now);
         }
         self.follow_files(now);
         self.screen.set_vsync(self.settings.vsync);
         self.apply_settings();
 
-        let acquired = self.screen.acquire(&self.show.gpu)?;
+        // X11 hands out textures for a minimised window too.
+        let acquired = if self.window.is_minimized() == Some(true) {
+            Acquired::Hidden
+        } else {
+            self.screen.acquire(&self.show.gpu)?
+        };
         self.hidden = matches!(acquired, Acquired::Hidden);
         let Acquired::Texture(texture) = acquired else {
             self.rate.clear();
@@ -252,6 +259,9 @@ impl Session {
             if self.panel_open {
                 action = panel::show(ui, &facts, &mut self.settings).or(action);
             }
+            if self.captured {
+                brush::crosshair(ui);
+            }
             self.messages.show(ui);
         });
         match action {
@@ -272,6 +282,19 @@ impl Session {
             textures: output.textures_delta,
             pixels_per_point: output.pixels_per_point,
         }
+    }
+
+    /// Digs or builds where the camera looks.
+    fn strike(&mut self, stroke: Stroke) {
+        let (brush, camera) = (&mut self.settings.brush, &self.camera);
+        let made = self
+            .show
+            .edit(|voxels, world| brush.stroke(voxels, world, camera, stroke));
+        if let Err(error) = made {
+            self.messages.toast_error(error.to_string());
+        }
+        // Probes may have come out of stone, or got into it.
+        self.alive = None;
     }
 
     /// Shows what was chosen: at once if that is no work, else when the mouse is let go.
@@ -353,6 +376,7 @@ impl Session {
             Ok(()) => self.messages.toast(format!("saved {}", path.display())),
             Err(error) => self.messages.toast_error(error),
         }
+        self.rate.interrupt();
         self.last_frame = Instant::now();
     }
 }
