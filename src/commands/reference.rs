@@ -30,7 +30,7 @@ use crate::{
     world::{Camera, World},
 };
 
-/// Path-trace a picture on the GPU: the truth that DDGI is judged by. Ctrl-C writes what there is
+/// Path-trace a picture on the GPU, as ground truth; Ctrl-C writes what there is
 #[derive(Args)]
 pub struct Arguments {
     /// World file (worlds/*.ron)

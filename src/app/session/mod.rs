@@ -1,6 +1,7 @@
 //! A window that is open: what it shows, and one frame after another.
 
 mod input;
+mod times;
 
 use std::{
     path::{Path, PathBuf},
@@ -215,19 +216,7 @@ impl Session {
         gpu.queue.present(texture);
         self.presented += 1;
 
-        let frame_ms = elapsed.as_secs_f64() * 1e3;
-        while let Some(times) = self.timing.next_frame() {
-            self.passes.push(&times);
-            if let Some(truth) = self.show.truth() {
-                truth.took(Some(&times), frame_ms);
-            }
-        }
-        self.messages.status = self.show.truth().map(|truth| {
-            if !self.timing.supported() {
-                truth.took(None, frame_ms);
-            }
-            format!("path-traced: {} samples a pixel", truth.samples())
-        });
+        self.hear_times(elapsed.as_secs_f64() * 1e3);
         if std::mem::take(&mut self.screenshot_wanted) {
             self.save_screenshot();
         }
