@@ -3,14 +3,19 @@
 pub mod bench;
 mod check;
 mod compare;
+mod driver;
+mod dynamics;
 mod failure;
 mod info;
+mod judge;
 mod memory;
 mod options;
+mod out_file;
 mod output;
 mod play;
 mod record;
 mod render;
+mod subject;
 
 use std::panic::PanicHookInfo;
 
@@ -46,6 +51,7 @@ enum Command {
     Play(play::Arguments),
     Render(render::Arguments),
     Compare(compare::Arguments),
+    Judge(judge::Arguments),
     Check(check::Arguments),
     Bench(bench::Arguments),
     Info(info::Arguments),
@@ -61,6 +67,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Some(Command::Play(arguments)) => play::run(arguments),
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
+        Some(Command::Judge(arguments)) => judge::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),

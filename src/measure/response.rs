@@ -142,7 +142,10 @@ mod tests {
     #[test]
     fn independent_noise_hardly_moves_the_count() {
         let noise = |seed: u32| {
-            let hash = seed.wrapping_mul(2_654_435_761).rotate_left(15).wrapping_mul(2_246_822_519);
+            let hash = seed
+                .wrapping_mul(2_654_435_761)
+                .rotate_left(15)
+                .wrapping_mul(2_246_822_519);
             f64::from(hash >> 8) / f64::from(1 << 24) - 0.5
         };
         let noisy = |n: u32| {
@@ -157,8 +160,14 @@ mod tests {
         let after: Vec<Picture> = (1..300).map(noisy).collect();
         let response = response(&Picture::new(20, 20), &after).expect("comparable");
         let response = response.expect("a change");
-        assert!(response.to_90.is_some_and(|n| n.abs_diff(22) <= 1), "{response:?}");
-        assert!(response.to_99.is_some_and(|n| n.abs_diff(44) <= 4), "{response:?}");
+        assert!(
+            response.to_90.is_some_and(|n| n.abs_diff(22) <= 1),
+            "{response:?}"
+        );
+        assert!(
+            response.to_99.is_some_and(|n| n.abs_diff(44) <= 4),
+            "{response:?}"
+        );
     }
 
     #[test]

@@ -141,7 +141,10 @@ mod tests {
     fn pictures_that_cannot_be_compared_are_refused() {
         let mut meter = StabilityMeter::new();
         meter.add(flat(4, 0.3)).expect("the first");
-        assert!(matches!(meter.add(flat(5, 0.3)), Err(MetricError::Size { .. })));
+        assert!(matches!(
+            meter.add(flat(5, 0.3)),
+            Err(MetricError::Size { .. })
+        ));
         let refused = meter.add(flat(4, f32::NAN));
         assert!(matches!(refused, Err(MetricError::NotFinite { .. })));
     }
