@@ -6,6 +6,8 @@
 //!     └────────────── atlas of the last frame ◄────────┘
 //! ```
 
+use std::mem;
+
 use crate::{
     gpu::{Gpu, GpuError, Recorder, Timing},
     lights::Lights,
@@ -223,11 +225,16 @@ impl Frame {
     /// Follows an edit of the CPU's copy of the voxels.
     ///
     /// # Errors
-    /// [`FrameError::Gpu`] when the adapter cannot hold the bricks.
+    /// [`FrameError::Gpu`] when the adapter cannot hold the bricks; the frame is as before then.
     pub fn apply(&mut self, gpu: &Gpu, voxels: &Voxels, edit: &Edit) -> Result<(), FrameError> {
-        if self.stage.voxels.apply(gpu, voxels, edit)? {
-            self.rebuild_passes(gpu)?;
+        if let Some(larger) = self.stage.voxels.with_room_for(gpu, voxels)? {
+            let before = mem::replace(&mut self.stage.voxels, larger);
+            if let Err(error) = self.rebuild_passes(gpu) {
+                self.stage.voxels = before;
+                return Err(error);
+            }
         }
+        self.stage.voxels.write(gpu, voxels, edit);
         Ok(())
     }
 
@@ -324,7 +331,7 @@ impl Passes {
 }
 
 /// What every pass may bind by name.
-fn resources<'a>(
+pub fn resources<'a>(
     stage: &'a Stage,
     view: &'a wgpu::Buffer,
     lights: &'a GpuLights,

@@ -38,12 +38,21 @@ impl Bench {
         self.folder.path().join(name)
     }
 
+    /// With these flags unless others are given.
     fn judge(&self, arguments: &[&str]) -> Output {
         let [out, cache] = ["out", "cache"].map(|name| self.path(name).display().to_string());
-        let flags = ["--size", "64x36", "--frames", "20", "--spp", "8"];
-        let folders = ["judge", "--out", &out, "--cache", &cache];
-        let quick = ["--set", "probes.rays=32"];
-        grotto(&[&folders[..], &flags, &quick, arguments].concat())
+        let usual = [
+            ["--out", &out],
+            ["--cache", &cache],
+            ["--size", "64x36"],
+            ["--frames", "20"],
+            ["--spp", "32"],
+            ["--against", "cpu"],
+            ["--rays", "32"],
+        ];
+        let missing = usual.iter().filter(|[flag, _]| !arguments.contains(flag));
+        let flags: Vec<&str> = missing.flatten().copied().collect();
+        grotto(&[&["judge"], &flags[..], arguments].concat())
     }
 
     fn judged(&self, arguments: &[&str]) -> (Value, String) {
@@ -73,7 +82,9 @@ const CORNELL: &str = "worlds/cornell.ron";
 #[test]
 fn a_world_from_end_to_end() {
     let bench = Bench::new();
-    let chosen = ["--camera", "inside", "--layout", "layout1", "--frames", "8"];
+    let chosen = [
+        "--camera", "inside", "--layout", "layout2", "--frames", "8", "--spp", "64",
+    ];
     let watched = ["--response-frames", "24"];
     let (json, _) = bench.judged(&[&[CORNELL], &chosen[..], &watched].concat());
     let rows = json["rows"].as_array().expect("rows");
@@ -81,21 +92,14 @@ fn a_world_from_end_to_end() {
     let row = &rows[0];
     assert_eq!([&row["world"], &row["camera"]], ["cornell", "inside"]);
     // Light is there, and is not that of another picture.
-    assert!(
-        (0.5..2.0).contains(&number(row, "indirect.energy_ratio")),
-        "{row}"
-    );
-    assert!(
-        (0.7..1.4).contains(&number(row, "full.energy_ratio")),
-        "{row}"
-    );
-    assert!((0.0..0.3).contains(&number(row, "full.flip.mean")), "{row}");
+    let energy = number(row, "indirect.energy_ratio");
+    assert!((0.6..1.6).contains(&energy), "{row}");
+    let flip = number(row, "full.flip.mean");
+    assert!(flip > 0.0 && flip < 0.35, "{row}");
     let stability = number(row, "stability.mean");
-    assert!(stability > 0.0 && stability < 0.1, "{row}");
-    for change in ["lamp_on", "lamp_off"] {
-        let frames = number(row, &format!("response.{change}.to_90"));
-        assert!((1.0..=24.0).contains(&frames), "{change}: {row}");
-    }
+    assert!(stability > 0.0 && stability < 0.2, "{row}");
+    let frames = number(row, "response.lamp_off.to_90");
+    assert!((1.0..=24.0).contains(&frames), "{row}");
     // The reference has light everywhere.
     assert_eq!(row["leak_ratio"], Value::Null);
 
@@ -143,6 +147,31 @@ fn a_sealed_room_shows_what_leaks_in() {
 }
 
 #[test]
+fn both_tracers_say_the_same() {
+    let bench = Bench::new();
+    let ratio = |tracer: &str| {
+        let flags = [
+            "worlds/cornell.ron",
+            "--camera",
+            "inside",
+            "--layout",
+            "layout1",
+        ];
+        let small = ["--size", "32x18", "--spp", "128", "--against", tracer];
+        let (json, _) = bench.judged(&[&flags[..], &SKIP, &small].concat());
+        number(&json["rows"][0], "indirect.energy_ratio")
+    };
+    let (gpu, cpu) = (ratio("reference"), ratio("cpu"));
+    // 74 thousand paths each: their energies differ by noise alone.
+    assert!((gpu / cpu - 1.0).abs() < 0.05, "{gpu} {cpu}");
+    assert_eq!(
+        bench.references().len(),
+        2,
+        "one is not taken for the other"
+    );
+}
+
+#[test]
 fn a_mask_names_what_must_stay_dark() {
     let bench = Bench::new();
     let mut mask = Picture::new(64, 36);
@@ -165,7 +194,7 @@ fn a_mask_names_what_must_stay_dark() {
 fn references_are_kept_and_damaged_ones_traced_anew() {
     let bench = Bench::new();
     let flags = [
-        &[CORNELL, "--camera", "front", "--layout", "layout1"],
+        &[CORNELL, "--camera", "inside", "--layout", "layout1"],
         &SKIP[..],
     ]
     .concat();
@@ -258,8 +287,9 @@ fn bad_flags_are_refused_before_any_work() {
 
 #[test]
 fn more_rays_are_steadier() {
+    let layout = ["--layout", "layout1"];
     let flags = [
-        "--size", "64x36", "--frames", "40", "--rays", "8,128", "--json",
+        "--size", "32x18", "--frames", "30", "--rays", "8,64", "--json",
     ];
     let output = grotto(&[&["bench", "stability", CORNELL], &flags[..], &layout].concat());
     assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -275,16 +305,8 @@ fn more_rays_are_steadier() {
 
 #[test]
 fn more_hysteresis_responds_later() {
-    let flags = [
-        "--frames",
-        "40",
-        "--response-frames",
-        "60",
-        "--rays",
-        "32",
-        "--json",
-    ];
-    let small = ["--size", "16x9", "--layout", "layout1"];
+    let flags = ["--frames", "30", "--response-frames", "60", "--rays", "16"];
+    let small = ["--size", "16x9", "--layout", "layout1", "--json"];
     let respond = |hysteresis: &str| {
         let set = [
             "probes.warmup_frames=0",

@@ -5,9 +5,13 @@ use std::mem::{offset_of, size_of};
 
 use grotto::{
     gpu::ShaderLibrary,
-    lights::table::{self as lights, GpuLamp, GpuLightsHeader, GpuSky},
+    lights::{
+        emitters::{GpuEmitterGroup, GpuFacing},
+        table::{self as lights, GpuLamp, GpuLightsHeader, GpuSky},
+    },
     passes::{
         GpuView,
+        path_trace::GpuTraceJob,
         voxelise::{GpuVoxeliseCounters, GpuVoxeliseJob},
     },
     world::materials::table::{CAPACITY, GpuMaterial},
@@ -144,6 +148,38 @@ fn the_view() {
             mode,
             time_s,
             textures,
+        })
+    );
+}
+
+#[test]
+fn path_tracing() {
+    assert_eq!(
+        shader_layout("data::emitters", "Facing"),
+        rust_layout!(GpuFacing { weight, first, end })
+    );
+    assert_eq!(
+        shader_layout("data::emitters", "EmitterGroup"),
+        rust_layout!(GpuEmitterGroup {
+            first,
+            count,
+            material,
+            weight
+        })
+    );
+    let whole = shader_layout("data::emitters", "Emitters");
+    assert_eq!(whole.members["groups"], 6 * size_of::<GpuFacing>());
+    assert_eq!(
+        shader_layout("passes::path_trace", "TraceJob"),
+        rust_layout!(GpuTraceJob {
+            first_tile,
+            end_tile,
+            tiles_across,
+            tiles,
+            first_sample,
+            end_sample,
+            scatter_bits,
+            antialias,
         })
     );
 }

@@ -9,7 +9,9 @@ use super::camera::FlyInput;
 
 /// What each key does, for the panel.
 pub const HELP: &[(&str, &str)] = &[
-    ("click", "look around with the mouse"),
+    ("click", "look around with the mouse; then dig"),
+    ("right click", "place a voxel"),
+    ("middle click", "take the material"),
     ("Esc", "free the mouse"),
     ("W A S D", "fly"),
     ("Space / Shift", "up / down"),

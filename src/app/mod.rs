@@ -2,9 +2,10 @@
 //! they are edited.
 //!
 //! `session` is an open window: it hears the user and draws the frames; `show` is what it shows.
-//! The rest are their parts: `camera` and `controls` steer, `panel` and `widgets` choose, `screen` is
-//! the surface, `reload` watches files.
+//! The rest are their parts: `camera` and `controls` steer, `brush` digs and builds, `panel` and
+//! `widgets` choose, `screen` is the surface, `reload` watches files.
 
+mod brush;
 mod camera;
 mod clock;
 mod controls;

@@ -6,6 +6,7 @@ use clap::ValueEnum as _;
 use egui::{Align, Color32, Grid, Layout, RichText, ScrollArea, Slider, Ui};
 
 use super::{
+    brush::Brush,
     clock::{FrameRate, WorldClock},
     controls,
     show::{Choice, Show},
@@ -29,6 +30,7 @@ pub struct Settings {
     pub scale: f32,
     pub vsync: bool,
     pub clock: WorldClock,
+    pub brush: Brush,
 }
 
 /// What the panel tells of.
@@ -101,6 +103,10 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
     ui.separator();
     scene(ui, facts, settings, &mut action);
     section(ui, "Time", true, |ui| time(ui, &mut settings.clock));
+    section(ui, "Dig and build", true, |ui| {
+        let world = facts.show.world();
+        grid(ui, "brush", |ui| settings.brush.rows(ui, world));
+    });
     section(ui, "GPU time of each pass", true, |ui| passes(ui, facts));
     parameters(ui, facts, settings);
     section(ui, "Keys", false, |ui| {

@@ -10,7 +10,11 @@ use crate::{
     lights::Lights,
     parameters::{Parameters, Remake},
     passes::{View, ViewMode},
-    world::{self, Camera, LampPreset, LayoutSpec, World, file::Overrides},
+    world::{
+        self, Camera, LampPreset, LayoutSpec, World,
+        file::Overrides,
+        voxels::{Edit, Voxels},
+    },
 };
 
 /// What a user chooses of a world; a change takes effect through [`Show::apply`].
@@ -53,6 +57,8 @@ pub struct Show {
     world: World,
     frame: Frame,
     choice: Choice,
+    /// The voxels as the GPU has them, once an edit has needed them.
+    voxels: Option<Voxels>,
 }
 
 /// Letters to a line of what is wrapped in a diagnostic.
@@ -83,6 +89,7 @@ impl Show {
             world,
             frame,
             choice,
+            voxels: None,
         })
     }
 
@@ -155,6 +162,7 @@ impl Show {
             let layout = layout(&self.world, &self.choice.layout);
             let probes = &self.choice.parameters.probes;
             self.frame = Frame::new(&gpu, stage, layout, probes, self.choice.size)?;
+            self.voxels = None;
         } else {
             self.frame.rebuild_passes(&gpu)?;
         }
@@ -164,6 +172,25 @@ impl Show {
 
     fn rebuild(&mut self, world: World, choice: Choice) -> Result<(), FrameError> {
         *self = Self::new(self.gpu.clone(), &self.path, world, choice)?;
+        Ok(())
+    }
+
+    /// Changes voxels, on the CPU and on the GPU. They stay changed until the world is built anew.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold them; they are as before then.
+    pub fn edit(
+        &mut self,
+        change: impl FnOnce(&mut Voxels, &World) -> Edit,
+    ) -> Result<(), FrameError> {
+        let mut voxels = match self.voxels.take() {
+            Some(voxels) => voxels,
+            None => self.frame.stage.read_back(&self.gpu)?,
+        };
+        let edit = change(&mut voxels, &self.world);
+        // After an error the GPU's copy is as before: the next edit reads it back.
+        self.frame.apply(&self.gpu, &voxels, &edit)?;
+        self.voxels = Some(voxels);
         Ok(())
     }
 
@@ -230,4 +257,74 @@ fn layout<'a>(world: &'a World, name: &str) -> &'a LayoutSpec {
     layouts
         .find(|layout| layout.name == name)
         .unwrap_or_else(|| world.layouts.first().expect("a world has a probe layout"))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::IVec3;
+
+    use super::*;
+    use crate::gpu::{GpuError, ShaderChecks};
+
+    fn shown() -> Show {
+        let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
+        let world = world::file::load(&path, &Overrides::default()).expect("it loads");
+        let mut parameters = Parameters::default();
+        parameters.probes.rays = 8;
+        let choice = Choice {
+            parameters,
+            layout: String::new(),
+            size: [8, 8],
+        };
+        Show::new(gpu, &path, world, choice).expect("it fits")
+    }
+
+    fn on_the_gpu(show: &Show) -> Voxels {
+        show.frame.stage.read_back(&show.gpu).expect("reads back")
+    }
+
+    #[test]
+    fn edits_last_until_the_world_is_read_again() {
+        let mut show = shown();
+        let at = IVec3::new(2, 30, 3);
+        show.edit(|voxels, _| voxels.set(at, 1)).expect("it fits");
+        show.edit(|voxels, _| voxels.set(at + 1, 1))
+            .expect("it fits");
+        let resized = Choice {
+            size: [9, 7],
+            ..show.choice.clone()
+        };
+        show.apply(resized).expect("it fits");
+        let read = on_the_gpu(&show);
+        assert_eq!((read.material(at), read.material(at + 1)), (1, 1));
+        assert_eq!(read.validate(), Ok(()));
+        show.reload_world().expect("it is as it was");
+        assert_eq!(on_the_gpu(&show).material(at), 0);
+        show.edit(|voxels, _| {
+            assert_eq!(voxels.material(at), 0, "nothing is left of the old copy");
+            Edit::default()
+        })
+        .expect("it fits");
+    }
+
+    #[test]
+    fn an_edit_that_does_not_fit_is_forgotten_on_both_sides() {
+        let mut show = shown();
+        let before = on_the_gpu(&show);
+        let held = show.frame.stage.voxels.materials.size();
+        show.gpu.limits.max_storage_buffer_binding_size = held;
+        let checker = |voxels: &mut Voxels, world: &World| {
+            let last = world.size.as_ivec3() - 1;
+            voxels.edit(IVec3::ZERO, last, |at, _| (at.element_sum() & 1) as u8)
+        };
+        let error = show.edit(checker).expect_err("a brick in every cell");
+        assert!(matches!(error, FrameError::Gpu(GpuError::TooLarge { .. })));
+        assert_eq!(on_the_gpu(&show).raw().0, before.raw().0);
+        show.edit(|voxels, _| {
+            assert_eq!(voxels.raw().0, before.raw().0);
+            Edit::default()
+        })
+        .expect("nothing changed");
+    }
 }

@@ -143,6 +143,11 @@ impl<'a> Driver<'a> {
         Ok(self.frame.apply(self.gpu, voxels, edit)?)
     }
 
+    /// What stands in the world.
+    pub fn stage(&self) -> &Stage {
+        &self.frame.stage
+    }
+
     /// Rays of each probe in a frame.
     pub fn rays(&self) -> u32 {
         self.probes.rays

@@ -17,6 +17,9 @@ pub const EXIT_NO_GPU: u8 = 3;
 /// A comparison or regression gate failed.
 pub const EXIT_GATE: u8 = 4;
 
+/// Stopped by Ctrl-C before there was anything to write: what shells say of such a program.
+pub const EXIT_INTERRUPTED: u8 = 130;
+
 /// One message for a person, and the exit code.
 #[derive(Debug)]
 pub struct Failure {
@@ -38,6 +41,11 @@ impl Failure {
     /// The work was done, and what it found is not as it must be.
     pub fn gate(error: impl fmt::Display) -> Self {
         Self::new(EXIT_GATE, error)
+    }
+
+    /// The user stopped it before there was anything to write.
+    pub fn interrupted(error: impl fmt::Display) -> Self {
+        Self::new(EXIT_INTERRUPTED, error)
     }
 
     fn new(exit_code: u8, error: impl fmt::Display) -> Self {

@@ -14,6 +14,7 @@ mod out_file;
 mod output;
 mod play;
 mod record;
+pub mod reference;
 mod render;
 mod subject;
 
@@ -21,7 +22,7 @@ use std::panic::PanicHookInfo;
 
 use clap::{Parser, Subcommand};
 
-pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_GATE, EXIT_NO_GPU, Failure};
+pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_GATE, EXIT_INTERRUPTED, EXIT_NO_GPU, Failure};
 
 /// What is printed to those who type nothing but the name.
 const GREETING: &str = "\
@@ -36,7 +37,7 @@ The worlds lie in the folder worlds/ (copy worlds/minimal.ron to begin your own)
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 a fault of grotto's or of the machine; 2 a bad file or flag; 3 no usable GPU; \
-4 a comparison failed.";
+4 a comparison failed; 130 stopped before there was a result.";
 
 /// Procedural voxel worlds with real-time global illumination.
 #[derive(Parser)]
@@ -50,6 +51,7 @@ pub struct Cli {
 enum Command {
     Play(play::Arguments),
     Render(render::Arguments),
+    Reference(reference::Arguments),
     Compare(compare::Arguments),
     Judge(judge::Arguments),
     Check(check::Arguments),
@@ -66,6 +68,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         None => output::print(GREETING),
         Some(Command::Play(arguments)) => play::run(arguments),
         Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Reference(arguments)) => reference::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Judge(arguments)) => judge::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),

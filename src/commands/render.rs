@@ -49,7 +49,7 @@ pub struct Arguments {
     spp: u32,
 }
 
-const VOXELISING: &str = "building the voxels";
+pub(super) const VOXELISING: &str = "building the voxels";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     picture_file::check_writable(&arguments.output)?;
@@ -84,22 +84,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record), Failure> {
     let (picture_options, run) = (&arguments.picture, &arguments.run);
-    let view = cpu_view(picture_options.view)?;
-    for (given, flag) in [
-        (picture_options.layout.is_some(), "--layout"),
-        (picture_options.frames.is_some(), "--frames"),
-        (
-            run.set.iter().any(|set| set.starts_with("probes.")),
-            "--set probes.…",
-        ),
-    ] {
-        if given {
-            output::note(
-                run,
-                &format!("note: {flag} changes nothing with --cpu, which uses no probes"),
-            );
-        }
-    }
+    let view = traced_view(picture_options.view)?;
+    note_without_probes(picture_options, run, "--cpu");
     let [width, height] = picture_options.size;
     // Sums in f64, the picture in f32, and its bytes.
     memory::check(
@@ -144,10 +130,7 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
     bar.finish_and_clear();
     if view == reference::View::Depth {
-        // Nothing is at distance 0: that is where no surface was met.
-        for rgb in picture.rgb.iter_mut().filter(|rgb| rgb[0] > 0.0) {
-            *rgb = rgb.map(ViewMode::depth_shown);
-        }
+        show_depth(&mut picture);
     }
 
     let frame_ms = FrameTimes::of(&[elapsed_ms]).expect("one frame was rendered");
@@ -284,8 +267,38 @@ fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Says which of the given options change nothing where light is path-traced.
+pub(super) fn note_without_probes(picture: &PictureOptions, run: &RunOptions, tracer: &str) {
+    let sets_probes = run.set.iter().any(|set| set.starts_with("probes."));
+    for (given, flag) in [
+        (picture.layout.is_some(), "--layout"),
+        (picture.frames.is_some(), "--frames"),
+        (sets_probes, "--set probes.…"),
+    ] {
+        if given {
+            output::note(
+                run,
+                &format!("note: {flag} changes nothing with {tracer}, which uses no probes"),
+            );
+        }
+    }
+}
+
+/// Turns distances (voxels) into what the view of depth shows.
+pub(super) fn show_depth(picture: &mut Picture) {
+    // Nothing is at distance 0: that is where no surface was met.
+    for rgb in picture.rgb.iter_mut().filter(|rgb| rgb[0] > 0.0) {
+        *rgb = rgb.map(ViewMode::depth_shown);
+    }
+}
+
 /// Writes light as it is (EXR) or tone-mapped (PNG), and data without exposure and curve.
-fn store(path: &Path, picture: &Picture, view: ViewMode, exposure_ev: f32) -> Result<(), Failure> {
+pub(super) fn store(
+    path: &Path,
+    picture: &Picture,
+    view: ViewMode,
+    exposure_ev: f32,
+) -> Result<(), Failure> {
     if view.is_data() && PictureFormat::of(path)? == PictureFormat::Png {
         let mut shown = picture.clone();
         for rgb in &mut shown.rgb {
@@ -298,8 +311,8 @@ fn store(path: &Path, picture: &Picture, view: ViewMode, exposure_ev: f32) -> Re
     Ok(())
 }
 
-/// The view of the path tracer, or why it has none.
-fn cpu_view(view: ViewMode) -> Result<reference::View, Failure> {
+/// The view of the path tracers, or why they have none.
+pub(super) fn traced_view(view: ViewMode) -> Result<reference::View, Failure> {
     Ok(match view {
         ViewMode::Full | ViewMode::TexturesOff => reference::View::Full,
         ViewMode::Direct => reference::View::Direct,
@@ -310,8 +323,8 @@ fn cpu_view(view: ViewMode) -> Result<reference::View, Failure> {
         ViewMode::Depth => reference::View::Depth,
         ViewMode::Steps | ViewMode::Cage => {
             return Err(Failure::bad_input(format!(
-                "--view {} shows how the GPU renders; --cpu has full, direct, indirect, irradiance, \
-                 albedo, normal, depth and textures-off",
+                "--view {} shows how probes light a picture; path tracing has full, direct, indirect, \
+                 irradiance, albedo, normal, depth and textures-off",
                 view_name(view)
             )));
         }
@@ -319,7 +332,7 @@ fn cpu_view(view: ViewMode) -> Result<reference::View, Failure> {
 }
 
 /// A view as `--view` spells it.
-fn view_name(view: ViewMode) -> String {
+pub(super) fn view_name(view: ViewMode) -> String {
     let value = view.to_possible_value().expect("no view is hidden");
     value.get_name().to_owned()
 }

@@ -51,6 +51,61 @@ impl Gpu {
             })
     }
 
+    /// A texture of width, height and layers that shaders store to and sample, zeroed, that can be
+    /// copied from.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] before anything is allocated.
+    pub fn texture(
+        &self,
+        label: &str,
+        [width, height, layers]: [u32; 3],
+        format: wgpu::TextureFormat,
+    ) -> Result<wgpu::Texture, GpuError> {
+        let most = [
+            (
+                width.max(height),
+                self.limits.max_texture_dimension_2d,
+                "max_texture_dimension_2d",
+            ),
+            (
+                layers,
+                self.limits.max_texture_array_layers,
+                "max_texture_array_layers",
+            ),
+        ];
+        for (count, limit, limit_name) in most {
+            if count > limit {
+                let texel_bytes = format.block_copy_size(None).unwrap_or_default();
+                let sides = [width, height, layers, texel_bytes].map(u64::from);
+                return Err(GpuError::TooLarge {
+                    what: format!("`{label}`, a texture of {width}×{height}×{layers} texels,"),
+                    bytes: sides.iter().product(),
+                    adapter: self.summary.name.clone(),
+                    limit: u64::from(limit),
+                    limit_name,
+                    remedy: "Choose a smaller picture or layout, or another --adapter.",
+                });
+            }
+        }
+        Ok(self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: layers,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::STORAGE_BINDING
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        }))
+    }
+
     /// Refuses what the adapter cannot hold in one binding.
     ///
     /// # Errors

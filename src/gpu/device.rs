@@ -5,7 +5,7 @@ use std::{
     sync::{Arc, Mutex},
 };
 
-use super::{GpuError, Kernel, ShaderLibrary};
+use super::{GpuError, Kernel, ShaderLibrary, slices};
 
 /// Whether shader modules get the run-time checks that wgpu adds (bounds, loop counters, division).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -29,6 +29,10 @@ pub struct Gpu {
     pub features: wgpu::Features,
     pub checks: ShaderChecks,
     pub shaders: Arc<ShaderLibrary>,
+    /// Workgroups that a dispatch takes of work whose time is not known yet: see [`super::Recorder::run`].
+    pub first_groups: u32,
+    /// Where dispatches begin (`slices` knows).
+    pub(super) first_rows: wgpu::Buffer,
     /// What has been compiled so far, so that a resize need not compile again.
     pub(super) kernels: Arc<Mutex<HashMap<u64, Kernel>>>,
 }
@@ -73,6 +77,11 @@ const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
     .union(wgpu::Features::SUBGROUP)
     .union(wgpu::Features::SHADER_F16);
+
+/// Workgroups of a first dispatch: some milliseconds on the slowest integrated GPU.
+const FIRST_GROUPS: u32 = 512;
+/// As much where a CPU does the work.
+const SOFTWARE_FIRST_GROUPS: u32 = 16;
 
 /// An adapter with all that decides whether and how grotto runs on it.
 #[derive(Clone, Debug)]
@@ -168,8 +177,15 @@ impl Gpu {
         .map_err(|error| GpuError::NoAdapter {
             reason: format!("`{}`: {error}", adapter.get_info().name),
         })?;
+        let summary = AdapterSummary::of(&adapter.get_info());
         Ok(Self {
-            summary: AdapterSummary::of(&adapter.get_info()),
+            first_groups: if summary.is_software() {
+                SOFTWARE_FIRST_GROUPS
+            } else {
+                FIRST_GROUPS
+            },
+            first_rows: slices::table(&device),
+            summary,
             shaders: Arc::new(ShaderLibrary::embedded()),
             kernels: Arc::default(),
             instance,

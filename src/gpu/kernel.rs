@@ -2,14 +2,18 @@
 //! shader's business alone.
 
 use std::{
-    collections::BTreeMap,
     hash::{DefaultHasher, Hash as _, Hasher as _},
+    num::NonZeroU64,
+    ops::Range,
     sync::Arc,
 };
 
-use naga::{AddressSpace, ImageClass, TypeInner};
-
-use super::{Composed, Gpu, GpuError, ShaderChecks, shader::base_name};
+use super::{
+    Composed, Gpu, GpuError, ShaderChecks,
+    reflect::{Group, reflect},
+    shader::base_name,
+    slices::{self, FIRST_ROW, Pace},
+};
 
 /// Which shader, with which constants.
 #[derive(Clone, Copy, Default)]
@@ -45,14 +49,11 @@ pub struct Kernel {
     pub workgroup_size: [u32; 3],
 }
 
-struct Group {
-    layout: wgpu::BindGroupLayout,
-    /// (binding, name) of each resource.
-    slots: Vec<(u32, String)>,
+/// The resources of a [`Kernel`], ready to be set, and how fast it works on them.
+pub struct Bindings {
+    groups: Vec<Option<wgpu::BindGroup>>,
+    pub(super) pace: Arc<Pace>,
 }
-
-/// The resources of a [`Kernel`], ready to be set.
-pub struct Bindings(Vec<Option<wgpu::BindGroup>>);
 
 impl Kernel {
     /// Composes, compiles and reflects, or takes what the device has compiled before.
@@ -128,11 +129,19 @@ impl Kernel {
     }
 
     /// Binds every resource of the shader by its name; names that the shader does not use are
-    /// ignored, so that passes may offer a common set.
+    /// ignored, so that passes may offer a common set. Where dispatches begin need not be given.
     ///
     /// # Panics
     /// When a resource of the shader is not among `resources`: that is a fault of the caller.
     pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource<'_>)]) -> Bindings {
+        let first_row = (
+            FIRST_ROW,
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: &gpu.first_rows,
+                offset: 0,
+                size: NonZeroU64::new(size_of::<u32>() as u64),
+            }),
+        );
         let bind_group = |group: &Group| {
             let entries: Vec<_> = group
                 .slots
@@ -141,6 +150,7 @@ impl Kernel {
                     binding: *binding,
                     resource: resources
                         .iter()
+                        .chain([&first_row])
                         .find(|(known, _)| known == name)
                         .unwrap_or_else(|| panic!("`{}` is not given `{name}`", self.label))
                         .1
@@ -153,12 +163,14 @@ impl Kernel {
                 entries: &entries,
             })
         };
-        Bindings(
-            self.groups
+        Bindings {
+            groups: self
+                .groups
                 .iter()
                 .map(|group| (!group.slots.is_empty()).then(|| bind_group(group)))
                 .collect(),
-        )
+            pace: Arc::default(),
+        }
     }
 
     /// Dispatches this many workgroups.
@@ -168,8 +180,33 @@ impl Kernel {
         bindings: &Bindings,
         groups: [u32; 3],
     ) {
-        self.set(pass, bindings);
+        self.set(pass, bindings, 0);
         pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+    }
+
+    /// Dispatches some rows of `width` workgroups of work that has more.
+    ///
+    /// # Panics
+    /// When the shader takes no account of its first row: that is a fault of the caller.
+    pub(super) fn dispatch_rows(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        bindings: &Bindings,
+        width: u32,
+        rows: Range<u32>,
+    ) {
+        assert!(
+            self.groups.iter().any(Group::has_first_row),
+            "`{}` cannot go out in parts: it uses no `{FIRST_ROW}`",
+            self.label
+        );
+        self.set(pass, bindings, rows.start);
+        pass.dispatch_workgroups(width, rows.end - rows.start, 1);
+    }
+
+    /// Columns and rows of the workgroups that a picture takes, one thread a pixel.
+    pub fn groups_of(&self, size: [u32; 2]) -> [u32; 2] {
+        std::array::from_fn(|axis| size[axis].div_ceil(self.workgroup_size[axis]))
     }
 
     /// Dispatches at least this many threads.
@@ -191,15 +228,18 @@ impl Kernel {
         buffer: &wgpu::Buffer,
         offset: u64,
     ) {
-        self.set(pass, bindings);
+        self.set(pass, bindings, 0);
         pass.dispatch_workgroups_indirect(buffer, offset);
     }
 
-    fn set(&self, pass: &mut wgpu::ComputePass<'_>, bindings: &Bindings) {
+    fn set(&self, pass: &mut wgpu::ComputePass<'_>, bindings: &Bindings, first_row: u32) {
         pass.set_pipeline(&self.pipeline);
-        for (index, group) in bindings.0.iter().enumerate() {
-            if let Some(group) = group {
-                pass.set_bind_group(index as u32, group, &[]);
+        let groups = bindings.groups.iter().zip(self.groups.iter());
+        for (index, (group, shape)) in groups.enumerate() {
+            if group.is_some() {
+                let offset = [first_row * slices::STRIDE];
+                let offsets = &offset[..usize::from(shape.has_first_row())];
+                pass.set_bind_group(index as u32, group, offsets);
             }
         }
     }
@@ -236,132 +276,4 @@ fn constants<'a>(composed: &'a Composed, overrides: &[(&str, f64)]) -> Vec<(&'a 
             (known, *value)
         })
         .collect()
-}
-
-/// The bind group layouts that the entry point needs, from the declarations that it uses.
-fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str) -> Vec<Group> {
-    let uses = composed.info.get_entry_point(entry);
-    // Formats without filtering (32-bit float) may be bound to textures that are only loaded from.
-    let filtered = |texture| uses.sampling_set.iter().any(|key| key.image == texture);
-    let mut groups: BTreeMap<u32, Vec<(wgpu::BindGroupLayoutEntry, String)>> = BTreeMap::new();
-    for (handle, variable) in composed.module.global_variables.iter() {
-        let Some(place) = &variable.binding else {
-            continue;
-        };
-        if uses[handle].is_empty() {
-            continue;
-        }
-        let name = variable.name.as_deref().map(base_name).unwrap_or_default();
-        groups.entry(place.group).or_default().push((
-            wgpu::BindGroupLayoutEntry {
-                binding: place.binding,
-                visibility: wgpu::ShaderStages::COMPUTE,
-                ty: binding_type(&composed.module, variable, filtered(handle)),
-                count: None,
-            },
-            name.to_owned(),
-        ));
-    }
-    let last = groups.keys().next_back().map_or(0, |last| last + 1);
-    (0..last)
-        .map(|index| {
-            let found = groups.remove(&index).unwrap_or_default();
-            let (entries, names): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-            Group {
-                layout: gpu
-                    .device
-                    .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                        label: Some(label),
-                        entries: &entries,
-                    }),
-                slots: entries
-                    .iter()
-                    .map(|entry| entry.binding)
-                    .zip(names)
-                    .collect(),
-            }
-        })
-        .collect()
-}
-
-fn binding_type(
-    module: &naga::Module,
-    variable: &naga::GlobalVariable,
-    filterable: bool,
-) -> wgpu::BindingType {
-    let buffer = |ty| wgpu::BindingType::Buffer {
-        ty,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    match variable.space {
-        AddressSpace::Uniform => return buffer(wgpu::BufferBindingType::Uniform),
-        AddressSpace::Storage { access } => {
-            return buffer(wgpu::BufferBindingType::Storage {
-                read_only: !access.contains(naga::StorageAccess::STORE),
-            });
-        }
-        _ => {}
-    }
-    match module.types[variable.ty].inner {
-        TypeInner::Sampler { comparison } => wgpu::BindingType::Sampler(if comparison {
-            wgpu::SamplerBindingType::Comparison
-        } else {
-            wgpu::SamplerBindingType::Filtering
-        }),
-        TypeInner::Image {
-            dim,
-            arrayed,
-            class,
-        } => {
-            let view_dimension = match (dim, arrayed) {
-                (naga::ImageDimension::D1, _) => wgpu::TextureViewDimension::D1,
-                (naga::ImageDimension::D2, false) => wgpu::TextureViewDimension::D2,
-                (naga::ImageDimension::D2, true) => wgpu::TextureViewDimension::D2Array,
-                (naga::ImageDimension::D3, _) => wgpu::TextureViewDimension::D3,
-                (naga::ImageDimension::Cube, false) => wgpu::TextureViewDimension::Cube,
-                (naga::ImageDimension::Cube, true) => wgpu::TextureViewDimension::CubeArray,
-            };
-            match class {
-                ImageClass::Sampled { kind, multi } => wgpu::BindingType::Texture {
-                    sample_type: match kind {
-                        naga::ScalarKind::Sint => wgpu::TextureSampleType::Sint,
-                        naga::ScalarKind::Uint => wgpu::TextureSampleType::Uint,
-                        _ => wgpu::TextureSampleType::Float { filterable },
-                    },
-                    view_dimension,
-                    multisampled: multi,
-                },
-                ImageClass::Storage { format, access } => wgpu::BindingType::StorageTexture {
-                    access: if access
-                        .contains(naga::StorageAccess::LOAD | naga::StorageAccess::STORE)
-                    {
-                        wgpu::StorageTextureAccess::ReadWrite
-                    } else if access.contains(naga::StorageAccess::LOAD) {
-                        wgpu::StorageTextureAccess::ReadOnly
-                    } else {
-                        wgpu::StorageTextureAccess::WriteOnly
-                    },
-                    format: storage_format(format),
-                    view_dimension,
-                },
-                ref class => panic!("no pass binds images of class {class:?}"),
-            }
-        }
-        ref inner => panic!("no pass binds resources of type {inner:?}"),
-    }
-}
-
-fn storage_format(format: naga::StorageFormat) -> wgpu::TextureFormat {
-    match format {
-        naga::StorageFormat::Rgba8Unorm => wgpu::TextureFormat::Rgba8Unorm,
-        naga::StorageFormat::Rgba16Float => wgpu::TextureFormat::Rgba16Float,
-        naga::StorageFormat::Rgba32Float => wgpu::TextureFormat::Rgba32Float,
-        naga::StorageFormat::Rgba32Uint => wgpu::TextureFormat::Rgba32Uint,
-        naga::StorageFormat::Rg32Float => wgpu::TextureFormat::Rg32Float,
-        naga::StorageFormat::Rg32Uint => wgpu::TextureFormat::Rg32Uint,
-        naga::StorageFormat::R32Float => wgpu::TextureFormat::R32Float,
-        naga::StorageFormat::R32Uint => wgpu::TextureFormat::R32Uint,
-        other => panic!("no pass stores to {other:?}"),
-    }
 }

@@ -5,13 +5,16 @@
 mod buffers;
 mod device;
 mod kernel;
+mod reflect;
 mod shader;
+mod slices;
 mod timing;
 
 pub use buffers::Structured;
 pub use device::{AdapterReport, AdapterSummary, Gpu, ShaderChecks, adapters, instance};
 pub use kernel::{Bindings, Kernel, KernelSpec};
 pub use shader::{Composed, ShaderLibrary};
+pub use slices::rectangle;
 pub use timing::{PassTimes, Recorder, Timing};
 
 /// What can go wrong between the program and the GPU.

@@ -3,12 +3,16 @@
 use std::{
     collections::{BTreeMap, VecDeque},
     mem,
+    sync::Arc,
     time::Instant,
 };
 
 use wgpu_profiler::{GpuProfiler, GpuProfilerQuery, GpuProfilerSettings, GpuTimerQueryResult};
 
-use super::{Gpu, GpuError};
+use super::{
+    Bindings, Gpu, GpuError, Kernel,
+    slices::{MOST_ROWS, Pace, Slices},
+};
 
 /// Milliseconds of each pass in one frame, by label, in the order of the alphabet, and the span
 /// from the first pass's start to the last one's end.
@@ -21,6 +25,8 @@ pub struct PassTimes {
 /// Collects the times of passes over frames.
 pub struct Timing {
     clock: Clock,
+    /// What learns from the time of a pass, by its label, and of how many rows.
+    learning: BTreeMap<String, (Arc<Pace>, u32)>,
 }
 
 enum Clock {
@@ -59,7 +65,10 @@ impl Timing {
         } else {
             Clock::None
         };
-        Ok(Self { clock })
+        Ok(Self {
+            clock,
+            learning: BTreeMap::new(),
+        })
     }
 
     /// Whether passes of this adapter are timed at all.
@@ -72,7 +81,13 @@ impl Timing {
         match &mut self.clock {
             Clock::Gpu { profiler, period } => {
                 let results = profiler.process_finished_frame(*period)?;
-                Some(PassTimes::of(&results))
+                let times = PassTimes::of(&results);
+                for (label, ms) in &times.passes_ms {
+                    if let Some((pace, rows)) = self.learning.get(label) {
+                        pace.learn(*rows, *ms);
+                    }
+                }
+                Some(times)
             }
             Clock::Wall { finished, .. } => finished.pop_front(),
             Clock::None => None,
@@ -105,6 +120,7 @@ pub struct Recorder<'a> {
     device: wgpu::Device,
     queue: wgpu::Queue,
     timing: Option<&'a mut Timing>,
+    first_groups: u32,
 }
 
 impl<'a> Recorder<'a> {
@@ -114,11 +130,53 @@ impl<'a> Recorder<'a> {
             device: gpu.device.clone(),
             queue: gpu.queue.clone(),
             timing,
+            first_groups: gpu.first_groups,
+        }
+    }
+
+    /// A compute pass under the kernel's label: columns and rows of workgroups, in as many dispatches
+    /// as it takes that none of them holds the GPU for long (one, on a GPU that is fast enough). The
+    /// shader adds `first_row` of `shaders/data/slice.wesl` to its row; what it writes must not depend
+    /// on the order of its workgroups.
+    ///
+    /// # Panics
+    /// With more than 4096 rows.
+    pub fn run(&mut self, kernel: &Kernel, bindings: &Bindings, [width, rows]: [u32; 2]) {
+        assert!(rows <= MOST_ROWS, "`{}` has {rows} rows", kernel.label);
+        let (label, pace) = (&*kernel.label, &bindings.pace);
+        let slices = Slices::new(pace, [width, rows], self.first_groups);
+        if let Some(Clock::Wall { .. }) = self.timing.as_ref().map(|timing| &timing.clock) {
+            for slice in slices {
+                let count = slice.end - slice.start;
+                let elapsed_ms = self.compute_timed(label, |pass| {
+                    kernel.dispatch_rows(pass, bindings, width, slice);
+                });
+                pace.learn(count, elapsed_ms.unwrap_or_default());
+            }
+            return;
+        }
+        self.compute(label, |pass| {
+            for slice in slices {
+                kernel.dispatch_rows(pass, bindings, width, slice);
+            }
+        });
+        if let Some(timing) = &mut self.timing {
+            let learning = (pace.clone(), rows);
+            timing.learning.insert(label.to_owned(), learning);
         }
     }
 
     /// A compute pass under this label.
     pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
+        self.compute_timed(label, record);
+    }
+
+    /// Milliseconds, where they are known at once.
+    fn compute_timed(
+        &mut self,
+        label: &str,
+        record: impl FnOnce(&mut wgpu::ComputePass<'_>),
+    ) -> Option<f64> {
         self.pass(label, |encoder, query| {
             record(
                 &mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -126,7 +184,7 @@ impl<'a> Recorder<'a> {
                     timestamp_writes: query.and_then(|query| query.compute_pass_timestamp_writes()),
                 }),
             );
-        });
+        })
     }
 
     /// A render pass under this label that draws on black over all of `target`.
@@ -156,17 +214,19 @@ impl<'a> Recorder<'a> {
         });
     }
 
-    /// Times what `record` records into the encoder.
+    /// Times what `record` records into the encoder; by the wall's clock the milliseconds are known
+    /// at once.
     fn pass(
         &mut self,
         label: &str,
         record: impl FnOnce(&mut wgpu::CommandEncoder, Option<&GpuProfilerQuery>),
-    ) {
+    ) -> Option<f64> {
         match self.timing.as_mut().map(|timing| &mut timing.clock) {
             Some(Clock::Gpu { profiler, .. }) => {
                 let query = profiler.begin_pass_query(label, &mut self.encoder);
                 record(&mut self.encoder, Some(&query));
                 profiler.end_query(&mut self.encoder, query);
+                None
             }
             Some(Clock::Wall { current, .. }) => {
                 let next = self.device.create_command_encoder(&Default::default());
@@ -180,8 +240,12 @@ impl<'a> Recorder<'a> {
                 let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
                 *current.passes_ms.entry(label.to_owned()).or_default() += elapsed_ms;
                 current.frame_ms += elapsed_ms;
+                Some(elapsed_ms)
             }
-            Some(Clock::None) | None => record(&mut self.encoder, None),
+            Some(Clock::None) | None => {
+                record(&mut self.encoder, None);
+                None
+            }
         }
     }
 

@@ -4,11 +4,13 @@
 //! the CPU in f64, [`table`] uploads what it gives, and the CPU path tracer reads the very same
 //! values. Lamps are summed: adding one never darkens anything.
 
+pub mod emitters;
 pub mod lamp;
 pub mod motion;
 pub mod sky;
 pub mod table;
 
+pub use emitters::Emitters;
 pub use lamp::{LampRay, LampShape, LampState, evaluate};
 
 use crate::world::{LampPreset, Sky, World};

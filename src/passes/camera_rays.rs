@@ -44,9 +44,7 @@ impl CameraRays {
     }
 
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.compute("camera_rays", |pass| {
-            self.kernel
-                .dispatch_threads(pass, &self.bindings, [self.size[0], self.size[1], 1]);
-        });
+        let groups = self.kernel.groups_of(self.size);
+        recorder.run(&self.kernel, &self.bindings, groups);
     }
 }

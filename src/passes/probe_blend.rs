@@ -2,17 +2,14 @@
 
 use super::ProbeField;
 use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder},
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
     probes::Layout as _,
 };
-
-/// Most workgroups along one axis that every device supports.
-const MOST_GROUPS: u32 = 65_535;
 
 pub struct ProbeBlend {
     kernel: Kernel,
     bindings: Bindings,
-    groups: [u32; 3],
+    groups: [u32; 2],
 }
 
 impl ProbeBlend {
@@ -36,13 +33,11 @@ impl ProbeBlend {
         Ok(Self {
             bindings: kernel.bind(gpu, &field.update_resources()),
             kernel,
-            groups: [slots.min(MOST_GROUPS), slots.div_ceil(MOST_GROUPS), 1],
+            groups: rectangle(slots),
         })
     }
 
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.compute("probe_blend", |pass| {
-            self.kernel.dispatch(pass, &self.bindings, self.groups);
-        });
+        recorder.run(&self.kernel, &self.bindings, self.groups);
     }
 }

@@ -103,8 +103,12 @@ impl ProbeField {
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
         }
-        let irradiance_atlas = texture(gpu, "irradiance_atlas", &atlas, atlas.irradiance_texels);
-        let distance_atlas = texture(gpu, "distance_atlas", &atlas, atlas.distance_texels);
+        let texture = |label, texels| {
+            let format = wgpu::TextureFormat::Rgba16Float;
+            gpu.texture(label, atlas.texture_extent(texels), format)
+        };
+        let irradiance_atlas = texture("irradiance_atlas", atlas.irradiance_texels)?;
+        let distance_atlas = texture("distance_atlas", atlas.distance_texels)?;
         Ok(Self {
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
@@ -273,26 +277,6 @@ impl ProbeField {
     pub fn memory(&self) -> ProbeMemory {
         self.memory
     }
-}
-
-fn texture(gpu: &Gpu, label: &str, atlas: &AtlasLayout, texels: u32) -> wgpu::Texture {
-    let [width, height, layers] = atlas.texture_extent(texels);
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: layers,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba16Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::STORAGE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
 }
 
 fn layers_of(texture: &wgpu::Texture) -> wgpu::TextureView {

@@ -2,17 +2,14 @@
 
 use super::ProbeField;
 use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder},
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
     probes::Layout as _,
 };
-
-/// Most workgroups along one axis that every device supports.
-const MOST_GROUPS: u32 = 65_535;
 
 pub struct ProbeRays {
     kernel: Kernel,
     bindings: Bindings,
-    groups: [u32; 3],
+    groups: [u32; 2],
 }
 
 impl ProbeRays {
@@ -41,13 +38,11 @@ impl ProbeRays {
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
             kernel,
-            groups: [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1],
+            groups: rectangle(groups),
         })
     }
 
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.compute("probe_rays", |pass| {
-            self.kernel.dispatch(pass, &self.bindings, self.groups);
-        });
+        recorder.run(&self.kernel, &self.bindings, self.groups);
     }
 }

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{UVec3, Vec3};
 
 use super::GpuVoxels;
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing, rectangle};
 
 /// Most rays that a workgroup of 64 threads takes from its queue: measured best of 128 … 1024.
 const MOST_RAYS_PER_GROUP: u32 = 512;
@@ -217,21 +217,14 @@ impl RayBench {
         let mut times_ms = Vec::new();
         for _ in 0..repeats {
             let mut recorder = Recorder::new(gpu, Some(&mut timing));
-            recorder.compute("ray_bench", |pass| match kind {
-                RayKind::Camera | RayKind::Shadow => runner.kernel.dispatch_threads(
-                    pass,
-                    &runner.bindings,
-                    [self.size[0], self.size[1], 1],
-                ),
-                RayKind::Probe => runner.kernel.dispatch(
-                    pass,
-                    &runner.bindings,
-                    linear_groups(self.probe_rays.div_ceil(match marcher {
-                        Marcher::BrickMap => self.rays_per_group,
-                        Marcher::PlainDda => 64,
-                    })),
-                ),
-            });
+            let groups = match (kind, marcher) {
+                (RayKind::Camera | RayKind::Shadow, _) => runner.kernel.groups_of(self.size),
+                (RayKind::Probe, Marcher::BrickMap) => {
+                    rectangle(self.probe_rays.div_ceil(self.rays_per_group))
+                }
+                (RayKind::Probe, Marcher::PlainDda) => rectangle(self.probe_rays.div_ceil(64)),
+            };
+            recorder.run(&runner.kernel, &runner.bindings, groups);
             recorder.submit(gpu)?;
             gpu.wait()?;
             times_ms.extend(timing.next_frame().map(|times| times.frame_ms));
@@ -266,15 +259,7 @@ fn build_bits(gpu: &Gpu, voxels: &GpuVoxels) -> Result<wgpu::Buffer, GpuError> {
     resources.push(("bits_out", bits.as_entire_binding()));
     let bindings = kernel.bind(gpu, &resources);
     let mut recorder = Recorder::new(gpu, None);
-    recorder.compute("bits", |pass| {
-        kernel.dispatch(pass, &bindings, linear_groups(words.div_ceil(64) as u32));
-    });
+    recorder.run(&kernel, &bindings, rectangle(words.div_ceil(64) as u32));
     recorder.submit(gpu)?;
     Ok(bits)
-}
-
-/// At least `groups` workgroups as a rectangle within the limit of each dimension.
-fn linear_groups(groups: u32) -> [u32; 3] {
-    let rows = groups.div_ceil(32768).max(1);
-    [groups.div_ceil(rows), rows, 1]
 }

@@ -40,7 +40,8 @@ pub struct MemoryUse {
     pub total: u64,
 }
 
-/// The brick map on the GPU.
+/// The brick map on the GPU. A clone is another handle to the same buffers.
+#[derive(Clone)]
 pub struct GpuVoxels {
     pub size: UVec3,
     pub info: wgpu::Buffer,
@@ -88,45 +89,60 @@ impl GpuVoxels {
         ))
     }
 
-    /// Follows an edit of the CPU's copy. When its bricks have outgrown the buffers, new ones are
-    /// made: then everything bound to the old ones must be bound again, and `true` is returned.
+    /// The same voxels with room for the bricks of the CPU's copy, when an edit has outgrown the
+    /// buffers: all that is bound to the old ones must then be bound to these. `None` when it has
+    /// not. Nothing of `self` is changed.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`].
-    pub fn apply(&mut self, gpu: &Gpu, voxels: &Voxels, edit: &Edit) -> Result<bool, GpuError> {
+    pub fn with_room_for(&self, gpu: &Gpu, voxels: &Voxels) -> Result<Option<Self>, GpuError> {
+        let needed = voxels.raw().1.len() as u64;
+        if needed * MASK_BYTES <= self.masks.size()
+            && needed * MATERIAL_BYTES <= self.materials.size()
+        {
+            return Ok(None);
+        }
+        // Half as much again, so that digging on does not make new ones at every stroke.
+        let ample = needed * 3 / 2;
+        let fits = gpu.check_buffer("voxel_materials", ample * MATERIAL_BYTES);
+        let bricks = if fits.is_ok() { ample } else { needed };
+        let masks = gpu.storage_buffer("masks", bricks * MASK_BYTES)?;
+        let materials = gpu.storage_buffer("voxel_materials", bricks * MATERIAL_BYTES)?;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        for (old, new) in [(&self.masks, &masks), (&self.materials, &materials)] {
+            encoder.copy_buffer_to_buffer(old, 0, new, 0, old.size());
+        }
+        gpu.queue.submit([encoder.finish()]);
+        Ok(Some(Self {
+            masks,
+            materials,
+            ..self.clone()
+        }))
+    }
+
+    /// Follows an edit of the CPU's copy: writes the bricks and the rows of the grid that it changed.
+    ///
+    /// # Panics
+    /// Without room for the bricks: see [`Self::with_room_for`].
+    pub fn write(&self, gpu: &Gpu, voxels: &Voxels, edit: &Edit) {
         let (grid, masks, materials) = voxels.raw();
-        let outgrown = masks.len() as u64 * MASK_BYTES > self.masks.size()
-            || materials.len() as u64 * MATERIAL_BYTES > self.materials.size();
-        if outgrown {
-            // Half as much again, so that digging on does not reallocate at every stroke.
-            let bricks = masks.len() as u64 * 3 / 2;
-            self.masks = gpu.storage_buffer("masks", bricks * MASK_BYTES)?;
-            self.materials = gpu.storage_buffer("voxel_materials", bricks * MATERIAL_BYTES)?;
+        for brick in &edit.bricks {
+            let (index, offset) = (*brick as usize, u64::from(*brick));
+            assert!(
+                (offset + 1) * MATERIAL_BYTES <= self.materials.size(),
+                "no room for brick {brick}"
+            );
+            let mask: &[u8] = bytemuck::cast_slice(&masks[index]);
             gpu.queue
-                .write_buffer(&self.masks, 0, bytemuck::cast_slice(masks));
+                .write_buffer(&self.masks, offset * MASK_BYTES, mask);
             gpu.queue
-                .write_buffer(&self.materials, 0, bytemuck::cast_slice(materials));
-        } else {
-            for brick in &edit.bricks {
-                let index = *brick as usize;
-                let offset = u64::from(*brick);
-                gpu.queue.write_buffer(
-                    &self.masks,
-                    offset * MASK_BYTES,
-                    bytemuck::cast_slice(&masks[index]),
-                );
-                gpu.queue
-                    .write_buffer(&self.materials, offset * MATERIAL_BYTES, &materials[index]);
-            }
+                .write_buffer(&self.materials, offset * MATERIAL_BYTES, &materials[index]);
         }
         for range in &edit.grid {
-            gpu.queue.write_buffer(
-                &self.grid,
-                range.start as u64 * 4,
-                bytemuck::cast_slice(&grid[range.clone()]),
-            );
+            let words: &[u8] = bytemuck::cast_slice(&grid[range.clone()]);
+            gpu.queue
+                .write_buffer(&self.grid, range.start as u64 * 4, words);
         }
-        Ok(outgrown)
     }
 
     /// The bindings of `shaders/data/voxels.wesl`.

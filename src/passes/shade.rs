@@ -24,33 +24,8 @@ impl Shade {
         field: &ProbeField,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
-        let most = gpu.limits.max_texture_dimension_2d;
-        if size[0].max(size[1]) > most {
-            return Err(GpuError::TooLarge {
-                what: format!("a picture of {}×{} pixels", size[0], size[1]),
-                bytes: u64::from(size[0]) * u64::from(size[1]) * 8,
-                adapter: gpu.summary.name.clone(),
-                limit: u64::from(most),
-                limit_name: "max_texture_dimension_2d",
-                remedy: "Choose a smaller --size.",
-            });
-        }
-        let hdr = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("hdr"),
-            size: wgpu::Extent3d {
-                width: size[0],
-                height: size[1],
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::STORAGE_BINDING
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let format = wgpu::TextureFormat::Rgba16Float;
+        let hdr = gpu.texture("hdr", [size[0], size[1], 1], format)?;
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -71,9 +46,7 @@ impl Shade {
     }
 
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.compute("shade", |pass| {
-            let size = [self.hdr.width(), self.hdr.height(), 1];
-            self.kernel.dispatch_threads(pass, &self.bindings, size);
-        });
+        let groups = self.kernel.groups_of([self.hdr.width(), self.hdr.height()]);
+        recorder.run(&self.kernel, &self.bindings, groups);
     }
 }

@@ -2,12 +2,9 @@
 
 use super::ProbeField;
 use crate::{
-    gpu::{Gpu, GpuError, Kernel, KernelSpec, Recorder},
+    gpu::{Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
     probes::Layout as _,
 };
-
-/// Most workgroups along one axis that every device supports.
-const MOST_GROUPS: u32 = 65_535;
 
 /// Counts the shadow rays of the last frame: those of the probe rays, and with `pixels` those of a
 /// picture of `size` pixels. `resources` are those of the voxels, the view and the lights.
@@ -41,18 +38,13 @@ pub fn count(
     if pixels {
         let kernel = kernel("pixels")?;
         let bindings = kernel.bind(gpu, &all);
-        recorder.compute("shadow_count", |pass| {
-            kernel.dispatch_threads(pass, &bindings, [size[0], size[1], 1]);
-        });
+        recorder.run(&kernel, &bindings, kernel.groups_of(size));
     }
     let kernel = kernel("probes")?;
     let bindings = kernel.bind(gpu, &all);
     let rays = field.volume().slots() * field.rays_per_probe();
     let groups = rays.div_ceil(kernel.workgroup_size[0]);
-    recorder.compute("shadow_count", |pass| {
-        let groups = [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1];
-        kernel.dispatch(pass, &bindings, groups);
-    });
+    recorder.run(&kernel, &bindings, rectangle(groups));
     recorder.submit(gpu)?;
     let counted: Vec<u32> = gpu.read_buffer_range(&counter, 0, 4)?;
     Ok(counted.iter().map(|count| u64::from(*count)).sum())

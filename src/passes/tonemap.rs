@@ -24,7 +24,7 @@ impl Tonemap {
     /// `resources` are those of the view, whose exposure and mode apply.
     ///
     /// # Errors
-    /// [`GpuError::Shader`].
+    /// [`GpuError::Shader`], [`GpuError::TooLarge`].
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
@@ -43,22 +43,7 @@ impl Tonemap {
                 ..Default::default()
             },
         )?;
-        let display = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("display"),
-            size: wgpu::Extent3d {
-                width: size[0],
-                height: size[1],
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::STORAGE_BINDING
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let display = gpu.texture("display", [size[0], size[1], 1], FORMAT)?;
         let display_view = display.create_view(&Default::default());
         let mut all = resources.to_vec();
         all.push(("lit", wgpu::BindingResource::TextureView(lit)));

@@ -8,7 +8,10 @@ use winit::{
     window::{CursorGrabMode, Fullscreen},
 };
 
-use super::{super::camera::scrolled, Session};
+use super::{
+    super::{brush::Stroke, camera::scrolled},
+    Session,
+};
 
 impl Session {
     /// The mouse was moved by this many pixels, right and down.
@@ -42,9 +45,9 @@ impl Session {
             WindowEvent::KeyboardInput { event, .. } => self.key(event),
             WindowEvent::MouseInput {
                 state: ElementState::Pressed,
-                button: MouseButton::Left,
+                button,
                 ..
-            } if !self.over_panel() => self.capture_mouse(),
+            } => self.clicked(*button),
             WindowEvent::MouseWheel { delta, .. } if self.captured || !self.over_panel() => {
                 let notches = match delta {
                     MouseScrollDelta::LineDelta(_, lines) => *lines,
@@ -52,6 +55,17 @@ impl Session {
                 };
                 self.speed = scrolled(self.speed, notches);
             }
+            _ => {}
+        }
+    }
+
+    fn clicked(&mut self, button: MouseButton) {
+        match button {
+            MouseButton::Left if !self.captured && !self.over_panel() => self.capture_mouse(),
+            _ if !self.captured => {}
+            MouseButton::Left => self.strike(Stroke::Dig),
+            MouseButton::Right => self.strike(Stroke::Place),
+            MouseButton::Middle => self.strike(Stroke::Pick),
             _ => {}
         }
     }

@@ -13,6 +13,7 @@ use winit::{event_loop::ActiveEventLoop, window::Window};
 
 use super::{
     AppError, Options,
+    brush::{self, Brush, Stroke},
     camera::{self, flown},
     clock::{FrameRate, WorldClock},
     controls::Controls,
@@ -120,6 +121,7 @@ impl Session {
                 scale,
                 vsync: true,
                 clock: WorldClock::default(),
+                brush: Brush::default(),
             },
             window,
             screen,
@@ -238,6 +240,9 @@ impl Session {
             if self.panel_open {
                 action = panel::show(ui, &facts, &mut self.settings).or(action);
             }
+            if self.captured {
+                brush::crosshair(ui);
+            }
             self.messages.show(ui);
         });
         match action {
@@ -258,6 +263,19 @@ impl Session {
             textures: output.textures_delta,
             pixels_per_point: output.pixels_per_point,
         }
+    }
+
+    /// Digs or builds where the camera looks.
+    fn strike(&mut self, stroke: Stroke) {
+        let (brush, camera) = (&mut self.settings.brush, &self.camera);
+        let made = self
+            .show
+            .edit(|voxels, world| brush.stroke(voxels, world, camera, stroke));
+        if let Err(error) = made {
+            self.messages.toast_error(error.to_string());
+        }
+        // Probes may have come out of stone, or got into it.
+        self.alive = None;
     }
 
     /// Shows what was chosen: at once if that is no work, else when the mouse is let go.

@@ -18,7 +18,7 @@ use self::{
     cache::Cache,
     page::Page,
     row::{Dark, Plan, Row, Target},
-    truth::{Film, Tracer},
+    truth::{Against, Film, Tracer},
 };
 use super::{
     EXIT_FAULT, Failure,
@@ -59,6 +59,9 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 256, allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(1..=65536))]
     spp: u32,
+    /// Who traces the references
+    #[arg(long, value_name = "TRACER", value_enum, default_value_t = Against::Reference)]
+    against: Against,
     /// A picture that is white where a camera must see no light, for the leak ratio (repeatable)
     #[arg(long = "mask", value_name = "CAMERA=FILE", value_parser = camera_mask)]
     masks: Vec<(String, PathBuf)>,
@@ -254,7 +257,15 @@ impl Judge<'_> {
             &subject.parameters,
             subject.view(&subject.cameras[0]),
         )?;
-        let mut tracer = Tracer::new(&subject.world, &subject.lights, run, self.cache);
+        let mut tracer = Tracer {
+            world: &subject.world,
+            lights: &subject.lights,
+            run,
+            cache: self.cache,
+            gpu: self.gpu,
+            against: arguments.against,
+            voxels: None,
+        };
         self.page.world(&subject.world);
         for camera in &subject.cameras {
             let target = self.target(&subject, camera, &mut tracer, &mut driver)?;
@@ -286,7 +297,7 @@ impl Judge<'_> {
         tracer: &mut Tracer<'_>,
         driver: &mut Driver<'_>,
     ) -> Result<Target, Failure> {
-        let truth = tracer.truth(&self.film(subject, camera))?;
+        let truth = tracer.truth(&self.film(subject, camera), driver.stage())?;
         let mut target = Target::new(truth, subject.parameters.picture.exposure_ev);
         let dark = match self.masks.get(&camera.name) {
             Some(mask) => Some(mask.clone()),
@@ -299,17 +310,22 @@ impl Judge<'_> {
             }
         };
         if let Some(pixels) = dark {
-            let bright = self.brightest(subject, tracer)?;
+            let bright = self.brightest(subject, tracer, driver.stage())?;
             target.dark = (bright > 0.0).then_some(Dark { pixels, bright });
         }
         Ok(target)
     }
 
     /// The mean luminance that the brightest of a world's cameras sees.
-    fn brightest(&self, subject: &Subject, tracer: &mut Tracer<'_>) -> Result<f64, Failure> {
+    fn brightest(
+        &self,
+        subject: &Subject,
+        tracer: &mut Tracer<'_>,
+        stage: &Stage,
+    ) -> Result<f64, Failure> {
         let mut brightest: f64 = 0.0;
         for camera in &subject.world.cameras {
-            let truth = tracer.truth(&self.film(subject, camera))?;
+            let truth = tracer.truth(&self.film(subject, camera), stage)?;
             let light = row::luminance(&row::full(&truth), &Selection::ALL);
             brightest = brightest.max(light);
         }

@@ -1,0 +1,233 @@
+//! Digging and building: what the crosshair points at, and what a stroke there changes.
+
+use egui::{Color32, LayerId, Order, Slider, Stroke as Line, Ui};
+use glam::IVec3;
+
+use super::widgets;
+use crate::{
+    reference::march::{FACE_NORMALS, Outcome, Ray, march},
+    world::{
+        Camera, World,
+        voxels::{Edit, Voxels},
+    },
+};
+
+/// Longest radius that the panel offers (voxels).
+const MOST_RADIUS: f32 = 24.0;
+/// From the crosshair's middle to its ends (egui's points).
+const CROSSHAIR: f32 = 7.0;
+
+/// What strokes are made with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brush {
+    /// What is placed: 1-based index into the world's materials.
+    pub material: u8,
+    /// Of the sphere that a stroke changes (voxels); 0 for a single voxel.
+    pub radius: f32,
+}
+
+impl Default for Brush {
+    fn default() -> Self {
+        Self {
+            material: 1,
+            radius: 0.0,
+        }
+    }
+}
+
+/// What a stroke does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stroke {
+    /// Takes stone away, from the voxel under the crosshair on.
+    Dig,
+    /// Fills air with the brush's material, from the face under the crosshair on.
+    Place,
+    /// Takes the material under the crosshair into the brush.
+    Pick,
+}
+
+impl Brush {
+    /// Makes a stroke where `camera` looks, however far that is.
+    pub fn stroke(
+        &mut self,
+        voxels: &mut Voxels,
+        world: &World,
+        camera: &Camera,
+        stroke: Stroke,
+    ) -> Edit {
+        // An edited world file may have fewer.
+        self.material = self.material.clamp(1, world.materials.len().max(1) as u8);
+        let basis = camera.basis(1.0);
+        let ray = Ray::new(basis.origin - world.origin.as_dvec3(), basis.forward);
+        match (stroke, march(voxels, &ray)) {
+            (Stroke::Pick, Outcome::Hit(hit)) => self.material = hit.material,
+            (Stroke::Pick, Outcome::Inside(material)) => self.material = material,
+            (Stroke::Dig, Outcome::Hit(hit)) => return self.dig(voxels, hit.voxel),
+            (Stroke::Dig, Outcome::Inside(_)) => return self.dig(voxels, ray.start),
+            (Stroke::Place, Outcome::Hit(hit)) => {
+                let at = hit.voxel + FACE_NORMALS[usize::from(hit.face)];
+                return self.place(voxels, at, ray.start);
+            }
+            (Stroke::Place, Outcome::Inside(_)) | (_, Outcome::Miss) => {}
+        }
+        Edit::default()
+    }
+
+    fn dig(&self, voxels: &mut Voxels, at: IVec3) -> Edit {
+        self.change(voxels, at, |_, _| 0)
+    }
+
+    /// The voxel `camera` stays as it is: nobody is walled in.
+    fn place(&self, voxels: &mut Voxels, at: IVec3, camera: IVec3) -> Edit {
+        self.change(voxels, at, |voxel, old| {
+            if old == 0 && voxel != camera {
+                self.material
+            } else {
+                old
+            }
+        })
+    }
+
+    /// Rewrites the voxels whose centres lie within the radius of that of `at`.
+    fn change(&self, voxels: &mut Voxels, at: IVec3, new: impl Fn(IVec3, u8) -> u8) -> Edit {
+        let radius = self.radius.clamp(0.0, MOST_RADIUS);
+        let reach = IVec3::splat(radius as i32);
+        voxels.edit(at - reach, at + reach, |voxel, old| {
+            if (voxel - at).as_vec3().length_squared() <= radius * radius {
+                new(voxel, old)
+            } else {
+                old
+            }
+        })
+    }
+
+    /// Rows of a grid of two columns: the material and the radius.
+    pub fn rows(&mut self, ui: &mut Ui, world: &World) {
+        ui.label("material")
+            .on_hover_text("What a right click places; a middle click takes what is aimed at");
+        let names: Vec<&str> = world.materials.iter().map(|m| &*m.name).collect();
+        let index = usize::from(self.material).saturating_sub(1);
+        let mut chosen = names.get(index).or(names.last()).copied().unwrap_or("none");
+        if widgets::choose(ui, "brush material", &mut chosen, &names) {
+            let index = names.iter().position(|name| *name == chosen);
+            self.material = index.map_or(1, |index| index as u8 + 1);
+        }
+        ui.end_row();
+        ui.label("radius")
+            .on_hover_text("Of the sphere that a click changes (voxels); 0 for a single voxel");
+        ui.add(Slider::new(&mut self.radius, 0.0..=MOST_RADIUS).max_decimals(1));
+        ui.end_row();
+    }
+}
+
+/// Draws a cross where strokes go: light on dark, and the other way round.
+pub fn crosshair(ui: &Ui) {
+    let layer = LayerId::new(Order::Middle, egui::Id::unique("crosshair"));
+    let painter = ui.ctx().layer_painter(layer);
+    let centre = ui.ctx().content_rect().center();
+    for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.0, Color32::WHITE)] {
+        let ends = CROSSHAIR + 0.5 * (width - 1.0);
+        let across = centre.x - ends..=centre.x + ends;
+        let down = centre.y - ends..=centre.y + ends;
+        painter.hline(across, centre.y, Line::new(width, colour));
+        painter.vline(centre.x, down, Line::new(width, colour));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::world::file;
+
+    /// A world of air with a floor of two voxels, and a camera above its middle.
+    fn scene() -> (World, Voxels, Camera) {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/cave.ron");
+        let mut world = file::load(&path, &file::Overrides::default()).expect("it loads");
+        world.size = UVec3::splat(32);
+        world.origin = IVec3::new(-16, 4, -16);
+        let mut voxels = Voxels::empty(world.size);
+        voxels.fill_box(IVec3::ZERO, IVec3::new(31, 1, 31), 2);
+        let camera = Camera {
+            name: "above".into(),
+            position: Vec3::new(0.5, 14.5, 0.5),
+            yaw_deg: 0.0,
+            pitch_deg: -89.9,
+            fov_deg: 70.0,
+        };
+        (world, voxels, camera)
+    }
+
+    /// Voxels of each material, in the order of [`scene`]'s changes.
+    fn count(voxels: &Voxels, material: u8) -> usize {
+        let all = (0..32 * 32 * 32).map(|i| IVec3::new(i % 32, i / 32 % 32, i / 1024));
+        all.filter(|at| voxels.material(*at) == material).count()
+    }
+
+    #[test]
+    fn a_click_digs_the_voxel_aimed_at_and_another_fills_it_again() {
+        let (world, mut voxels, camera) = scene();
+        let top = IVec3::new(16, 1, 16);
+        let mut brush = Brush::default();
+        let edit = brush.stroke(&mut voxels, &world, &camera, Stroke::Dig);
+        assert_eq!(edit.region, Some((top.as_uvec3(), top.as_uvec3())));
+        assert_eq!((voxels.material(top), count(&voxels, 2)), (0, 2047));
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        assert_eq!((voxels.material(top), count(&voxels, 1)), (1, 1));
+        // On top of it, with what lies there.
+        brush.material = 3;
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Pick);
+        assert_eq!(brush.material, 1);
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        assert_eq!(voxels.material(top + IVec3::Y), 1);
+        assert_eq!(voxels.validate(), Ok(()));
+    }
+
+    #[test]
+    fn a_radius_changes_a_sphere_and_building_leaves_stone_and_the_camera_alone() {
+        let (world, mut voxels, mut camera) = scene();
+        let mut brush = Brush {
+            material: 3,
+            radius: 2.0,
+        };
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Dig);
+        // Discs of radius 2 and √3 of the sphere around the voxel hit lie in the floor.
+        assert_eq!(count(&voxels, 2), 2048 - 13 - 9);
+        camera.position.y = 6.5;
+        let (mut voxels, at) = (scene().1, IVec3::new(16, 2, 16));
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        assert_eq!(count(&voxels, 2), 2048, "stone stays what it is");
+        assert_eq!(voxels.material(at), 0, "the camera stays free");
+        assert_eq!(count(&voxels, 3), 13 - 1 + 9 + 1);
+    }
+
+    #[test]
+    fn strokes_into_the_void_change_nothing_and_stone_around_the_camera_is_dug() {
+        let (world, mut voxels, mut camera) = scene();
+        let mut brush = Brush::default();
+        camera.pitch_deg = 45.0;
+        for stroke in [Stroke::Dig, Stroke::Place, Stroke::Pick] {
+            let edit = brush.stroke(&mut voxels, &world, &camera, stroke);
+            assert_eq!(edit, Edit::default());
+        }
+        camera.position.y = 5.5;
+        let edit = brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        assert_eq!(edit, Edit::default());
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Dig);
+        assert_eq!(voxels.material(IVec3::new(16, 1, 16)), 0);
+    }
+
+    #[test]
+    fn a_material_that_the_world_no_longer_has_is_replaced() {
+        let (world, mut voxels, camera) = scene();
+        let mut brush = Brush {
+            material: 255,
+            radius: 0.0,
+        };
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        assert_eq!(usize::from(brush.material), world.materials.len());
+    }
+}

@@ -1,0 +1,189 @@
+//! Long work goes out in several dispatches, so that none holds the GPU for long: a window stays
+//! alive, and no watchdog takes the device away.
+//!
+//! Work is a rectangle of workgroups, and a dispatch takes some of its rows. How many is learned from
+//! the time that they took: a fast GPU gets all of them at once from its second frame on. Shaders
+//! that can be sent so add `first_row` (`shaders/data/slice.wesl`) to their row; it lies in a table
+//! that the device is opened with, and a dynamic offset chooses it.
+
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicU64, Ordering},
+};
+
+use wgpu::util::DeviceExt as _;
+
+/// Name of the binding that says where a dispatch begins.
+pub(super) const FIRST_ROW: &str = "first_row";
+/// Bytes from one entry of the table to the next: the alignment that every device supports.
+pub(super) const STRIDE: u32 = 256;
+/// Most rows of a rectangle: those of the highest picture, in tiles of eight pixels.
+pub(super) const MOST_ROWS: u32 = 4096;
+
+/// Milliseconds that a dispatch should take. None may take 50; rows differ, and so do frames.
+const AIM_MS: f64 = 20.0;
+/// Share of a row's time that stays known after a faster one.
+const KEPT: f64 = 0.95;
+/// How many times as many rows as the last dispatch the next one takes at most.
+const MOST_GROWTH: u32 = 4;
+/// Least width of a [`rectangle`]: its row is the least that a dispatch can take.
+const LEAST_WIDTH: u32 = 8;
+/// Rows of a [`rectangle`], give or take.
+const ROWS: u32 = 2048;
+
+/// At least `groups` workgroups as width and rows, for shaders that count through them row by row
+/// and leave out what is too many.
+pub fn rectangle(groups: u32) -> [u32; 2] {
+    let width = groups.div_ceil(ROWS).max(LEAST_WIDTH);
+    [width, groups.div_ceil(width)]
+}
+
+/// The table of first rows.
+pub(super) fn table(device: &wgpu::Device) -> wgpu::Buffer {
+    let words = STRIDE as usize / size_of::<u32>();
+    let mut rows = vec![0u32; MOST_ROWS as usize * words];
+    for (row, entry) in rows.chunks_exact_mut(words).enumerate() {
+        entry[0] = row as u32;
+    }
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(FIRST_ROW),
+        contents: bytemuck::cast_slice(&rows),
+        usage: wgpu::BufferUsages::UNIFORM,
+    })
+}
+
+/// What is known of the time that a row takes.
+#[derive(Debug, Default)]
+pub(super) struct Pace {
+    /// Bits of an f64; 0 while nothing is known.
+    ms_a_row: AtomicU64,
+}
+
+impl Pace {
+    /// So many rows took so long. The slowest rows of late count: what was seen of the sky says
+    /// little about the rest of a picture.
+    pub(super) fn learn(&self, rows: u32, ms: f64) {
+        let fresh = ms / f64::from(rows.max(1));
+        let known = f64::from_bits(self.ms_a_row.load(Ordering::Relaxed));
+        let next = fresh.max(KEPT * known + (1.0 - KEPT) * fresh);
+        self.ms_a_row.store(next.to_bits(), Ordering::Relaxed);
+    }
+
+    /// How many rows of `width` workgroups the next dispatch may take; `unknown` workgroups as long
+    /// as no time is known.
+    fn rows(&self, width: u32, unknown: u32) -> u32 {
+        let ms = f64::from_bits(self.ms_a_row.load(Ordering::Relaxed));
+        let rows = if ms > 0.0 {
+            (AIM_MS / ms) as u32
+        } else {
+            unknown / width.max(1)
+        };
+        rows.max(1)
+    }
+}
+
+/// The rows of one dispatch after another. What a dispatch teaches its pace counts for the next.
+pub(super) struct Slices<'a> {
+    pace: &'a Pace,
+    width: u32,
+    rows: u32,
+    unknown: u32,
+    next: u32,
+    last: Option<u32>,
+}
+
+impl<'a> Slices<'a> {
+    pub(super) fn new(pace: &'a Pace, [width, rows]: [u32; 2], unknown: u32) -> Self {
+        Self {
+            pace,
+            width,
+            rows,
+            unknown,
+            next: 0,
+            last: None,
+        }
+    }
+}
+
+impl Iterator for Slices<'_> {
+    type Item = Range<u32>;
+
+    fn next(&mut self) -> Option<Range<u32>> {
+        if self.next >= self.rows {
+            return None;
+        }
+        let most = self
+            .last
+            .map_or(u32::MAX, |last| last.saturating_mul(MOST_GROWTH));
+        let allowed = self.pace.rows(self.width, self.unknown).min(most);
+        // Equal shares of what is left: a last dispatch of a row or two would be a waste.
+        let left = self.rows - self.next;
+        let count = left.div_ceil(left.div_ceil(allowed));
+        let first = self.next;
+        self.next += count;
+        self.last = Some(count);
+        Some(first..self.next)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn slices_take_every_row_once_and_none_for_too_long(
+            width in 1u32..300,
+            rows in 0u32..=MOST_ROWS,
+            ms_a_row in 1e-6f64..19.0,
+            unknown in 1u32..2000,
+        ) {
+            let pace = Pace::default();
+            let mut expected = 0;
+            let mut last = None;
+            for slice in Slices::new(&pace, [width, rows], unknown) {
+                prop_assert_eq!(slice.start, expected);
+                prop_assert!(slice.end > slice.start);
+                let count = slice.end - slice.start;
+                match last {
+                    None => prop_assert!(count <= (unknown / width).max(1)),
+                    Some(last) => {
+                        prop_assert!(count <= last * MOST_GROWTH);
+                        prop_assert!(f64::from(count) * ms_a_row <= AIM_MS);
+                    }
+                }
+                pace.learn(count, f64::from(count) * ms_a_row);
+                last = Some(count);
+                expected = slice.end;
+            }
+            prop_assert_eq!(expected, rows);
+        }
+
+        #[test]
+        fn rectangles_hold_their_groups_and_few_more(groups in 0u32..8_000_000) {
+            let [width, rows] = rectangle(groups);
+            prop_assert!(width * rows >= groups);
+            prop_assert!(width * rows < groups + width);
+            prop_assert!(rows <= MOST_ROWS && width <= 65_535);
+        }
+    }
+
+    #[test]
+    fn what_is_fast_goes_out_at_once_and_slow_rows_are_remembered() {
+        let pace = Pace::default();
+        pace.learn(135, 2.0);
+        let mut at_once = Slices::new(&pace, [240, 135], 512);
+        assert_eq!((at_once.next(), at_once.next()), (Some(0..135), None));
+        // One slow frame: half of it at a time, until faster ones have long been seen.
+        pace.learn(135, 39.0);
+        assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 2);
+        pace.learn(135, 2.0);
+        assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 2);
+        for _ in 0..20 {
+            pace.learn(135, 2.0);
+        }
+        assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 1);
+    }
+}

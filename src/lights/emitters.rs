@@ -1,0 +1,244 @@
+//! The faces of emissive voxels that light can leave, as a list to choose from at random.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{IVec3, UVec3};
+use rayon::prelude::*;
+
+use crate::world::Material;
+use crate::world::voxels::{CELL, Cell, Voxels};
+
+/// The way that each face looks: −x, +x, −y, +y, −z, +z.
+const FACINGS: [IVec3; 6] = [
+    IVec3::NEG_X,
+    IVec3::X,
+    IVec3::NEG_Y,
+    IVec3::Y,
+    IVec3::NEG_Z,
+    IVec3::Z,
+];
+
+/// `Facing` of `shaders/data/emitters.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuFacing {
+    /// Of all faces that look this way together.
+    pub weight: f32,
+    /// Of its groups, and one past the last.
+    pub first: u32,
+    pub end: u32,
+}
+
+/// `EmitterGroup` of `shaders/data/emitters.wesl`: faces that look the same way, of one material.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuEmitterGroup {
+    /// Into [`Emitters::faces`].
+    pub first: u32,
+    pub count: u32,
+    /// 1-based.
+    pub material: u32,
+    /// Of all its faces together.
+    pub weight: f32,
+}
+
+/// Every face of an emissive voxel that air touches, by the way that it looks and by material. The
+/// weight of a face is the sum of the channels of the radiance that it emits; each is one voxel edge
+/// wide.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Emitters {
+    pub facings: [GpuFacing; 6],
+    pub groups: Vec<GpuEmitterGroup>,
+    /// Index of each face's voxel in the grid's extent (powers of two): x, then y, then z.
+    pub faces: Vec<u32>,
+}
+
+impl Emitters {
+    /// Finds them, in parallel. The same voxels give the same list.
+    pub fn find(voxels: &Voxels, materials: &[Material]) -> Self {
+        let weights: Vec<f64> = materials
+            .iter()
+            .map(|material| f64::from(material.emission.element_sum()))
+            .collect();
+        let emits = |material: u8| material != 0 && weights[usize::from(material) - 1] > 0.0;
+        if !(1..=materials.len()).any(|material| emits(material as u8)) {
+            return Self::default();
+        }
+        let used = voxels.size().map(|n| n.div_ceil(CELL));
+        let shifts = voxels.cells().map(|n| (n * CELL).trailing_zeros());
+        // (facing, material, voxel) of each face in one number, so that sorting groups them.
+        let mut found: Vec<u64> = (0..used.y * used.z)
+            .into_par_iter()
+            .flat_map_iter(|row| {
+                (0..used.x).flat_map(move |x| {
+                    let cell = UVec3::new(x, row % used.y, row / used.y);
+                    exposed(voxels, cell, emits).map(move |(facing, material, voxel)| {
+                        let index =
+                            voxel.x | voxel.y << shifts.x | voxel.z << (shifts.x + shifts.y);
+                        (facing as u64) << 40 | u64::from(material) << 32 | u64::from(index)
+                    })
+                })
+            })
+            .collect();
+        found.par_sort_unstable();
+        let mut emitters = Self::default();
+        for run in found.chunk_by(|a, b| a >> 32 == b >> 32) {
+            let (facing, material) = ((run[0] >> 40) as usize, (run[0] >> 32) as u8);
+            let weight = (weights[usize::from(material) - 1] * run.len() as f64) as f32;
+            let group = emitters.groups.len() as u32;
+            let of = &mut emitters.facings[facing];
+            if of.end == 0 {
+                of.first = group;
+            }
+            of.end = group + 1;
+            of.weight += weight;
+            emitters.groups.push(GpuEmitterGroup {
+                first: emitters.faces.len() as u32,
+                count: run.len() as u32,
+                material: u32::from(material),
+                weight,
+            });
+            emitters.faces.extend(run.iter().map(|face| *face as u32));
+        }
+        emitters
+    }
+
+    /// The storage buffer `emitters`: the facings, then the groups (room for one at least).
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = bytemuck::cast_slice(&self.facings).to_vec();
+        if self.groups.is_empty() {
+            bytes.extend_from_slice(bytemuck::bytes_of(&GpuEmitterGroup::default()));
+        }
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.groups));
+        bytes
+    }
+}
+
+/// The exposed faces of the emissive voxels of one cell: facing, material, voxel.
+fn exposed<'a>(
+    voxels: &'a Voxels,
+    cell: UVec3,
+    emits: impl Fn(u8) -> bool + Copy + 'a,
+) -> impl Iterator<Item = (usize, u8, UVec3)> + 'a {
+    let has_any = match voxels.cell(cell) {
+        Cell::Empty => false,
+        Cell::Uniform(material) => emits(material) && !is_buried(voxels, cell),
+        Cell::Brick(materials) => materials.iter().any(|material| emits(*material)),
+    };
+    let low = cell * CELL;
+    let count = if has_any { CELL * CELL * CELL } else { 0 };
+    (0..count).flat_map(move |index| {
+        let voxel = low + UVec3::new(index % CELL, index / CELL % CELL, index / (CELL * CELL));
+        let material = voxels.material(voxel.as_ivec3());
+        let shines = emits(material);
+        (0..6)
+            .filter(move |&facing| {
+                shines && voxels.material(voxel.as_ivec3() + FACINGS[facing]) == 0
+            })
+            .map(move |facing| (facing, material, voxel))
+    })
+}
+
+/// Whether stone fills every neighbour of a cell, so that none of its voxels meets air.
+fn is_buried(voxels: &Voxels, cell: UVec3) -> bool {
+    FACINGS.iter().all(|facing| {
+        let neighbour = cell.as_ivec3() + facing;
+        let inside = neighbour.cmpge(IVec3::ZERO).all()
+            && (neighbour * CELL as i32)
+                .cmplt(voxels.size().as_ivec3())
+                .all();
+        inside && matches!(voxels.cell(neighbour.as_uvec3()), Cell::Uniform(_))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::world::voxels::{BRICK_VOXELS, NewCell, brick_index};
+    use crate::world::{Colour, Pattern};
+
+    fn material(emission: Vec3) -> Material {
+        let colour = Colour::Flat(Vec3::splat(0.5));
+        Material {
+            name: "m".into(),
+            a: colour.clone(),
+            b: colour,
+            pattern: Pattern::Plain,
+            emission,
+        }
+    }
+
+    /// Stone in a pattern without order, whole cells of one material, and air.
+    fn scattered(voxel: UVec3) -> u8 {
+        if voxel.cmplt(UVec3::splat(24)).all() && voxel.x >= 8 {
+            return 2;
+        }
+        let hash = (voxel.x * 7919 + voxel.y * 104_729 + voxel.z * 1299 + 17) % 11;
+        if hash < 4 { hash as u8 } else { 0 }
+    }
+
+    fn voxels(size: UVec3) -> Voxels {
+        Voxels::from_cells(size, |cell| {
+            let mut brick = Box::new([0; BRICK_VOXELS]);
+            for index in 0..BRICK_VOXELS as u32 {
+                let local = UVec3::new(index % 8, index / 8 % 8, index / 64);
+                let voxel = cell * CELL + local;
+                if voxel.cmplt(size).all() {
+                    brick[brick_index(local)] = scattered(voxel);
+                }
+            }
+            NewCell::Voxels(brick)
+        })
+    }
+
+    #[test]
+    fn every_face_that_a_look_at_each_voxel_finds_is_in_the_list_once() {
+        let size = UVec3::new(30, 37, 26);
+        let voxels = voxels(size);
+        let materials = [Vec3::ZERO, Vec3::new(1.0, 0.5, 0.0), Vec3::splat(0.25)].map(material);
+        let emitters = Emitters::find(&voxels, &materials);
+        let mut expected = Vec::new();
+        for index in 0..size.element_product() {
+            let voxel = UVec3::new(
+                index % size.x,
+                index / size.x % size.y,
+                index / (size.x * size.y),
+            );
+            let material = scattered(voxel);
+            for (facing, normal) in FACINGS.iter().enumerate().filter(|_| material >= 2) {
+                if voxels.material(voxel.as_ivec3() + normal) == 0 {
+                    // The extent is 32 × 64 × 32.
+                    let place = voxel.x | voxel.y << 5 | voxel.z << 11;
+                    expected.push((facing, u32::from(material), place));
+                }
+            }
+        }
+        expected.sort_unstable();
+        let mut listed = Vec::new();
+        for (facing, of) in emitters.facings.iter().enumerate() {
+            let mut weight = 0.0;
+            for group in &emitters.groups[of.first as usize..of.end as usize] {
+                weight += group.weight;
+                let emission = [0.0, 1.5, 0.75][group.material as usize - 1];
+                assert_eq!(group.weight, emission * group.count as f32);
+                let range = group.first as usize..(group.first + group.count) as usize;
+                let faces = emitters.faces[range].iter();
+                listed.extend(faces.map(|&face| (facing, group.material, face)));
+            }
+            assert_eq!(of.weight, weight);
+        }
+        assert!(expected.len() > 1000);
+        assert_eq!(listed, expected);
+    }
+
+    #[test]
+    fn a_dark_world_has_none() {
+        let emitters = Emitters::find(&voxels(UVec3::splat(20)), &[Vec3::ZERO; 3].map(material));
+        assert_eq!(emitters, Emitters::default());
+        assert_eq!(
+            emitters.to_bytes().len(),
+            6 * size_of::<GpuFacing>() + size_of::<GpuEmitterGroup>()
+        );
+    }
+}

@@ -1,0 +1,164 @@
+//! Pass `path_trace`: an unbiased picture of the world, sample by sample. Knows no probes.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::{GpuEmitters, Slice};
+use crate::{
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder},
+    measure::picture::Picture,
+};
+
+/// `TraceJob` of `shaders/passes/path_trace.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuTraceJob {
+    pub first_tile: u32,
+    pub end_tile: u32,
+    pub tiles_across: u32,
+    pub tiles: u32,
+    pub first_sample: u32,
+    pub end_sample: u32,
+    pub scatter_bits: u32,
+    pub antialias: u32,
+}
+
+/// Edge of a tile in pixels.
+const TILE: u32 = 8;
+/// Most workgroups along one axis that every device supports.
+const MOST_GROUPS: u32 = 65_535;
+
+/// The kernels, and what they add up.
+pub struct PathTrace {
+    begin: (Kernel, Bindings),
+    trace: (Kernel, Bindings),
+    job: wgpu::Buffer,
+    /// RGB: what is not random; RGB: sum, A: number of samples, twice.
+    certain: wgpu::Buffer,
+    sums: wgpu::Buffer,
+    totals: wgpu::Buffer,
+    size: [u32; 2],
+}
+
+impl PathTrace {
+    /// Bytes of each of the three buffers.
+    pub const BYTES_PER_PIXEL: u64 = 16;
+    /// Most samples that a pixel's sums hold with a relative error far below 1e-5.
+    pub const MOST_SAMPLES: u32 = 1 << 20;
+
+    /// For pictures of `size` pixels. `resources` are those of the voxels, the view, the lights and
+    /// the materials.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`], [`GpuError::Shader`].
+    pub fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        emitters: &GpuEmitters,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, GpuError> {
+        let bytes = u64::from(size[0]) * u64::from(size[1]) * Self::BYTES_PER_PIXEL;
+        let buffer = |label| gpu.storage_buffer(label, bytes);
+        let (certain, sums, totals) = (buffer("certain")?, buffer("sums")?, buffer("totals")?);
+        let job = gpu.uniform_buffer("job", &GpuTraceJob::default());
+        let mut all = resources.to_vec();
+        all.extend(emitters.resources());
+        all.push(("job", job.as_entire_binding()));
+        all.push(("certain", certain.as_entire_binding()));
+        all.push(("sums", sums.as_entire_binding()));
+        all.push(("totals", totals.as_entire_binding()));
+        let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
+            let kernel = Kernel::new(
+                gpu,
+                &KernelSpec {
+                    shader: "passes/path_trace",
+                    entry,
+                    // Paths scatter.
+                    overrides: &[("COHERENT", 0.0)],
+                    ..Default::default()
+                },
+            )?;
+            let bindings = kernel.bind(gpu, &all);
+            Ok((kernel, bindings))
+        };
+        Ok(Self {
+            begin: entry("begin")?,
+            trace: entry("trace")?,
+            job,
+            certain,
+            sums,
+            totals,
+            size,
+        })
+    }
+
+    /// Tiles of the picture, as a [`Schedule`](super::Schedule) counts them.
+    pub fn tiles(&self) -> u32 {
+        let [across, down] = self.size.map(|edge| edge.div_ceil(TILE));
+        across * down
+    }
+
+    /// Forgets all samples of these tiles, and finds what is not random about them. One slice a
+    /// submission, as for [`trace`](Self::trace).
+    pub fn begin(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, slice: &Slice, antialias: bool) {
+        self.record(gpu, recorder, &self.begin, slice, antialias);
+    }
+
+    /// Adds these samples. One slice a submission: its numbers lie in one uniform.
+    pub fn trace(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, slice: &Slice, antialias: bool) {
+        self.record(gpu, recorder, &self.trace, slice, antialias);
+    }
+
+    fn record(
+        &self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        (kernel, bindings): &(Kernel, Bindings),
+        slice: &Slice,
+        antialias: bool,
+    ) {
+        let job = GpuTraceJob {
+            first_tile: slice.places.start,
+            end_tile: slice.places.end,
+            tiles_across: self.size[0].div_ceil(TILE),
+            tiles: self.tiles(),
+            first_sample: slice.samples.start,
+            end_sample: slice.samples.end,
+            scatter_bits: slice.scatter_bits,
+            antialias: u32::from(antialias),
+        };
+        gpu.queue
+            .write_buffer(&self.job, 0, bytemuck::bytes_of(&job));
+        let groups = slice.places.len() as u32;
+        recorder.compute("path_trace", |pass| {
+            let groups = [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1];
+            kernel.dispatch(pass, bindings, groups);
+        });
+    }
+
+    /// The picture so far: linear radiance, or the view's data (depth in voxels). Each pixel is the
+    /// mean of its own samples; without any it shows what is not random.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
+        let [width, height] = self.size;
+        let read = |buffer: &wgpu::Buffer| -> Result<Vec<[f32; 4]>, GpuError> {
+            let bytes = u64::from(width) * u64::from(height) * Self::BYTES_PER_PIXEL;
+            gpu.read_buffer_range(buffer, 0, bytes)
+        };
+        let (certain, sums, totals) =
+            (read(&self.certain)?, read(&self.sums)?, read(&self.totals)?);
+        let pixel = |((certain, sum), total): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
+            let count = f64::from(sum[3]) + f64::from(total[3]);
+            std::array::from_fn(|channel| {
+                let sum = f64::from(sum[channel]) + f64::from(total[channel]);
+                (f64::from(certain[channel]) + sum / count.max(1.0)) as f32
+            })
+        };
+        Ok(Picture {
+            width,
+            height,
+            rgb: certain.iter().zip(&sums).zip(&totals).map(pixel).collect(),
+        })
+    }
+}
