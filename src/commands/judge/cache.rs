@@ -174,7 +174,7 @@ fn number(bytes: &[u8]) -> Option<(u32, &[u8])> {
 /// FNV-1a with 128 bits (Fowler, Noll, Vo): a name for a text, the same on every machine.
 pub fn fnv1a(bytes: &[u8]) -> u128 {
     const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-    const PRIME: u128 = 0x0100_0000_0000_0000_013b;
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
     let step = |hash: u128, byte: &u8| (hash ^ u128::from(*byte)).wrapping_mul(PRIME);
     bytes.iter().fold(BASIS, step)
 }

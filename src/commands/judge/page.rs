@@ -24,6 +24,7 @@ body{font:15px/1.5 system-ui,sans-serif;max-width:1560px;margin:2rem auto;paddin
 h1,h2,h3{line-height:1.2}h2{margin-top:3rem;border-top:1px solid var(--line);padding-top:1.5rem}\
 .scroll{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
 th,td{padding:.3rem .8rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}\
+th{white-space:normal;vertical-align:bottom;max-width:9em}h4{margin:1.5rem 0 .5rem}\
 th:nth-child(-n+3),td:nth-child(-n+3){text-align:left}tbody tr:hover{background:var(--faint)}\
 .row{display:grid;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));gap:1rem;margin:.5rem 0 1.5rem}\
 figure{margin:0}img{width:100%;height:auto;display:block;border-radius:4px;background:#000;image-rendering:auto}\
@@ -54,7 +55,7 @@ impl Page {
         let [full_map, indirect_map] =
             [&pictures.full_map, &pictures.indirect_map].map(|map| heat_map(size, map));
         self.add(format_args!(
-            "<h4>Layout {}, {} rays</h4>\n",
+            "<h4>{}, {} rays</h4>\n",
             escaped(&row.layout),
             row.rays
         ));

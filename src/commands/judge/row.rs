@@ -95,7 +95,7 @@ impl Target {
         };
         let mask: Vec<[f32; 3]> = pairs.map(|pair| [unlit(pair); 3]).collect();
         let count = mask.iter().filter(|rgb| !black(rgb)).count();
-        (count as f64 >= LEAST_DARK * mask.len() as f64).then(|| Picture {
+        (count as f64 >= LEAST_DARK * mask.len() as f64).then_some(Picture {
             rgb: mask,
             ..*normals
         })
