@@ -136,7 +136,7 @@ impl ApplicationHandler for App {
             return;
         };
         match event {
-            WindowEvent::CloseRequested => self.end(event_loop, Ok(())),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => self.end(event_loop, Ok(())),
             WindowEvent::RedrawRequested => {
                 let drawn = session.draw(event_loop);
                 let enough = self

@@ -8,7 +8,7 @@
 
 use std::{
     ops::Range,
-    sync::atomic::{AtomicU64, Ordering},
+    sync::atomic::{AtomicBool, AtomicU64, Ordering},
 };
 
 use wgpu::util::DeviceExt as _;
@@ -22,8 +22,11 @@ pub(super) const MOST_ROWS: u32 = 4096;
 
 /// Milliseconds that a dispatch should take. None may take 50; rows differ, and so do frames.
 const AIM_MS: f64 = 20.0;
-/// Share of a row's time that stays known after a faster one.
-const KEPT: f64 = 0.95;
+/// Share of a row's time that stays known after a faster one: what was seen of the sky says little
+/// about the rest of a picture.
+const KEPT_OF_SLOWER: f64 = 0.85;
+/// After a slower one.
+const KEPT_OF_FASTER: f64 = 0.5;
 /// How many times as many rows as the last dispatch the next one takes at most.
 const MOST_GROWTH: u32 = 4;
 /// Least width of a [`rectangle`]: its row is the least that a dispatch can take.
@@ -57,15 +60,26 @@ pub(super) fn table(device: &wgpu::Device) -> wgpu::Buffer {
 pub(super) struct Pace {
     /// Bits of an f64; 0 while nothing is known.
     ms_a_row: AtomicU64,
+    begun: AtomicBool,
 }
 
 impl Pace {
-    /// So many rows took so long. The slowest rows of late count: what was seen of the sky says
-    /// little about the rest of a picture.
+    /// So many rows took so long. The first time says nothing: drivers compile before they begin.
     pub(super) fn learn(&self, rows: u32, ms: f64) {
+        if !self.begun.swap(true, Ordering::Relaxed) {
+            return;
+        }
         let fresh = ms / f64::from(rows.max(1));
-        let known = f64::from_bits(self.ms_a_row.load(Ordering::Relaxed));
-        let next = fresh.max(KEPT * known + (1.0 - KEPT) * fresh);
+        let known = match f64::from_bits(self.ms_a_row.load(Ordering::Relaxed)) {
+            known if known > 0.0 => known,
+            _ => fresh,
+        };
+        let kept = if fresh > known {
+            KEPT_OF_FASTER
+        } else {
+            KEPT_OF_SLOWER
+        };
+        let next = kept * known + (1.0 - kept) * fresh;
         self.ms_a_row.store(next.to_bits(), Ordering::Relaxed);
     }
 
@@ -142,8 +156,8 @@ mod tests {
         ) {
             let pace = Pace::default();
             let mut expected = 0;
-            let mut last = None;
-            for slice in Slices::new(&pace, [width, rows], unknown) {
+            let mut last: Option<u32> = None;
+            for (index, slice) in Slices::new(&pace, [width, rows], unknown).enumerate() {
                 prop_assert_eq!(slice.start, expected);
                 prop_assert!(slice.end > slice.start);
                 let count = slice.end - slice.start;
@@ -151,7 +165,10 @@ mod tests {
                     None => prop_assert!(count <= (unknown / width).max(1)),
                     Some(last) => {
                         prop_assert!(count <= last * MOST_GROWTH);
-                        prop_assert!(f64::from(count) * ms_a_row <= AIM_MS);
+                        // The first dispatch's time is not believed.
+                        let known = index > 1;
+                        prop_assert!(!known || f64::from(count) * ms_a_row <= AIM_MS);
+                        prop_assert!(known || count <= (unknown / width).max(1));
                     }
                 }
                 pace.learn(count, f64::from(count) * ms_a_row);
@@ -173,11 +190,12 @@ mod tests {
     #[test]
     fn what_is_fast_goes_out_at_once_and_slow_rows_are_remembered() {
         let pace = Pace::default();
+        pace.learn(1, 900.0);
         pace.learn(135, 2.0);
         let mut at_once = Slices::new(&pace, [240, 135], 512);
         assert_eq!((at_once.next(), at_once.next()), (Some(0..135), None));
-        // One slow frame: half of it at a time, until faster ones have long been seen.
-        pace.learn(135, 39.0);
+        // One slow frame: half of it at a time, until faster ones have been seen for a while.
+        pace.learn(135, 60.0);
         assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 2);
         pace.learn(135, 2.0);
         assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 2);

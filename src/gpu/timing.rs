@@ -151,7 +151,9 @@ impl<'a> Recorder<'a> {
                 let elapsed_ms = self.compute_timed(label, |pass| {
                     kernel.dispatch_rows(pass, bindings, width, slice);
                 });
-                pace.learn(count, elapsed_ms.unwrap_or_default());
+                let elapsed_ms = elapsed_ms.unwrap_or_default();
+                tracing::trace!("{label}: {count} of {rows} rows in {elapsed_ms:.1} ms");
+                pace.learn(count, elapsed_ms);
             }
             return;
         }

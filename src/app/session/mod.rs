@@ -177,13 +177,18 @@ impl Session {
         let input = self.controls.take(now);
         self.camera = flown(&self.camera, &input, self.speed);
         if !self.hidden {
-            self.rate.push(elapsed.as_secs_f64() * 1e3);
+            self.rate.tick(now);
         }
         self.follow_files(now);
         self.screen.set_vsync(self.settings.vsync);
         self.apply_settings();
 
-        let acquired = self.screen.acquire(&self.show.gpu)?;
+        // X11 hands out textures for a minimised window too.
+        let acquired = if self.window.is_minimized() == Some(true) {
+            Acquired::Hidden
+        } else {
+            self.screen.acquire(&self.show.gpu)?
+        };
         self.hidden = matches!(acquired, Acquired::Hidden);
         let Acquired::Texture(texture) = acquired else {
             self.rate.clear();
@@ -357,6 +362,7 @@ impl Session {
             Ok(()) => self.messages.toast(format!("saved {}", path.display())),
             Err(error) => self.messages.toast_error(error),
         }
+        self.rate.interrupt();
         self.last_frame = Instant::now();
     }
 }

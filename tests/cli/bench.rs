@@ -1,0 +1,55 @@
+//! `grotto bench`.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::{MINIMAL, end, folder, grotto, refused};
+
+#[test]
+fn bench_traversal_measures_rows_and_writes_them() {
+    let folder = folder();
+    let out = folder.path().join("new");
+    let ended = end(grotto()
+        .args([
+            "bench",
+            "traversal",
+            MINIMAL,
+            "--size",
+            "32x16",
+            "--repeats",
+            "1",
+            "--json",
+        ])
+        .arg("--out")
+        .arg(&out));
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let record = ended.json();
+    let written = fs::read_to_string(out.join("traversal.json")).expect("the record");
+    let written: Value = serde_json::from_str(&written).expect("JSON");
+    assert_eq!(written, record);
+    let rows = record["rows"].as_array().expect("an array");
+    for kind in ["camera", "shadow", "probe"] {
+        let row = rows.iter().find(|row| row["rays"] == kind).expect(kind);
+        assert_eq!(row["mismatches"], 0);
+        assert!(
+            row["grays_per_s"].as_f64().is_some_and(|rate| rate > 0.0),
+            "{row}"
+        );
+    }
+    refused(
+        grotto().args(["bench", "traversal", "worlds/none.ron"]),
+        2,
+        &["worlds/none.ron"],
+    );
+    refused(grotto().args(["bench", "layout"]), 2, &["layout"]);
+    let file = folder.path().join("file");
+    fs::write(&file, "").expect("writable");
+    refused(
+        grotto()
+            .args(["bench", "traversal", MINIMAL, "--out"])
+            .arg(&file),
+        2,
+        &["file"],
+    );
+}

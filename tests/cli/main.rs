@@ -1,0 +1,166 @@
+//! The command line, driven as a user drives it.
+
+mod bench;
+mod info;
+mod refusals;
+mod render;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+/// What a command left behind.
+struct Ended {
+    code: i32,
+    stdout: String,
+    stderr: String,
+}
+
+impl Ended {
+    /// The one JSON object on stdout.
+    fn json(&self) -> Value {
+        assert_eq!(self.stdout.lines().count(), 1, "{}", self.stdout);
+        serde_json::from_str(&self.stdout).expect("one JSON object")
+    }
+}
+
+fn grotto() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_grotto"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+/// A machine whose Vulkan loader finds no driver.
+fn grotto_without_gpu() -> Command {
+    let mut command = grotto();
+    for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+        command.env(variable, "/nowhere/at/all.json");
+    }
+    command
+}
+
+fn end(command: &mut Command) -> Ended {
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .expect("the binary starts");
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
+    Ended {
+        code: output.status.code().expect("no signal"),
+        stdout: text(&output.stdout),
+        stderr: text(&output.stderr),
+    }
+}
+
+fn run(arguments: &[&str]) -> Ended {
+    end(grotto().args(arguments))
+}
+
+/// Ends with this code, nothing on stdout, and one message with these parts.
+fn refused(command: &mut Command, code: i32, parts: &[&str]) {
+    let ended = end(command);
+    assert_eq!(ended.code, code, "{command:?}\n{}", ended.stderr);
+    assert_eq!(ended.stdout, "", "{command:?}");
+    for part in parts {
+        assert!(
+            ended.stderr.contains(part),
+            "{command:?}: no `{part}` in\n{}",
+            ended.stderr
+        );
+    }
+    for noise in ["panicked", "RUST_BACKTRACE", "bug in grotto"] {
+        assert!(!ended.stderr.contains(noise), "{}", ended.stderr);
+    }
+}
+
+/// What lies in a folder, sorted.
+fn listing(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let mut paths: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("an entry").path())
+        .collect();
+    paths.sort();
+    paths
+}
+
+fn folder() -> TempDir {
+    tempdir().expect("a temporary folder")
+}
+
+fn world_files() -> Vec<PathBuf> {
+    let all = listing(&Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds"));
+    all.into_iter()
+        .filter(|path| path.extension().is_some_and(|e| e == "ron"))
+        .collect()
+}
+
+const CAVE: &str = "worlds/cave.ron";
+
+const MINIMAL: &str = "worlds/minimal.ron";
+
+#[test]
+fn without_arguments_it_says_what_it_is() {
+    let ended = run(&[]);
+    assert_eq!(ended.code, 0);
+    assert_eq!(ended.stderr, "");
+    for part in ["grotto render worlds/cave.ron", "worlds/", "--help"] {
+        assert!(ended.stdout.contains(part), "{}", ended.stdout);
+    }
+    assert!(ended.stdout.lines().count() < 15);
+}
+
+#[test]
+fn help_lists_what_there_is_and_nothing_else() {
+    let ended = run(&["--help"]);
+    assert_eq!(ended.code, 0);
+    for command in [
+        "render",
+        "reference",
+        "compare",
+        "judge",
+        "bench",
+        "check",
+        "info",
+    ] {
+        assert!(ended.stdout.contains(command), "{}", ended.stdout);
+    }
+    let later = "stress";
+    assert!(!ended.stdout.contains(later), "{}", ended.stdout);
+    assert_eq!(run(&[later]).code, 2);
+    for command in [
+        "render",
+        "reference",
+        "compare",
+        "judge",
+        "bench",
+        "check",
+        "info",
+    ] {
+        assert_eq!(run(&[command, "--help"]).code, 0);
+    }
+}
+
+fn world_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+#[test]
+fn every_world_passes_the_check_and_one_bad_file_is_counted() {
+    let worlds = world_files();
+    assert!(worlds.len() >= 6, "{worlds:?}");
+    let ended = end(grotto().arg("check").args(&worlds));
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert_eq!(ended.stdout.matches(": ok. ").count(), worlds.len());
+
+    let ended = end(grotto().args(["check", MINIMAL, "worlds/none.ron", CAVE]));
+    assert_eq!(ended.code, 2);
+    assert_eq!(ended.stdout.matches(": ok. ").count(), 2);
+    for part in ["worlds/none.ron", "1 of 3"] {
+        assert!(ended.stderr.contains(part), "{}", ended.stderr);
+    }
+}

@@ -1,0 +1,265 @@
+//! The GPU codes directions, places probes and finds cages as the CPU does.
+
+use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
+use grotto::{
+    gpu::{Kernel, KernelSpec, Recorder},
+    parameters::ProbeParameters,
+    passes::{GpuProbeInfo, ProbeField},
+    probes::{Layout as _, Volume, octahedral, sampling},
+    world::LayoutSpec,
+};
+
+use crate::{Rig, SEED, gpu};
+
+#[test]
+fn probe_info_lies_in_memory_as_the_shader_reads_it() {
+    let gpu = gpu();
+    let composed = gpu
+        .shaders
+        .compose("passes/probe_blend", &[])
+        .expect("composes");
+    let (_, info) = composed
+        .module
+        .types
+        .iter()
+        .find(|(_, ty)| {
+            ty.name
+                .as_deref()
+                .is_some_and(|name| name.starts_with("ProbeInfo"))
+        })
+        .expect("declared");
+    let naga::TypeInner::Struct { members, span } = &info.inner else {
+        panic!("a struct");
+    };
+    macro_rules! offsets {
+        ($($field:ident),+) => {
+            [$((stringify!($field), std::mem::offset_of!(GpuProbeInfo, $field))),+]
+        };
+    }
+    let expected = offsets!(
+        first_ws,
+        slots,
+        spacing,
+        rays,
+        inverse_spacing,
+        columns_log2,
+        counts,
+        rows_log2,
+        irradiance_scale,
+        distance_scale,
+        irradiance_texels,
+        distance_texels,
+        longest,
+        reject_longer,
+        normal_bias,
+        view_bias,
+        wrap_offset,
+        crush,
+        visibility,
+        chebyshev_power,
+        chebyshev_floor,
+        least_weight,
+        hysteresis,
+        warmup_frames,
+        change_small,
+        change_step,
+        change_large,
+        change_deviations,
+        firefly_clamp
+    );
+    assert_eq!(*span as usize, size_of::<GpuProbeInfo>());
+    assert_eq!(members.len(), expected.len());
+    for (member, (name, offset)) in members.iter().zip(expected) {
+        assert_eq!(member.name.as_deref(), Some(name));
+        assert_eq!(member.offset as usize, offset, "{name}");
+    }
+}
+
+#[test]
+fn the_gpu_encodes_and_decodes_as_the_cpu() {
+    let gpu = gpu();
+    let kernel = Kernel::new(
+        &gpu,
+        &KernelSpec {
+            shader: "generated/octahedral",
+            generated: &[(
+                "octahedral",
+                "
+import package::probes::octahedral::{octahedral_encode, octahedral_decode, texel_direction};
+@group(3) @binding(0) var<storage, read> directions: array<vec4f>;
+@group(3) @binding(1) var<storage, read_write> coded: array<vec4f>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= arrayLength(&directions) { return; }
+    let point = octahedral_encode(directions[id.x].xyz);
+    coded[2u * id.x] = vec4f(point, 0.0, 0.0);
+    coded[2u * id.x + 1u] = vec4f(octahedral_decode(point), texel_direction(vec2u(id.x & 7u, 5u), 8u).x);
+}
+",
+            )],
+            ..Default::default()
+        },
+    )
+    .expect("compiles");
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z]
+        .into_iter()
+        .flat_map(|a| [a, -a]);
+    let directions: Vec<DVec3> = axes
+        .chain(sampling::directions(500, 1, 2))
+        .map(|d| d.as_vec3().as_dvec3())
+        .collect();
+    let input: Vec<[f32; 4]> = directions
+        .iter()
+        .map(|d| (d * 3.0).as_vec3().extend(0.0).to_array())
+        .collect();
+    let input = gpu.storage_buffer_of("directions", &input).expect("fits");
+    let out = gpu
+        .storage_buffer("coded", directions.len() as u64 * 32)
+        .expect("fits");
+    let bindings = kernel.bind(
+        &gpu,
+        &[
+            ("directions", input.as_entire_binding()),
+            ("coded", out.as_entire_binding()),
+        ],
+    );
+    let mut recorder = Recorder::new(&gpu, None);
+    recorder.compute("octahedral", |pass| {
+        kernel.dispatch_threads(pass, &bindings, [directions.len() as u32, 1, 1]);
+    });
+    recorder.submit(&gpu).expect("submits");
+    let coded = gpu.read_buffer::<[[f32; 4]; 2]>(&out).expect("reads back");
+    for (i, direction) in directions.iter().enumerate() {
+        let [point, decoded] = coded[i].map(|c| c.map(f64::from));
+        let point = DVec2::new(point[0], point[1]);
+        // −Z lies in all four corners.
+        let corner = direction.z < -1.0 + 1e-6 && point.abs().distance(DVec2::ONE) < 1e-3;
+        assert!(
+            corner || point.distance(octahedral::encode(*direction)) < 1e-5,
+            "{direction}: {point}"
+        );
+        let decoded_direction = DVec3::new(decoded[0], decoded[1], decoded[2]);
+        assert!(decoded_direction.distance(*direction) < 1e-5, "{direction}");
+        let texel = octahedral::texel_direction(UVec2::new(i as u32 & 7, 5), 8);
+        assert!((decoded[3] - texel.x).abs() < 1e-6);
+    }
+}
+
+/// Positions and cages of the GPU's volume are those of the CPU's.
+#[test]
+fn the_gpu_places_probes_and_cages_as_the_cpu() {
+    for counts in [[5, 3, 4], [1, 2, 1]] {
+        let spec = LayoutSpec {
+            name: "test".into(),
+            counts: counts.into(),
+            spacing: Vec3::new(7.0, 3.5, 11.0),
+            centre: Vec3::new(-0.2, 1.0, 3.4),
+        };
+        let volume = Volume::new(&spec).expect("a good layout");
+        let rig = Rig::new(volume.clone(), ProbeParameters::default());
+        rig.field.begin_frame(&rig.gpu, &rig.parameters, SEED, 0);
+        let points: Vec<[f32; 4]> = (0..300)
+            .map(|i| sampling::rotation(4, i).xyz().as_vec3() * 40.0)
+            .map(|point| point.extend(0.0).to_array())
+            .collect();
+        let kernel = Kernel::new(
+            &rig.gpu,
+            &KernelSpec {
+                shader: "generated/cages",
+                generated: &[("cages", CAGES)],
+                ..Default::default()
+            },
+        )
+        .expect("compiles");
+        let slots = volume.slots();
+        let input = rig.gpu.storage_buffer_of("points", &points).expect("fits");
+        let positions = rig
+            .gpu
+            .storage_buffer("positions", u64::from(slots) * 16)
+            .expect("fits");
+        let corners = rig
+            .gpu
+            .storage_buffer("corners", points.len() as u64 * 64)
+            .expect("fits");
+        let mut resources = rig.field.resources().to_vec();
+        resources.push(("points", input.as_entire_binding()));
+        resources.push(("positions", positions.as_entire_binding()));
+        resources.push(("corners", corners.as_entire_binding()));
+        let bindings = kernel.bind(&rig.gpu, &resources);
+        let mut recorder = Recorder::new(&rig.gpu, None);
+        recorder.compute("cages", |pass| {
+            kernel.dispatch_threads(pass, &bindings, [points.len() as u32, 1, 1]);
+        });
+        recorder.submit(&rig.gpu).expect("submits");
+        let positions = rig.gpu.read_buffer::<[f32; 4]>(&positions).expect("reads");
+        for slot in 0..slots {
+            let [x, y, z, _] = positions[slot as usize];
+            assert_eq!(Vec3::new(x, y, z), volume.position(slot), "slot {slot}");
+        }
+        let corners = rig
+            .gpu
+            .read_buffer::<[[f32; 2]; 8]>(&corners)
+            .expect("reads");
+        for (point, found) in points.iter().zip(&corners) {
+            let mut difference = vec![0.0; slots as usize];
+            for (slot, weight) in volume.cage(Vec3::new(point[0], point[1], point[2])) {
+                difference[slot as usize] += weight;
+            }
+            for [slot, weight] in found {
+                // Corners beyond a single layer have no weight, and may name any slot.
+                if *weight > 0.0 {
+                    difference[*slot as usize] -= weight;
+                }
+            }
+            for (slot, off) in difference.iter().enumerate() {
+                assert!(off.abs() < 1e-5, "slot {slot} at {point:?} is off by {off}");
+            }
+        }
+    }
+}
+
+const CAGES: &str = "
+import package::data::probes::probe_info;
+import package::probes::volume::{probe_position, cage_around, cage_probe};
+@group(3) @binding(0) var<storage, read> points: array<vec4f>;
+@group(3) @binding(1) var<storage, read_write> positions: array<vec4f>;
+@group(3) @binding(2) var<storage, read_write> corners: array<vec2f>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x < probe_info.slots {
+        positions[id.x] = vec4f(probe_position(id.x), 0.0);
+    }
+    if id.x < arrayLength(&points) {
+        let cage = cage_around(points[id.x].xyz);
+        for (var corner = 0u; corner < 8u; corner += 1u) {
+            let probe = cage_probe(cage, corner);
+            corners[id.x * 8u + corner] = vec2f(f32(probe.slot), probe.weight);
+        }
+    }
+}
+";
+
+#[test]
+fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
+    let gpu = gpu();
+    let parameters = ProbeParameters {
+        rays: 4096,
+        distance_texels: 64,
+        ..Default::default()
+    };
+    let huge = Volume::new(&LayoutSpec {
+        name: "huge".into(),
+        counts: UVec3::splat(100),
+        spacing: Vec3::ONE,
+        centre: Vec3::ZERO,
+    })
+    .expect("a good layout");
+    let error = ProbeField::new(&gpu, huge, &parameters)
+        .err()
+        .expect("too large");
+    let message = error.to_string();
+    assert!(
+        message.contains("probes.") || message.contains("layout"),
+        "{message}"
+    );
+}
