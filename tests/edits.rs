@@ -11,7 +11,7 @@ use grotto::{
     parameters::ProbeParameters,
     passes::{
         GpuVoxels, View, ViewMode,
-        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
+        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet},
     },
     world::{
         Camera, LayoutSpec, World, file,
@@ -146,7 +146,7 @@ fn hits(gpu: &Gpu, voxels: &GpuVoxels, marchers: &[Marcher]) -> Vec<FoundHit> {
     let rays = RaySet {
         view: &view_buffer,
         size: view.size,
-        shadow: ShadowTarget::Sun(Vec3::Y),
+        rays_per_edge: 1,
         probes: &probes,
         directions: &directions,
     };
@@ -154,7 +154,7 @@ fn hits(gpu: &Gpu, voxels: &GpuVoxels, marchers: &[Marcher]) -> Vec<FoundHit> {
     let mut found = Vec::new();
     for marcher in marchers {
         for kind in [RayKind::Camera, RayKind::Probe] {
-            found.extend(bench.run(gpu, kind, *marcher, 1).expect("runs").found);
+            found.extend(bench.hits(gpu, kind, *marcher).expect("runs"));
         }
     }
     found

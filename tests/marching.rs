@@ -98,31 +98,47 @@ fn marching_equals_plain_dda_hit_for_hit() {
             .filter(|probe| voxels.material(probe.as_ivec3()) == 0)
             .collect();
         let directions = directions();
-        let bench = RayBench::new(
+        let mut bench = RayBench::new(
             &gpu,
             &on_gpu,
             &RaySet {
                 view: &view_buffer,
                 size: view.size,
-                shadow: if seed == 2 {
-                    ShadowTarget::Sun(Vec3::new(0.3, 0.8, 0.4))
-                } else {
-                    ShadowTarget::Lamp(Vec3::new(20.0, 60.0, 40.0))
-                },
+                rays_per_edge: 1,
                 probes: &probes,
                 directions: &directions,
             },
         )
         .expect("compiles");
+        let light = if seed == 2 {
+            ShadowTarget::Sun(Vec3::new(0.3, 0.8, 0.4))
+        } else {
+            ShadowTarget::Lamp(Vec3::new(20.0, 60.0, 40.0))
+        };
+        bench.aim(&gpu, light).expect("runs");
         for kind in [RayKind::Camera, RayKind::Shadow, RayKind::Probe] {
-            let marched = bench
-                .run(&gpu, kind, Marcher::BrickMap, 1)
-                .expect("runs")
-                .found;
-            let plain = bench
-                .run(&gpu, kind, Marcher::PlainDda, 1)
-                .expect("runs")
-                .found;
+            let run = |marcher| {
+                let hits = bench.hits(&gpu, kind, marcher).expect("runs");
+                let timed = bench.time(&gpu, kind, marcher, 1).expect("runs");
+                assert_eq!(
+                    timed.results.len(),
+                    bench.rays(kind) as usize * kind.timed_words()
+                );
+                for (hit, words) in hits.iter().zip(timed.results.chunks(kind.timed_words())) {
+                    let expected = match kind {
+                        RayKind::Shadow => vec![u32::from(hit.place != FoundHit::MISS)],
+                        _ => vec![hit.place, hit.face_and_steps & 0xffff],
+                    };
+                    assert_eq!(words, expected, "{kind:?} by {marcher:?}, seed {seed}");
+                }
+                hits
+            };
+            let marched = run(Marcher::BrickMap);
+            let plain = run(Marcher::PlainDda);
+            bench.scattered = true;
+            let scattered = bench.hits(&gpu, kind, Marcher::BrickMap).expect("runs");
+            bench.scattered = false;
+            assert_eq!(mismatches(&scattered, &plain), 0, "{kind:?}, seed {seed}");
             assert_eq!(mismatches(&marched, &plain), 0, "{kind:?}, seed {seed}");
             let hits = marched
                 .iter()

@@ -1,11 +1,14 @@
 //! The worlds that come with grotto are what their titles say, judged by their voxels on the CPU.
 
-use std::path::Path;
+use std::{f64::consts::PI, path::Path, sync::atomic::AtomicBool};
 
 use glam::{DVec2, IVec3, UVec3, Vec3};
 use grotto::{
     probes::{Layout as _, Volume},
-    reference::march::{FACE_NORMALS, Outcome, Ray, march},
+    reference::{
+        march::{FACE_NORMALS, Outcome, Ray, march},
+        render::{FilmOptions, RenderOptions, View, render},
+    },
     world::{Camera, World, file, generate, voxels::Voxels},
 };
 
@@ -206,6 +209,51 @@ fn the_small_emitter_shows_one_face_and_no_camera_sees_it() {
         let sees = |sight: &Outcome| matches!(sight, Outcome::Hit(hit) if hit.material == emitter);
         assert!(!built.sights(camera).iter().any(sees), "{}", camera.name);
     }
+}
+
+/// What the floor below the emitter receives is L times the form factor of a square above it.
+#[test]
+fn the_small_emitter_gives_the_floor_its_form_factor() {
+    let built = build("small_emitter");
+    let camera = Camera {
+        name: "down".into(),
+        position: Vec3::new(0.5, 4.0, 0.5),
+        yaw_deg: 0.0,
+        pitch_deg: -90.0,
+        fov_deg: 10.0,
+    };
+    let samples = 500_000;
+    let picture = render(
+        &built.world,
+        &built.voxels,
+        &RenderOptions {
+            lamps: &built.world.lamp_presets[0],
+            time_s: 0.0,
+            textures: true,
+            film: FilmOptions {
+                camera: &camera,
+                size: [1, 1],
+                samples,
+                seed: 1,
+                view: View::Irradiance,
+                antialias: false,
+                // What the emitter sends itself, and nothing that bounces.
+                max_bounces: 1,
+            },
+        },
+        &|_, _| {},
+        &AtomicBool::new(false),
+    );
+    let slope = (0.5 / 8.0) / f64::hypot(1.0, 0.5 / 8.0);
+    let form_factor = 4.0 / PI * slope * slope.atan();
+    // Paths that are left to chance hit the emitter with this probability.
+    let error = 3.0 * ((1.0 - form_factor) / (form_factor * f64::from(samples))).sqrt();
+    let ratio = f64::from(picture.rgb[0][0]) / (100.0 * form_factor);
+    assert!(
+        (ratio - 1.0).abs() < error,
+        "{ratio}, not within {error} of 1"
+    );
+    assert!(error < 0.07, "{error}");
 }
 
 #[test]

@@ -165,17 +165,19 @@ fn bench_rays_do_not_depend_on_how_they_went_out() {
         let rays = RaySet {
             view: &buffer,
             size: SIZE,
-            shadow: ShadowTarget::Lamp(Vec3::splat(20.0)),
+            rays_per_edge: 1,
             probes: &probes,
             directions: &directions,
         };
-        let bench = RayBench::new(&gpu, &stage.voxels, &rays).expect("compiles");
+        let mut bench = RayBench::new(&gpu, &stage.voxels, &rays).expect("fits");
+        let light = ShadowTarget::Lamp(Vec3::splat(20.0));
+        bench.aim(&gpu, light).expect("runs");
         let kinds = [RayKind::Camera, RayKind::Shadow, RayKind::Probe];
         let marchers = [Marcher::BrickMap, Marcher::PlainDda];
         kinds
             .iter()
             .flat_map(|kind| marchers.iter().map(|marcher| (*kind, *marcher)))
-            .map(|(kind, marcher)| bench.run(&gpu, kind, marcher, 1).expect("runs").found)
+            .map(|(kind, marcher)| bench.hits(&gpu, kind, marcher).expect("runs"))
             .collect()
     };
     let at_once = found(u32::MAX);

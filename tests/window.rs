@@ -55,6 +55,20 @@ fn the_window_opens_shows_frames_and_closes() {
 }
 
 #[test]
+fn the_path_traced_reference_is_shown_in_the_window() {
+    let output = play(&[
+        "worlds/minimal.ron",
+        "--reference",
+        "--frames",
+        "4",
+        "--size",
+        "160x96",
+    ]);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+}
+
+#[test]
 fn shaders_from_a_folder_run_and_broken_ones_leave_those_of_the_binary() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     copy(Path::new("shaders"), folder.path());

@@ -1,6 +1,6 @@
 //! World time, and how fast the window is.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, time::Instant};
 
 use crate::measure::statistics;
 
@@ -40,6 +40,8 @@ impl WorldClock {
 pub struct FrameRate {
     /// Milliseconds, the latest last.
     frames_ms: VecDeque<f64>,
+    /// When the frame before began, if the time since then is that of a frame.
+    last: Option<Instant>,
 }
 
 impl FrameRate {
@@ -48,16 +50,29 @@ impl FrameRate {
     /// The rate is that of the frames of so many milliseconds, so that it can be read.
     const SMOOTHED_MS: f64 = 500.0;
 
-    pub fn push(&mut self, frame_ms: f64) {
+    /// A frame begins: the time since the one before counts, if there was one.
+    pub fn tick(&mut self, now: Instant) {
+        if let Some(last) = self.last.replace(now) {
+            self.push(now.saturating_duration_since(last).as_secs_f64() * 1e3);
+        }
+    }
+
+    /// What goes on now is no part of a frame.
+    pub fn interrupt(&mut self) {
+        self.last = None;
+    }
+
+    fn push(&mut self, frame_ms: f64) {
         if self.frames_ms.len() == Self::KEPT {
             self.frames_ms.pop_front();
         }
         self.frames_ms.push_back(frame_ms);
     }
 
-    /// As when the first frame after a stall would spoil the figures.
+    /// As when frames so far say nothing about those to come.
     pub fn clear(&mut self) {
         self.frames_ms.clear();
+        self.interrupt();
     }
 
     /// Frames per second of the last half second; `None` before the first frame.
@@ -82,7 +97,26 @@ impl FrameRate {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
+
+    #[test]
+    fn only_the_time_between_frames_counts() {
+        let start = Instant::now();
+        let after = |ms| start + Duration::from_millis(ms);
+        let mut rate = FrameRate::default();
+        rate.tick(after(0));
+        assert_eq!(rate.fps(), None, "one frame has no duration yet");
+        rate.tick(after(100));
+        rate.interrupt();
+        rate.tick(after(900));
+        rate.tick(after(1000));
+        assert!((rate.fps().expect("two frames") - 10.0).abs() < 1e-9);
+        rate.clear();
+        rate.tick(after(1001));
+        assert_eq!(rate.fps(), None, "nor has the first after a stall");
+    }
 
     #[test]
     fn time_runs_stands_and_does_not_leap() {

@@ -16,6 +16,8 @@ pub struct Messages {
     pub world: Option<String>,
     /// What is wrong with the shaders; the last good ones run.
     pub shaders: Option<String>,
+    /// What is going on, as long as it does.
+    pub status: Option<String>,
     toasts: Vec<Toast>,
 }
 
@@ -48,6 +50,14 @@ impl Messages {
     pub fn show(&mut self, ui: &mut Ui) {
         let now = Instant::now();
         self.toasts.retain(|toast| toast.until > now);
+        if let Some(status) = &self.status {
+            Area::new(Id::unique("status"))
+                .anchor(Align2::CENTER_TOP, [0.0, 12.0])
+                .interactable(false)
+                .show(ui.ctx(), |ui| {
+                    Frame::popup(ui.style()).show(ui, |ui| ui.label(status));
+                });
+        }
         if !self.toasts.is_empty() {
             toasts(ui, &self.toasts);
         }

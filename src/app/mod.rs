@@ -17,6 +17,7 @@ mod screen;
 mod screenshot;
 mod session;
 mod show;
+mod truth;
 mod widgets;
 
 use std::{
@@ -54,6 +55,8 @@ pub struct Options {
     /// Name of a probe layout of the world.
     pub layout: String,
     pub view: ViewMode,
+    /// Path-traced in place of lit by probes.
+    pub traced: bool,
     /// Width and height of the window in pixels.
     pub size: [u32; 2],
     /// Part of the name of the adapter to run on; the fastest without.
@@ -136,7 +139,7 @@ impl ApplicationHandler for App {
             return;
         };
         match event {
-            WindowEvent::CloseRequested => self.end(event_loop, Ok(())),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => self.end(event_loop, Ok(())),
             WindowEvent::RedrawRequested => {
                 let drawn = session.draw(event_loop);
                 let enough = self

@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use miette::{GraphicalReportHandler, GraphicalTheme, Report};
 
+use super::truth::Truth;
 use crate::{
     frame::{Frame, FrameError, Stage},
-    gpu::{Gpu, Recorder, ShaderLibrary},
+    gpu::{Gpu, GpuError, Recorder, ShaderLibrary},
     lights::Lights,
+    measure::picture::Picture,
     parameters::{Parameters, Remake},
     passes::{View, ViewMode},
     world::{
@@ -25,6 +27,8 @@ pub struct Choice {
     pub layout: String,
     /// Width and height of the picture in pixels.
     pub size: [u32; 2],
+    /// The path-traced picture in place of the one that probes light.
+    pub traced: bool,
 }
 
 /// Why what was chosen or edited cannot be shown; what was shown before still is.
@@ -56,6 +60,8 @@ pub struct Show {
     path: PathBuf,
     world: World,
     frame: Frame,
+    /// While it is chosen.
+    truth: Option<Truth>,
     choice: Choice,
     /// The voxels as the GPU has them, once an edit has needed them.
     voxels: Option<Voxels>,
@@ -83,14 +89,25 @@ impl Show {
         let stage = Stage::build(&gpu, &world)?;
         let layout = layout(&world, &choice.layout);
         let frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
-        Ok(Self {
+        let mut show = Self {
             gpu,
             path: path.to_owned(),
             world,
             frame,
+            truth: None,
             choice,
             voxels: None,
-        })
+        };
+        show.truth = show.traced(&show.choice)?;
+        Ok(show)
+    }
+
+    /// The path tracer of the picture that this is a choice of, if it is.
+    fn traced(&self, choice: &Choice) -> Result<Option<Truth>, GpuError> {
+        choice
+            .traced
+            .then(|| Truth::new(&self.gpu, &self.frame.stage, &self.world, choice.size))
+            .transpose()
     }
 
     pub fn world(&self) -> &World {
@@ -132,8 +149,18 @@ impl Show {
         if resized {
             self.frame.resize(&self.gpu, next.size)?;
         }
+        let changed = next.traced != self.choice.traced;
+        if changed
+            || (next.traced
+                && self
+                    .truth
+                    .as_ref()
+                    .is_none_or(|truth| truth.size() != next.size))
+        {
+            self.truth = self.traced(&next).map_err(FrameError::from)?;
+        }
         self.choice = next;
-        Ok(remake == Remake::Probes || resized)
+        Ok(remake == Remake::Probes || resized || changed)
     }
 
     /// Reads the world file again.
@@ -167,6 +194,7 @@ impl Show {
             self.frame.rebuild_passes(&gpu)?;
         }
         self.gpu = gpu;
+        self.truth = self.traced(&self.choice)?;
         Ok(())
     }
 
@@ -191,10 +219,14 @@ impl Show {
         // After an error the GPU's copy is as before: the next edit reads it back.
         self.frame.apply(&self.gpu, &voxels, &edit)?;
         self.voxels = Some(voxels);
+        self.truth = self.traced(&self.choice)?;
         Ok(())
     }
 
     /// Records a frame, as seen from `camera` at world time `time_s`.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device does not take the work.
     pub fn record(
         &mut self,
         recorder: &mut Recorder<'_>,
@@ -202,7 +234,7 @@ impl Show {
         mode: ViewMode,
         time_s: f64,
         seed: u32,
-    ) {
+    ) -> Result<(), GpuError> {
         let parameters = &self.choice.parameters;
         let view = View {
             camera: camera.clone(),
@@ -220,8 +252,36 @@ impl Show {
             0.0
         };
         let lights = Lights::at(&self.world, &self.lamps(), lamp_time_s);
+        if let Some(truth) = &mut self.truth {
+            return truth.record(&self.gpu, recorder, &view, &lights);
+        }
         self.frame
             .record(&self.gpu, recorder, &view, &lights, &parameters.probes);
+        Ok(())
+    }
+
+    /// The path-traced picture, while it is what is shown.
+    pub fn truth(&mut self) -> Option<&mut Truth> {
+        self.truth.as_mut()
+    }
+
+    /// What is shown: `rgba8unorm`, sRGB-encoded.
+    pub fn display(&self) -> &wgpu::Texture {
+        match &self.truth {
+            Some(truth) => truth.display(),
+            None => self.frame.display(),
+        }
+    }
+
+    /// What is shown, as values in [0, 1].
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_display(&self) -> Result<Picture, GpuError> {
+        match &self.truth {
+            Some(truth) => truth.read_display(&self.gpu),
+            None => self.frame.read_display(&self.gpu),
+        }
     }
 
     /// As many lamps of the chosen preset as the parameters allow.
@@ -276,6 +336,7 @@ mod tests {
             parameters,
             layout: String::new(),
             size: [8, 8],
+            traced: false,
         };
         Show::new(gpu, &path, world, choice).expect("it fits")
     }

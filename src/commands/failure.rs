@@ -58,6 +58,13 @@ impl Failure {
     pub fn exit_code(&self) -> u8 {
         self.exit_code
     }
+
+    /// The message as a part of another.
+    pub fn reason(&self) -> &str {
+        self.message
+            .strip_prefix("error: ")
+            .unwrap_or(&self.message)
+    }
 }
 
 impl fmt::Display for Failure {

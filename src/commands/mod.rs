@@ -3,15 +3,20 @@
 pub mod bench;
 mod check;
 mod compare;
+mod driver;
+mod dynamics;
 mod failure;
 mod info;
+mod judge;
 mod memory;
 mod options;
+mod out_file;
 mod output;
 mod play;
 mod record;
 pub mod reference;
 mod render;
+mod subject;
 
 use std::panic::PanicHookInfo;
 
@@ -48,6 +53,7 @@ enum Command {
     Render(render::Arguments),
     Reference(reference::Arguments),
     Compare(compare::Arguments),
+    Judge(judge::Arguments),
     Check(check::Arguments),
     Bench(bench::Arguments),
     Info(info::Arguments),
@@ -64,6 +70,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Reference(arguments)) => reference::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
+        Some(Command::Judge(arguments)) => judge::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),

@@ -76,7 +76,7 @@ pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| format!("write WIDTHxHEIGHT, as in 1280x720, each from 1 to {MAX_EDGE}"))
 }
 
-fn world_time(text: &str) -> Result<f64, String> {
+pub fn world_time(text: &str) -> Result<f64, String> {
     let time = text.parse().ok().filter(|time: &f64| time.abs() <= 1e9);
     time.ok_or_else(|| "write seconds as a number, at most 1e9".to_owned())
 }
@@ -161,7 +161,7 @@ pub fn load_world(path: &Path, parameters: &Parameters) -> Result<World, Failure
 }
 
 /// The one of that name, or the first when none is asked for.
-fn choose<T: Clone>(
+pub fn choose<T: Clone>(
     path: &Path,
     what: &str,
     all: &[T],

@@ -31,6 +31,9 @@ pub struct Arguments {
     /// What the picture shows
     #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
     view: ViewMode,
+    /// Begin with the path-traced reference (F6), and with time standing still
+    #[arg(long)]
+    reference: bool,
     /// Set a parameter (repeatable); `grotto info --keys` lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     set: Vec<String>,
@@ -81,6 +84,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         camera: scene.camera,
         layout: scene.layout.name,
         view: arguments.view,
+        traced: arguments.reference,
         size: arguments.size,
         adapter: run.adapter,
         seed: arguments.seed,

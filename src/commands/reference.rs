@@ -30,7 +30,7 @@ use crate::{
     world::{Camera, World},
 };
 
-/// Path-trace a picture on the GPU: the truth that DDGI is judged by. Ctrl-C writes what there is
+/// Path-trace a picture on the GPU, as ground truth; Ctrl-C writes what there is
 #[derive(Args)]
 pub struct Arguments {
     /// World file (worlds/*.ron)
@@ -122,7 +122,7 @@ pub fn trace(
             record(&mut recorder, &slice);
             recorder.submit(gpu)?;
             gpu.wait()?;
-            schedule.took(start.elapsed().as_secs_f64() * 1e3);
+            schedule.took(slice.work, start.elapsed().as_secs_f64() * 1e3);
             if stop {
                 progress(schedule.done(), schedule.total());
             }
@@ -197,6 +197,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "a picture of this size",
         pixels * (3 * PathTrace::BYTES_PER_PIXEL + 24),
     )?;
+    let cancel = stop_at_ctrl_c(run);
     let gpu = output::open_gpu(run)?;
     gpu.check_buffer(
         "a picture of this size",
@@ -206,7 +207,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let stage = Stage::build(&gpu, &scene.world)?;
     spinner.finish_and_clear();
 
-    let cancel = stop_at_ctrl_c(run);
     let bar = output::progress(run, "tiles × samples", 1);
     let progress = |done, total| {
         bar.set_length(total);

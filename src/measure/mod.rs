@@ -1,11 +1,14 @@
 //! Pictures and statistics. Knows no world.
 
+pub mod base64;
 pub mod comparison;
 pub mod flip;
 pub mod magma;
 pub mod metrics;
 pub mod picture;
 pub mod picture_file;
+pub mod response;
 pub mod selection;
+pub mod stability;
 pub mod statistics;
 pub mod tonemap;

@@ -110,6 +110,19 @@ pub fn write(path: &Path, linear: &Picture, exposure_ev: f32) -> Result<(), Pict
 /// # Errors
 /// As [`write()`].
 pub fn write_png(path: &Path, display: &Picture) -> Result<(), PictureError> {
+    let file = encoded_png(display).map_err(|error| unstorable(path, display, error))?;
+    save(path, &file)
+}
+
+/// The PNG that [`write_png`] writes.
+///
+/// # Panics
+/// For a picture without pixels, which no PNG can hold.
+pub fn png_bytes(display: &Picture) -> Vec<u8> {
+    encoded_png(display).expect("a picture with pixels fits a PNG in memory")
+}
+
+fn encoded_png(display: &Picture) -> Result<Vec<u8>, image::ImageError> {
     let bytes: Vec<u8> = display
         .rgb
         .iter()
@@ -117,15 +130,13 @@ pub fn write_png(path: &Path, display: &Picture) -> Result<(), PictureError> {
         .map(|&value| quantised(value))
         .collect();
     let mut file = Vec::new();
-    PngEncoder::new(&mut file)
-        .write_image(
-            &bytes,
-            display.width,
-            display.height,
-            image::ExtendedColorType::Rgb8,
-        )
-        .map_err(|error| unstorable(path, display, error))?;
-    save(path, &file)
+    PngEncoder::new(&mut file).write_image(
+        &bytes,
+        display.width,
+        display.height,
+        image::ExtendedColorType::Rgb8,
+    )?;
+    Ok(file)
 }
 
 /// Writes a picture with its full range.

@@ -39,6 +39,15 @@ pub struct PathTrace {
     size: [u32; 2],
 }
 
+/// The last step of [`PathTrace`] where its pictures are shown: the mean so far, as linear HDR.
+pub struct Resolve {
+    kernel: Kernel,
+    bindings: Bindings,
+    size: [u32; 2],
+    /// `rgba16float`, rows from the top, as pass `shade` writes it.
+    pub hdr: wgpu::Texture,
+}
+
 impl PathTrace {
     /// Bytes of each of the three buffers.
     pub const BYTES_PER_PIXEL: u64 = 16;
@@ -135,6 +144,51 @@ impl PathTrace {
         });
     }
 
+    /// What shows the picture so far; `resources` are those of the view.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn resolve(
+        &self,
+        gpu: &Gpu,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Resolve, GpuError> {
+        let hdr = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("traced_hdr"),
+            size: wgpu::Extent3d {
+                width: self.size[0],
+                height: self.size[1],
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "passes/path_trace",
+                entry: "resolve",
+                ..Default::default()
+            },
+        )?;
+        let view = hdr.create_view(&Default::default());
+        let mut all = resources.to_vec();
+        all.push(("certain", self.certain.as_entire_binding()));
+        all.push(("sums", self.sums.as_entire_binding()));
+        all.push(("totals", self.totals.as_entire_binding()));
+        all.push(("traced_hdr", wgpu::BindingResource::TextureView(&view)));
+        Ok(Resolve {
+            bindings: kernel.bind(gpu, &all),
+            kernel,
+            size: self.size,
+            hdr,
+        })
+    }
+
     /// The picture so far: linear radiance, or the view's data (depth in voxels). Each pixel is the
     /// mean of its own samples; without any it shows what is not random.
     ///
@@ -160,5 +214,14 @@ impl PathTrace {
             height,
             rgb: certain.iter().zip(&sums).zip(&totals).map(pixel).collect(),
         })
+    }
+}
+
+impl Resolve {
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        recorder.compute("path_trace", |pass| {
+            let size = [self.size[0], self.size[1], 1];
+            self.kernel.dispatch_threads(pass, &self.bindings, size);
+        });
     }
 }

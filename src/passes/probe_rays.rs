@@ -26,6 +26,7 @@ impl ProbeRays {
             gpu,
             &KernelSpec {
                 shader: "passes/probe_rays",
+                overrides: &[("COHERENT", 0.0)],
                 ..Default::default()
             },
         )?;

@@ -16,6 +16,8 @@ pub struct Slice {
     pub samples: Range<u32>,
     /// 0: places are tiles, row by row; else log2 of their number when they are scattered.
     pub scatter_bits: u32,
+    /// Tiles × samples.
+    pub work: u64,
 }
 
 /// What has been done of a picture, and how much to do next.
@@ -26,9 +28,8 @@ pub struct Schedule {
     /// The samples that every tile gets in this round, and the next place.
     round: Range<u32>,
     place: u32,
-    /// Tiles × samples that the next slice may have, and that the last one had.
+    /// Tiles × samples that the next slice may have.
     work: f64,
-    last: f64,
 }
 
 impl Schedule {
@@ -40,7 +41,16 @@ impl Schedule {
             round: 0..0,
             place: 0,
             work: 1.0,
-            last: 1.0,
+        }
+    }
+
+    /// One sample of every tile at once.
+    pub fn whole(tiles: u32) -> Slice {
+        Slice {
+            places: 0..tiles,
+            samples: 0..1,
+            scatter_bits: 0,
+            work: u64::from(tiles),
         }
     }
 
@@ -104,7 +114,6 @@ impl Schedule {
             }
         }
         let places = first..self.place;
-        self.last = f64::from(tiles) * self.round.len() as f64;
         if scatter_bits == 0 || self.place == self.places() {
             self.place = 0;
         }
@@ -112,19 +121,21 @@ impl Schedule {
             places,
             samples: self.round.clone(),
             scatter_bits,
+            work: u64::from(tiles) * self.round.len() as u64,
         })
     }
 
-    /// Learns from the milliseconds that a slice took.
-    pub fn took(&mut self, ms: f64) {
+    /// Learns from the milliseconds that a slice of so much work took, be it the last or an older one.
+    pub fn took(&mut self, work: u64, ms: f64) {
+        let work = work as f64;
         // The rest of a round says little of the speed, unless it was too much already.
-        if self.last * 2.0 < self.work && ms < TARGET_MS {
+        if work * 2.0 < self.work && ms < TARGET_MS {
             return;
         }
         // A clock that stood still says that there is room.
-        let affordable = self.last * TARGET_MS / ms.max(1e-3);
+        let affordable = (work * TARGET_MS / ms.max(1e-3)).min(work * GROWTH);
         let most = f64::from(self.tiles) * f64::from(self.samples);
-        self.work = affordable.min(self.work * GROWTH).min(most).max(1.0);
+        self.work = affordable.min(most).max(1.0);
     }
 
     fn holds_tile(&self, place: u32) -> bool {
@@ -160,7 +171,7 @@ mod tests {
         let mut longest = 0.0f64;
         while let Some(slice) = schedule.next_slice() {
             let mut work = 0;
-            for place in slice.places {
+            for place in slice.places.clone() {
                 let tile = tile_of(place, slice.scatter_bits) as usize;
                 if tile < seen.len() {
                     assert_eq!(
@@ -171,9 +182,10 @@ mod tests {
                     work += slice.samples.len();
                 }
             }
+            assert_eq!(slice.work, work as u64);
             let ms = work as f64 * ms_per_work + 0.05;
             longest = longest.max(ms);
-            schedule.took(ms);
+            schedule.took(slice.work, ms);
             let fewest = seen.iter().copied().min().expect("there are tiles");
             // The last places of a round may hold no tile.
             assert!(schedule.complete() <= fewest);
@@ -206,8 +218,8 @@ mod tests {
     fn a_restart_keeps_what_was_learnt_of_the_speed() {
         let mut schedule = Schedule::new(64, 1000);
         for _ in 0..6 {
-            schedule.next_slice().expect("more to do");
-            schedule.took(0.1);
+            let slice = schedule.next_slice().expect("more to do");
+            schedule.took(slice.work, 0.1);
         }
         schedule.restart(1000);
         assert_eq!((schedule.complete(), schedule.done()), (0, 0));

@@ -1,7 +1,7 @@
 //! Pass `shade`: lights what the camera rays hit.
 
 use super::ProbeField;
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 /// The kernel and the picture that it writes.
 pub struct Shade {
@@ -46,7 +46,7 @@ impl Shade {
     }
 
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let groups = self.kernel.groups_of([self.hdr.width(), self.hdr.height()]);
-        recorder.run(&self.kernel, &self.bindings, groups);
+        let [columns, rows] = self.kernel.groups_of([self.hdr.width(), self.hdr.height()]);
+        recorder.run(&self.kernel, &self.bindings, rectangle(columns * rows));
     }
 }

@@ -1,7 +1,9 @@
-//! The reference against closed forms and against itself.
+//! The path tracers of the CPU and the GPU against closed forms and against each other.
 
 mod closed_forms;
+mod command;
 mod marching;
+mod on_gpu;
 mod pictures;
 mod stage;
 

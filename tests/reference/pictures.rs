@@ -12,10 +12,10 @@ use grotto::world::Camera;
 use grotto::world::file::{self, Overrides};
 use grotto::world::generate::generate;
 
-use super::stage::{Stage, options, point_lamp, square_camera, uniform_sky};
+use super::stage::{Cpu, Stage, Tracer as _, options, point_lamp, square_camera, uniform_sky};
 
 /// A lit room with a hole in its roof, a pillar, and three lamps.
-fn room() -> (Stage, Camera) {
+pub fn room() -> (Stage, Camera) {
     let stage = Stage::new(UVec3::splat(18), &[(0.7, 0.0), (0.3, 1.5)], |voxel| {
         let wall = voxel.cmpeq(IVec3::ZERO).any() || voxel.cmpeq(IVec3::splat(17)).any();
         let hole = voxel.y == 17 && voxel.x > 12;
@@ -175,7 +175,7 @@ fn the_same_arguments_give_the_same_bytes_on_any_number_of_threads() {
 #[test]
 fn the_choice_of_lamps_is_fair() {
     let (stage, camera) = room();
-    let all = stage.mean(&camera, View::Indirect, 16, 256);
+    let all = Cpu.mean(&stage, &camera, View::Indirect, 16, 256);
     // The same light, lamp by lamp: with a single lamp there is nothing to choose.
     let dark = Stage {
         lights: stage.lights.clone(),
@@ -190,7 +190,7 @@ fn the_choice_of_lamps_is_fair() {
         };
         one.lights.lamps = stage.lights.lamps.get(lamp).copied().into_iter().collect();
         // Sky and emission count once, with the last, which has no lamp.
-        let share = one.mean(&camera, View::Indirect, 16, 256);
+        let share = Cpu.mean(&one, &camera, View::Indirect, 16, 256);
         let weight = if lamp == stage.lights.lamps.len() {
             1.0 - stage.lights.lamps.len() as f64
         } else {

@@ -1,5 +1,6 @@
 //! Scenes to test with: a few flat materials, lamps, a camera, and the renderer over them.
 
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
@@ -7,6 +8,8 @@ use grotto::lights::Lights;
 use grotto::measure::picture::Picture;
 use grotto::measure::statistics::MeanEstimate;
 use grotto::reference::{FilmOptions, Scene, View, render_scene};
+use grotto::world::file::{self, Overrides};
+use grotto::world::generate::generate;
 use grotto::world::materials::MaterialSet;
 use grotto::world::voxels::Voxels;
 use grotto::world::{Camera, Colour, Lamp, LampKind, LampPreset, Material, Pattern, Sky, Sun};
@@ -16,16 +19,24 @@ pub struct Stage {
     pub voxels: Voxels,
     pub origin: IVec3,
     pub materials: MaterialSet,
+    /// What `materials` was baked from, and the seed.
+    pub list: Vec<Material>,
+    pub seed: u32,
     pub lights: Lights,
 }
 
 impl Stage {
     /// Voxels of the given materials (albedo, emission), under a black sky.
     pub fn new(size: UVec3, materials: &[(f32, f32)], voxel: impl Fn(IVec3) -> u8 + Sync) -> Self {
-        let materials: Vec<Material> = materials
+        let list = materials
             .iter()
             .map(|&(albedo, emission)| flat(albedo, emission))
             .collect();
+        Self::of(size, list, voxel)
+    }
+
+    /// As [`Self::new`], of any materials.
+    pub fn of(size: UVec3, list: Vec<Material>, voxel: impl Fn(IVec3) -> u8 + Sync) -> Self {
         let lights = Lights {
             lamps: Vec::new(),
             sky: uniform_sky(0.0),
@@ -33,9 +44,26 @@ impl Stage {
         Self {
             voxels: super::voxels_from(size, voxel),
             origin: IVec3::ZERO,
-            materials: MaterialSet::bake(&materials, 0),
+            materials: MaterialSet::bake(&list, 0),
+            list,
+            seed: 0,
             lights,
         }
+    }
+
+    /// A world of ours under its first lamps.
+    pub fn of_world(name: &str) -> (Self, Vec<Camera>) {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("worlds/{name}.ron"));
+        let world = file::load(&path, &Overrides::default()).expect("a world of ours");
+        let stage = Self {
+            voxels: generate(&world),
+            origin: world.origin,
+            materials: MaterialSet::bake(&world.materials, world.seed),
+            seed: world.seed,
+            lights: Lights::at(&world, &world.lamp_presets[0], 0.0),
+            list: world.materials,
+        };
+        (stage, world.cameras)
     }
 
     /// A closed box of air, `inner` voxels wide, in walls of material 1.
@@ -77,28 +105,68 @@ impl Stage {
     pub fn rendered(&self, options: &FilmOptions) -> Picture {
         render_scene(&self.scene(), options, &|_, _| {}, &AtomicBool::new(false))
     }
+}
+
+/// Who makes the pictures: every closed form is asked of the path tracers on both sides.
+pub trait Tracer {
+    fn rendered(&self, stage: &Stage, options: &FilmOptions) -> Picture;
+
+    /// Largest relative error of what is not random.
+    fn rounding(&self) -> f64;
+
+    /// By how much samples are fewer than asked for: a software adapter is slow.
+    fn haste(&self) -> u32 {
+        1
+    }
 
     /// A square picture of `pixels`² with `samples` through random points of each pixel.
-    pub fn picture(&self, camera: &Camera, view: View, pixels: u32, samples: u32) -> Picture {
+    fn picture(
+        &self,
+        stage: &Stage,
+        camera: &Camera,
+        view: View,
+        pixels: u32,
+        samples: u32,
+    ) -> Picture {
         let options = FilmOptions {
             size: [pixels; 2],
-            samples,
+            samples: samples.div_ceil(self.haste()),
             view,
             antialias: true,
             ..options(camera)
         };
-        self.rendered(&options)
+        self.rendered(stage, &options)
     }
 
     /// Mean over a square picture, from pixels that are independent estimates.
-    pub fn mean(&self, camera: &Camera, view: View, pixels: u32, samples: u32) -> MeanEstimate {
-        let picture = self.picture(camera, view, pixels, samples);
+    fn mean(
+        &self,
+        stage: &Stage,
+        camera: &Camera,
+        view: View,
+        pixels: u32,
+        samples: u32,
+    ) -> MeanEstimate {
+        let picture = self.picture(stage, camera, view, pixels, samples);
         assert!(
             picture.rgb.iter().all(|[r, g, b]| r == g && g == b),
             "everything here is grey"
         );
         let values = picture.rgb.iter().map(|rgb| f64::from(rgb[0]));
         MeanEstimate::of(values).expect("a picture with pixels")
+    }
+}
+
+/// The path tracer of `grotto::reference`.
+pub struct Cpu;
+
+impl Tracer for Cpu {
+    fn rendered(&self, stage: &Stage, options: &FilmOptions) -> Picture {
+        stage.rendered(options)
+    }
+
+    fn rounding(&self) -> f64 {
+        1e-5
     }
 }
 

@@ -92,6 +92,7 @@ impl Session {
             KeyCode::F1 => self.panel_open = !self.panel_open,
             KeyCode::F2 => self.screenshot_wanted = true,
             KeyCode::F5 => self.reload(true, true),
+            KeyCode::F6 => self.toggle_reference(),
             KeyCode::F11 => {
                 let full = self.window.fullscreen().is_none();
                 let mode = full.then_some(Fullscreen::Borderless(None));
@@ -104,6 +105,18 @@ impl Session {
                 Some(index) => self.jump_to(index),
                 None => self.controls.press(code, now),
             },
+        }
+    }
+
+    /// Between light by probes and path tracing. Time stands still for the latter: lamps that move
+    /// would make it begin again at every frame.
+    fn toggle_reference(&mut self) {
+        let traced = !self.settings.choice.traced;
+        self.settings.choice.traced = traced;
+        if traced {
+            self.settings.clock.paused = true;
+            self.messages
+                .toast("Path-traced reference: time stands still (P lets it go on), F6 returns to the probes");
         }
     }
 

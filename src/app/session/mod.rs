@@ -1,6 +1,7 @@
 //! A window that is open: what it shows, and one frame after another.
 
 mod input;
+mod times;
 
 use std::{
     path::{Path, PathBuf},
@@ -96,6 +97,7 @@ impl Session {
             parameters: options.parameters.clone(),
             layout: options.layout.clone(),
             size: scaled(screen.size(), scale),
+            traced: options.traced,
         };
         let mut messages = Messages::default();
         let show = build(&gpu, options, choice, &mut messages)?;
@@ -120,7 +122,10 @@ impl Session {
                 view: options.view,
                 scale,
                 vsync: true,
-                clock: WorldClock::default(),
+                clock: WorldClock {
+                    paused: options.traced,
+                    ..WorldClock::default()
+                },
                 brush: Brush::default(),
             },
             window,
@@ -177,13 +182,18 @@ impl Session {
         let input = self.controls.take(now);
         self.camera = flown(&self.camera, &input, self.speed);
         if !self.hidden {
-            self.rate.push(elapsed.as_secs_f64() * 1e3);
+            self.rate.tick(now);
         }
         self.follow_files(now);
         self.screen.set_vsync(self.settings.vsync);
         self.apply_settings();
 
-        let acquired = self.screen.acquire(&self.show.gpu)?;
+        // X11 hands out textures for a minimised window too.
+        let acquired = if self.window.is_minimized() == Some(true) {
+            Acquired::Hidden
+        } else {
+            self.screen.acquire(&self.show.gpu)?
+        };
         self.hidden = matches!(acquired, Acquired::Hidden);
         let Acquired::Texture(texture) = acquired else {
             self.rate.clear();
@@ -196,9 +206,9 @@ impl Session {
         let time_s = self.settings.clock.time_s;
         let mode = self.settings.view;
         self.show
-            .record(&mut recorder, &self.camera, mode, time_s, self.seed);
+            .record(&mut recorder, &self.camera, mode, time_s, self.seed)?;
         let size = [texture.texture.width(), texture.texture.height()];
-        let picture = self.show.frame().display();
+        let picture = self.show.display();
         self.overlay
             .record(&gpu, &mut recorder, picture, &target, size, shapes);
         recorder.submit(&gpu)?;
@@ -206,9 +216,7 @@ impl Session {
         gpu.queue.present(texture);
         self.presented += 1;
 
-        while let Some(times) = self.timing.next_frame() {
-            self.passes.push(&times);
-        }
+        self.hear_times(elapsed.as_secs_f64() * 1e3);
         if std::mem::take(&mut self.screenshot_wanted) {
             self.save_screenshot();
         }
@@ -347,7 +355,7 @@ impl Session {
 
     fn save_screenshot(&mut self) {
         let path = screenshot::free_name(Path::new(""), SystemTime::now());
-        let picture = self.show.frame().read_display(&self.show.gpu);
+        let picture = self.show.read_display();
         let saved = picture
             .map_err(|error| error.to_string())
             .and_then(|picture| {
@@ -357,6 +365,7 @@ impl Session {
             Ok(()) => self.messages.toast(format!("saved {}", path.display())),
             Err(error) => self.messages.toast_error(error),
         }
+        self.rate.interrupt();
         self.last_frame = Instant::now();
     }
 }

@@ -1,20 +1,20 @@
 //! `grotto bench SUITE`: one file a suite.
 
+mod response;
+mod stability;
 pub mod traversal;
 
-use std::{
-    io::Write as _,
-    path::{Path, PathBuf},
-};
+use std::path::PathBuf;
 
-use atomic_write_file::AtomicWriteFile;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
 use super::{
     Failure,
     options::{RunOptions, load_world, picture_size},
+    out_file::OutFile,
     output,
+    subject::{Subject, SubjectOptions, Unnamed},
 };
 use crate::{frame::Stage, gpu::AdapterSummary, world::World};
 
@@ -28,6 +28,8 @@ pub struct Arguments {
 #[derive(Subcommand)]
 enum Suite {
     Traversal(Traversal),
+    Stability(stability::Arguments),
+    Response(response::Arguments),
 }
 
 /// March camera, shadow and probe rays, against plain DDA in the same run
@@ -63,6 +65,8 @@ struct TraversalRecord<'a> {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.suite {
         Suite::Traversal(arguments) => run_traversal(arguments),
+        Suite::Stability(arguments) => stability::run(arguments),
+        Suite::Response(arguments) => response::run(arguments),
     }
 }
 
@@ -109,7 +113,7 @@ fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {
         rows,
     };
     if let Some(file) = file {
-        file.write(&record)?;
+        file.write_json(&record)?;
     }
     if run.json {
         output::print_json(&record)?;
@@ -136,27 +140,25 @@ fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {
     }
 }
 
-/// A result to be written when it is complete; opened before the work starts.
-struct OutFile {
-    path: PathBuf,
-    file: AtomicWriteFile,
-}
-
-impl OutFile {
-    fn new(folder: &Path, name: &str) -> Result<Self, Failure> {
-        let path = folder.join(name);
-        let unusable = |error| Failure::bad_input(format!("{}: {error}", path.display()));
-        std::fs::create_dir_all(folder).map_err(unusable)?;
-        let file = AtomicWriteFile::open(&path).map_err(unusable)?;
-        Ok(Self { path, file })
+/// The worlds of suites about light, at their first camera and layout unless others are named; the
+/// Cornell box when none is.
+///
+/// # Errors
+/// For a world that cannot be read, and for cameras and layouts that no world has.
+fn subjects(options: &SubjectOptions, run: &RunOptions) -> Result<Vec<Subject>, Failure> {
+    let cornell = [PathBuf::from("worlds/cornell.ron")];
+    let paths = match &options.worlds[..] {
+        [] => &cornell[..],
+        given => given,
+    };
+    let mut subjects = Vec::new();
+    for path in paths {
+        subjects.extend(Subject::load(path, run, options, Unnamed::First)?);
     }
-
-    fn write(mut self, value: &impl Serialize) -> Result<(), Failure> {
-        let mut text = serde_json::to_string_pretty(value).map_err(Failure::fault)?;
-        text.push('\n');
-        self.file
-            .write_all(text.as_bytes())
-            .and_then(|()| self.file.commit())
-            .map_err(|error| Failure::fault(format!("{}: {error}", self.path.display())))
+    if subjects.is_empty() {
+        return Err(Failure::bad_input(
+            "no world has the cameras and layouts that --camera and --layout name",
+        ));
     }
+    Ok(subjects)
 }

@@ -9,7 +9,7 @@ use crate::{
     measure::statistics,
     passes::{
         GpuVoxels, View, ViewMode,
-        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
+        ray_bench::{self, FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
     },
     probes::sampling,
     world::{Camera, World, voxels::Voxels},
@@ -19,8 +19,10 @@ use crate::{
 const LATTICE: u32 = 16;
 /// Probe rays per run, about as many as a 1080p picture has pixels.
 const PROBE_RAYS: u32 = 1 << 21;
-/// Runs of each kind that are thrown away, and that the median is taken of.
-const WARM_UP: u32 = 3;
+/// Fewest shadow rays of a row, in pixels of the picture.
+const SHADOW_RAYS_PER_PIXEL: u64 = 2;
+/// Most camera rays along each edge of a pixel.
+const MOST_RAYS_PER_EDGE: u32 = 4;
 
 /// One kind of rays from one place.
 #[derive(Clone, Debug, Serialize)]
@@ -32,6 +34,8 @@ pub struct Row {
     pub rays: &'static str,
     /// What shadow rays are sent to: the `sun`, the nearest `lamp`, or the sky `above`.
     pub light: Option<&'static str>,
+    /// Camera rays through each pixel: several for shadow rays, so that they keep a large GPU busy.
+    pub rays_per_pixel: u32,
     pub count: u32,
     pub ms: f64,
     pub grays_per_s: f64,
@@ -64,85 +68,140 @@ pub fn measure(
         .map(|ray| sampling::fibonacci(ray, per_probe).as_vec3())
         .collect();
     let mut rows = Vec::new();
-    let lights = world
-        .cameras
-        .iter()
-        .enumerate()
-        .flat_map(|(index, camera)| {
-            let lights = shadow_targets(world, camera).into_iter().enumerate();
-            lights.map(move |(light, (name, target))| (index, camera, light, name, target))
-        });
-    for (index, camera, light, name, shadow) in lights {
-        let view = gpu.uniform_buffer("view", &still(camera, size).to_gpu());
-        let bench = RayBench::new(
-            gpu,
-            on_gpu,
-            &RaySet {
+    for (index, camera) in world.cameras.iter().enumerate() {
+        let bench_at = |per_edge: u32| {
+            let size = size.map(|edge| edge * per_edge);
+            let view = gpu.uniform_buffer("view", &still(camera, size).to_gpu());
+            let rays = RaySet {
                 view: &view,
                 size,
-                shadow,
+                rays_per_edge: per_edge,
                 probes: &probes,
                 directions: &directions,
-            },
-        )?;
-        // Shadow rays start where this bench's own camera rays ended.
-        bench.run(gpu, RayKind::Camera, Marcher::BrickMap, 1)?;
-        let mut kinds = vec![(RayKind::Shadow, "shadow", camera.name.as_str())];
-        if light == 0 {
-            kinds.insert(0, (RayKind::Camera, "camera", camera.name.as_str()));
-        }
-        if light == 0 && index == 0 && !probes.is_empty() {
-            kinds.push((RayKind::Probe, "probe", "lattice"));
-        }
-        for (kind, rays, place) in kinds {
-            let marched = bench.run(gpu, kind, Marcher::BrickMap, WARM_UP + repeats)?;
-            let plain = bench.run(gpu, kind, Marcher::PlainDda, WARM_UP + repeats)?;
-            let count = bench.rays(kind);
-            // Rays that face away from the light are not marched by either.
-            let marched_rays = plain.found.iter().filter(|hit| hit.steps() > 0).count();
-            let median = |times: &[f64]| {
-                statistics::median(times.get(WARM_UP as usize..).unwrap_or_default())
-                    .unwrap_or(f64::NAN)
             };
-            let steps = |found: &[FoundHit]| {
-                found.iter().map(|hit| f64::from(hit.steps())).sum::<f64>()
-                    / marched_rays.max(1) as f64
-            };
-            let grays = |ms: f64| marched_rays as f64 / ms / 1e6;
-            let (ms, plain_ms) = (median(&marched.times_ms), median(&plain.times_ms));
+            RayBench::new(gpu, on_gpu, &rays)
+        };
+        let row = |bench: &RayBench<'_>, kind| measure_row(gpu, bench, kind, repeats);
+        let place = |row: Row| Row {
+            world: world.name.clone(),
+            camera: camera.name.clone(),
+            ..row
+        };
+        let mut bench = bench_at(1)?;
+        rows.push(place(row(&bench, RayKind::Camera)?));
+        if index == 0 && !probes.is_empty() {
             rows.push(Row {
-                world: world.name.clone(),
-                camera: place.to_owned(),
-                rays,
-                light: (kind == RayKind::Shadow).then_some(name),
-                count: marched_rays as u32,
-                ms,
-                grays_per_s: grays(ms),
-                steps_per_ray: steps(&marched.found),
-                plain_ms,
-                plain_grays_per_s: grays(plain_ms),
-                plain_steps_per_ray: steps(&plain.found),
-                speedup: plain_ms / ms,
-                mismatches: marched
-                    .found
-                    .iter()
-                    .zip(&plain.found)
-                    .take(count as usize)
-                    .filter(|(a, b)| !a.same_hit(**b))
-                    .count(),
+                camera: "lattice".to_owned(),
+                ..place(row(&bench, RayKind::Probe)?)
+            });
+        }
+        for (name, light) in shadow_targets(world, camera) {
+            bench.aim(gpu, light)?;
+            if bench.rays(RayKind::Shadow) == 0 {
+                continue;
+            }
+            let per_edge = rays_per_edge(gpu, size, bench.rays(RayKind::Shadow));
+            let measured = if per_edge > 1 {
+                let mut finer = bench_at(per_edge)?;
+                finer.aim(gpu, light)?;
+                row(&finer, RayKind::Shadow)?
+            } else {
+                row(&bench, RayKind::Shadow)?
+            };
+            rows.push(Row {
+                light: Some(name),
+                rays_per_pixel: per_edge * per_edge,
+                ..place(measured)
             });
         }
     }
     Ok(rows)
 }
 
+/// Along each edge of a pixel, how many camera rays send the shadow rays of a row whose light falls on
+/// `lit` of a picture's pixels: enough for [`SHADOW_RAYS_PER_PIXEL`], lest a row measure how long a large
+/// GPU takes to start and to run dry; but at most [`MOST_RAYS_PER_EDGE`], and as many as fit. A software
+/// adapter is never short of rays.
+fn rays_per_edge(gpu: &Gpu, size: [u32; 2], lit: u32) -> u32 {
+    if gpu.summary.is_software() {
+        return 1;
+    }
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let fits = |per_edge: &u32| {
+        let bytes = pixels * u64::from(per_edge * per_edge) * 8;
+        gpu.check_buffer("found", bytes).is_ok()
+            && size[0].max(size[1]) * per_edge <= ray_bench::MAX_EDGE
+    };
+    let enough = |per_edge: &u32| {
+        u64::from(lit) * u64::from(per_edge * per_edge) >= SHADOW_RAYS_PER_PIXEL * pixels
+    };
+    let largest = (1..=MOST_RAYS_PER_EDGE).take_while(fits).last();
+    (1..=largest.unwrap_or(1))
+        .find(enough)
+        .or(largest)
+        .unwrap_or(1)
+}
+
+/// All but the names of the row.
+fn measure_row(
+    gpu: &Gpu,
+    bench: &RayBench<'_>,
+    kind: RayKind,
+    repeats: u32,
+) -> Result<Row, GpuError> {
+    let rays = bench.rays(kind);
+    let run = |marcher| {
+        Ok((
+            bench.hits(gpu, kind, marcher)?,
+            bench.time(gpu, kind, marcher, repeats)?,
+        ))
+    };
+    let (hits, timed) = run(Marcher::BrickMap)?;
+    let (plain_hits, plain_timed) = run(Marcher::PlainDda)?;
+    let words = kind.timed_words();
+    let results = timed.results.chunks(words);
+    let mismatches = hits
+        .iter()
+        .zip(&plain_hits)
+        .zip(results.zip(plain_timed.results.chunks(words)))
+        .filter(|((a, b), (c, d))| !a.same_hit(**b) || c != d)
+        .count();
+    let steps = |found: &[FoundHit]| {
+        found.iter().map(|hit| f64::from(hit.steps())).sum::<f64>() / f64::from(rays.max(1))
+    };
+    let median = |times: &[f64]| statistics::median(times).unwrap_or(f64::NAN);
+    let grays = |ms: f64| f64::from(rays) / ms / 1e6;
+    let (ms, plain_ms) = (median(&timed.times_ms), median(&plain_timed.times_ms));
+    Ok(Row {
+        world: String::new(),
+        camera: String::new(),
+        rays: match kind {
+            RayKind::Camera => "camera",
+            RayKind::Shadow => "shadow",
+            RayKind::Probe => "probe",
+        },
+        light: None,
+        rays_per_pixel: 1,
+        count: rays,
+        ms,
+        grays_per_s: grays(ms),
+        steps_per_ray: steps(&hits),
+        plain_ms,
+        plain_grays_per_s: grays(plain_ms),
+        plain_steps_per_ray: steps(&plain_hits),
+        speedup: plain_ms / ms,
+        mismatches,
+    })
+}
+
 /// Rows as a table for people.
 pub fn table(rows: &[Row]) -> String {
     let mut text = format!(
-        "{:<10} {:<12} {:<7} {:>9} {:>9} {:>10} {:>7} {:>11} {:>7} {:>8} {:>10}\n",
+        "{:<10} {:<12} {:<7} {:>7} {:>9} {:>9} {:>10} {:>7} {:>11} {:>7} {:>8} {:>10}\n",
         "world",
         "camera",
         "rays",
+        "/ pixel",
         "count",
         "ms",
         "Grays/s",
@@ -154,10 +213,11 @@ pub fn table(rows: &[Row]) -> String {
     );
     for row in rows {
         text += &format!(
-            "{:<10} {:<12} {:<7} {:>9} {:>9.3} {:>10.2} {:>7.1} {:>11.2} {:>7.1} {:>7.1}x {:>10}\n",
+            "{:<10} {:<12} {:<7} {:>7} {:>9} {:>9.3} {:>10.2} {:>7.1} {:>11.2} {:>7.1} {:>7.1}x {:>10}\n",
             row.world,
             row.camera,
             row.light.unwrap_or(row.rays),
+            row.rays_per_pixel,
             row.count,
             row.ms,
             row.grays_per_s,

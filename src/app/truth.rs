@@ -1,0 +1,151 @@
+//! The path-traced picture in the window: it gathers samples as long as nothing changes, and begins
+//! again when anything does.
+
+use std::collections::VecDeque;
+
+use crate::{
+    frame::{self, Stage},
+    gpu::{Gpu, GpuError, PassTimes, Recorder},
+    lights::{Emitters, Lights},
+    measure::picture::Picture,
+    passes::{
+        GpuEmitters, GpuLights, GpuView, Schedule, View, ViewMode,
+        path_trace::{PathTrace, Resolve},
+        tonemap::Tonemap,
+    },
+    world::World,
+};
+
+/// A picture of one size of a stage.
+pub struct Truth {
+    view: wgpu::Buffer,
+    lights: GpuLights,
+    pass: PathTrace,
+    resolve: Resolve,
+    tonemap: Tonemap,
+    schedule: Schedule,
+    size: [u32; 2],
+    /// What the samples so far are of.
+    shown: Option<(GpuView, Lights)>,
+    /// Work of slices whose times have not arrived yet.
+    pending: VecDeque<u64>,
+}
+
+impl Truth {
+    /// Reads the voxels of `stage` back, to find those that shine.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter cannot hold the picture, and when a shader does not compile.
+    pub fn new(gpu: &Gpu, stage: &Stage, world: &World, size: [u32; 2]) -> Result<Self, GpuError> {
+        let emitters = Emitters::find(&stage.read_back(gpu)?, &world.materials);
+        let emitters = GpuEmitters::upload(gpu, &emitters)?;
+        let (view, lights) = (View::buffer(gpu), GpuLights::new(gpu));
+        let resources = frame::resources(stage, &view, &lights);
+        let pass = PathTrace::new(gpu, size, &emitters, &resources)?;
+        let resolve = pass.resolve(gpu, &resources)?;
+        let hdr = resolve.hdr.create_view(&Default::default());
+        let tonemap = Tonemap::new(gpu, size, &hdr, &resources)?;
+        Ok(Self {
+            schedule: Schedule::new(pass.tiles(), PathTrace::MOST_SAMPLES),
+            view,
+            lights,
+            pass,
+            resolve,
+            tonemap,
+            size,
+            shown: None,
+            pending: VecDeque::new(),
+        })
+    }
+
+    /// Adds samples for about as long as a frame may take, and shows their mean.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device does not take the work.
+    pub fn record(
+        &mut self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        view: &View,
+        lights: &Lights,
+    ) -> Result<(), GpuError> {
+        let mut uniform = view.to_gpu();
+        let mode = match view.mode {
+            // They show how probes light a picture.
+            ViewMode::Steps | ViewMode::Cage => ViewMode::Full,
+            mode => mode,
+        };
+        uniform.mode = mode as u32;
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        // Neither the time nor the exposure is part of the light.
+        let now = GpuView {
+            frame: 0,
+            time_s: 0.0,
+            exposure: 0.0,
+            ..uniform
+        };
+        let goes_on = self
+            .shown
+            .as_ref()
+            .is_some_and(|(view, before)| *view == now && before == lights);
+        if !goes_on {
+            self.lights.set(gpu, lights);
+            self.schedule.restart(PathTrace::MOST_SAMPLES);
+            // A submission of its own: both slices of this frame tell of themselves in one uniform.
+            let whole = Schedule::whole(self.pass.tiles());
+            let mut first = Recorder::new(gpu, None);
+            self.pass.begin(gpu, &mut first, &whole, false);
+            first.submit(gpu)?;
+            self.shown = Some((now, lights.clone()));
+        }
+        let random = matches!(
+            mode,
+            ViewMode::Full | ViewMode::Indirect | ViewMode::Irradiance | ViewMode::TexturesOff
+        );
+        if random && let Some(slice) = self.schedule.next_slice() {
+            self.pass.trace(gpu, recorder, &slice, false);
+            self.pending.push_back(slice.work);
+        }
+        self.resolve.record(recorder);
+        self.tonemap.record(recorder);
+        Ok(())
+    }
+
+    /// Learns from the times of a frame that this recorded; `None` where the adapter has no clock, and
+    /// only the whole frame's milliseconds are known.
+    pub fn took(&mut self, times: Option<&PassTimes>, frame_ms: f64) {
+        let ms = match times {
+            None => Some(frame_ms),
+            Some(times) => times.passes_ms.get("path_trace").copied(),
+        };
+        if let Some(ms) = ms
+            && let Some(work) = self.pending.pop_front()
+        {
+            self.schedule.took(work, ms);
+        }
+    }
+
+    /// Samples that every pixel has.
+    pub fn samples(&self) -> u32 {
+        self.schedule.complete()
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// As [`crate::frame::Frame::display`].
+    pub fn display(&self) -> &wgpu::Texture {
+        &self.tonemap.display
+    }
+
+    /// As [`crate::frame::Frame::read_display`].
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_display(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
+        self.tonemap.read_back(gpu)
+    }
+}

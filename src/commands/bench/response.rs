@@ -1,0 +1,147 @@
+//! `grotto bench response`: how soon light follows a change.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::super::{
+    Failure,
+    driver::Driver,
+    dynamics::{self, Responses, WATCHED_FRAMES},
+    options::RunOptions,
+    out_file::OutFile,
+    output,
+    subject::{Subject, SubjectOptions},
+};
+use crate::{
+    frame::Stage,
+    gpu::{AdapterSummary, Gpu},
+};
+
+/// Frames until bounced light has followed a change of a lamp or a wall
+///
+/// The first lamp (or the sun, where there is none) is switched on and off; the first lamp with a place
+/// moves half of the free way towards the camera, at most eight voxels; a sphere of radius 3 is cut out
+/// where the camera's central ray hits, and filled again. Each time, frames are counted until 90 % and
+/// 99 % of the change of the indirect light are there, to stay. The settled value is the mean of the last
+/// quarter of the frames that are watched.
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    subjects: SubjectOptions,
+    /// Frames to watch after each change
+    #[arg(long, value_name = "N", default_value_t = WATCHED_FRAMES, value_parser = clap::value_parser!(u32).range(16..=100_000))]
+    response_frames: u32,
+    /// Also write response.json into this folder, made if need be
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    run: RunOptions,
+}
+
+#[derive(Serialize)]
+struct Record<'a> {
+    suite: &'static str,
+    adapter: &'a AdapterSummary,
+    rows: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    world: String,
+    camera: String,
+    layout: String,
+    rays: u32,
+    hysteresis: f32,
+    /// Frames before each change.
+    frames: u32,
+    response: Responses,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (options, run) = (&arguments.subjects, &arguments.run);
+    let subjects = super::subjects(options, run)?;
+    let file = arguments.out.as_deref();
+    let file = file.map(|folder| OutFile::new(folder, "response.json"));
+    let file = file.transpose()?;
+    let gpu = output::open_gpu(run)?;
+    let mut rows = Vec::new();
+    for subject in &subjects {
+        rows.extend(measure(&gpu, subject, arguments)?);
+    }
+    let record = Record {
+        suite: "response",
+        adapter: &gpu.summary,
+        rows,
+    };
+    if let Some(file) = file {
+        file.write_json(&record)?;
+    }
+    if run.json {
+        output::print_json(&record)
+    } else {
+        let rows: String = record.rows.iter().map(lines).collect();
+        output::print(&format!(
+            "{}, frames to 90 % · 99 %\n{rows}",
+            gpu.summary.name
+        ))
+    }
+}
+
+fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Row>, Failure> {
+    let (options, run) = (&arguments.subjects, &arguments.run);
+    let world = &subject.world;
+    let stage = Stage::build(gpu, world)?;
+    let view = subject.view(&subject.cameras[0]);
+    let mut driver = Driver::new(gpu, stage, &subject.layouts[0], &subject.parameters, view)?;
+    let mut rows = Vec::new();
+    for camera in &subject.cameras {
+        for layout in &subject.layouts {
+            for &rays in &subject.rays {
+                let probes = subject.with_rays(rays).probes;
+                driver.replace_probes(layout, &probes)?;
+                let frames = [options.frames, arguments.response_frames];
+                let length = Responses::frames(frames[0], frames[1]);
+                let bar = output::progress(run, "frames", length);
+                let lights = &subject.lights;
+                let after = || bar.inc(1);
+                let response =
+                    dynamics::responses(&mut driver, world, lights, camera, frames, &after)?;
+                bar.finish_and_clear();
+                rows.push(Row {
+                    world: world.name.clone(),
+                    camera: camera.name.clone(),
+                    layout: layout.name.clone(),
+                    rays,
+                    hysteresis: probes.hysteresis,
+                    frames: options.frames,
+                    response,
+                });
+            }
+        }
+    }
+    Ok(rows)
+}
+
+fn lines(row: &Row) -> String {
+    let mut text = format!(
+        "{} · {} · {}, {} rays, hysteresis {}\n",
+        row.world, row.camera, row.layout, row.rays, row.hysteresis
+    );
+    for (name, response) in Responses::NAMES.iter().zip(row.response.all()) {
+        let name = name.replace('_', " ");
+        let figures = match response {
+            None => "nothing to follow".to_owned(),
+            Some(response) => {
+                let frames = |count: Option<u32>| match count {
+                    Some(count) => count.to_string(),
+                    None => format!("more than {}", response.watched),
+                };
+                format!("{} · {}", frames(response.to_90), frames(response.to_99))
+            }
+        };
+        text += &format!("  {name:<12}  {figures}\n");
+    }
+    text
+}

@@ -1,0 +1,135 @@
+//! `grotto bench stability`: how still the picture of a still scene is, by rays.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::super::{
+    Failure,
+    driver::Driver,
+    dynamics::{self, STILL_FRAMES},
+    options::RunOptions,
+    out_file::OutFile,
+    output,
+    subject::{Subject, SubjectOptions},
+};
+use crate::{
+    frame::Stage,
+    gpu::{AdapterSummary, Gpu},
+    measure::stability::Stability,
+};
+
+/// Change of a pixel between consecutive frames of a still scene, by rays per probe
+///
+/// The sum over RGB of the absolute difference of the tone-mapped picture, in [0, 3], over fifty
+/// frames after the probes have settled.
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    subjects: SubjectOptions,
+    /// Also write stability.json into this folder, made if need be
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    run: RunOptions,
+}
+
+#[derive(Serialize)]
+struct Record<'a> {
+    suite: &'static str,
+    adapter: &'a AdapterSummary,
+    /// Width and height in pixels.
+    size: [u32; 2],
+    rows: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    world: String,
+    camera: String,
+    layout: String,
+    rays: u32,
+    hysteresis: f32,
+    /// Frames before the first picture.
+    frames: u32,
+    stability: Stability,
+}
+
+/// Rays of those who ask for no number.
+const RAYS: [u32; 6] = [8, 16, 32, 64, 128, 256];
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (options, run) = (&arguments.subjects, &arguments.run);
+    let subjects = super::subjects(options, run)?;
+    let file = arguments.out.as_deref();
+    let file = file.map(|folder| OutFile::new(folder, "stability.json"));
+    let file = file.transpose()?;
+    let gpu = output::open_gpu(run)?;
+    let mut rows = Vec::new();
+    for subject in &subjects {
+        rows.extend(measure(&gpu, subject, arguments)?);
+    }
+    let record = Record {
+        suite: "stability",
+        adapter: &gpu.summary,
+        size: options.size,
+        rows,
+    };
+    if let Some(file) = file {
+        file.write_json(&record)?;
+    }
+    if run.json {
+        return output::print_json(&record);
+    }
+    let mut text = format!(
+        "{}, {} × {}, {STILL_FRAMES} frames; change of a pixel, sum over RGB\n",
+        gpu.summary.name, options.size[0], options.size[1]
+    );
+    for row in &record.rows {
+        let Stability { mean, p99, max, .. } = row.stability;
+        text += &format!(
+            "{} · {} · {}  {:>4} rays, hysteresis {}:  mean {mean:.5}  p99 {p99:.4}  max {max:.4}\n",
+            row.world, row.camera, row.layout, row.rays, row.hysteresis
+        );
+    }
+    output::print(&text)
+}
+
+fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Row>, Failure> {
+    let (options, run) = (&arguments.subjects, &arguments.run);
+    let rays = match &options.rays[..] {
+        [] => &RAYS[..],
+        given => given,
+    };
+    let view = subject.view(&subject.cameras[0]);
+    let (world, layout) = (&subject.world, &subject.layouts[0]);
+    let stage = Stage::build(gpu, world)?;
+    let mut driver = Driver::new(gpu, stage, layout, &subject.parameters, view.clone())?;
+    let each = u64::from(options.frames + STILL_FRAMES);
+    let count = subject.cameras.len() * subject.layouts.len() * rays.len();
+    let bar = output::progress(run, "frames", each * count as u64);
+    let mut rows = Vec::new();
+    for camera in &subject.cameras {
+        driver.look(camera, view.mode);
+        for layout in &subject.layouts {
+            for &rays in rays {
+                let parameters = subject.with_rays(rays);
+                driver.replace_probes(layout, &parameters.probes)?;
+                let after = || bar.inc(1);
+                driver.advance(&subject.lights, options.frames, &after)?;
+                rows.push(Row {
+                    world: world.name.clone(),
+                    camera: camera.name.clone(),
+                    layout: layout.name.clone(),
+                    rays,
+                    hysteresis: parameters.probes.hysteresis,
+                    frames: options.frames,
+                    stability: dynamics::stability(&mut driver, &subject.lights, &after)?,
+                });
+            }
+        }
+    }
+    bar.finish_and_clear();
+    Ok(rows)
+}

@@ -1,0 +1,160 @@
+//! A world's frames, one after another: how pictures settle, hold still and follow changes.
+
+use super::Failure;
+use crate::{
+    frame::{Frame, Stage},
+    gpu::{Gpu, Recorder},
+    lights::Lights,
+    measure::picture::Picture,
+    parameters::{Parameters, ProbeParameters},
+    passes::{View, ViewMode},
+    world::{
+        Camera, LayoutSpec,
+        voxels::{Edit, Voxels},
+    },
+};
+
+/// A frame with all that it takes to record the next one.
+pub struct Driver<'a> {
+    gpu: &'a Gpu,
+    frame: Frame,
+    layout: LayoutSpec,
+    probes: ProbeParameters,
+    view: View,
+}
+
+impl<'a> Driver<'a> {
+    /// # Errors
+    /// When the adapter cannot hold the picture or the probes.
+    pub fn new(
+        gpu: &'a Gpu,
+        stage: Stage,
+        layout: &LayoutSpec,
+        parameters: &Parameters,
+        view: View,
+    ) -> Result<Self, Failure> {
+        let probes = parameters.probes.clone();
+        Ok(Self {
+            gpu,
+            frame: Frame::new(gpu, stage, layout, &probes, view.size)?,
+            layout: layout.clone(),
+            probes,
+            view,
+        })
+    }
+
+    /// Fresh probes, in a layout and with parameters that may be others.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold them.
+    pub fn replace_probes(
+        &mut self,
+        layout: &LayoutSpec,
+        probes: &ProbeParameters,
+    ) -> Result<(), Failure> {
+        self.frame.replace_probes(self.gpu, layout, probes)?;
+        self.layout = layout.clone();
+        self.probes = probes.clone();
+        Ok(())
+    }
+
+    /// Forgets all light.
+    ///
+    /// # Errors
+    /// As [`replace_probes`](Self::replace_probes).
+    pub fn forget(&mut self) -> Result<(), Failure> {
+        let frame = &mut self.frame;
+        Ok(frame.replace_probes(self.gpu, &self.layout, &self.probes)?)
+    }
+
+    /// What the next frames show; the probes keep their light.
+    pub fn look(&mut self, camera: &Camera, mode: ViewMode) {
+        self.view.camera = camera.clone();
+        self.view.mode = mode;
+    }
+
+    /// Width and height in pixels of the next pictures; the probes keep their light.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold them.
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Failure> {
+        if size != self.view.size {
+            self.frame.resize(self.gpu, size)?;
+            self.view.size = size;
+        }
+        Ok(())
+    }
+
+    pub fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// Records frames under the same lights; `after` is called after each.
+    ///
+    /// # Errors
+    /// When the adapter fails.
+    pub fn advance(
+        &mut self,
+        lights: &Lights,
+        frames: u32,
+        after: &dyn Fn(),
+    ) -> Result<(), Failure> {
+        for _ in 0..frames {
+            self.view.frame = self.frame.frames();
+            let mut recorder = Recorder::new(self.gpu, None);
+            self.frame
+                .record(self.gpu, &mut recorder, &self.view, lights, &self.probes);
+            recorder.submit(self.gpu)?;
+            self.gpu.wait()?;
+            after();
+        }
+        Ok(())
+    }
+
+    /// Linear light of the last frame.
+    ///
+    /// # Errors
+    /// When the adapter fails.
+    pub fn radiance(&self) -> Result<Picture, Failure> {
+        Ok(self.frame.read_radiance(self.gpu)?)
+    }
+
+    /// The last frame as a display shows it.
+    ///
+    /// # Errors
+    /// When the adapter fails.
+    pub fn display(&self) -> Result<Picture, Failure> {
+        Ok(self.frame.read_display(self.gpu)?)
+    }
+
+    /// A copy of the voxels, for picking and edits.
+    ///
+    /// # Errors
+    /// When the adapter fails.
+    pub fn voxels(&self) -> Result<Voxels, Failure> {
+        Ok(self.frame.stage.read_back(self.gpu)?)
+    }
+
+    /// Makes the adapter follow an edit of that copy.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold the bricks.
+    pub fn apply(&mut self, voxels: &Voxels, edit: &Edit) -> Result<(), Failure> {
+        Ok(self.frame.apply(self.gpu, voxels, edit)?)
+    }
+
+    /// What stands in the world.
+    pub fn stage(&self) -> &Stage {
+        &self.frame.stage
+    }
+
+    /// Rays of each probe in a frame.
+    pub fn rays(&self) -> u32 {
+        self.probes.rays
+    }
+
+    /// Share of history that a probe keeps.
+    pub fn hysteresis(&self) -> f32 {
+        self.probes.hysteresis
+    }
+}

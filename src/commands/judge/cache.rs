@@ -1,0 +1,267 @@
+//! References on disk, found by what they show. A file that is damaged or another version's is
+//! traced anew.
+//!
+//! A file: a line that says what it is, then in little endian the length of the version and the
+//! version, CRC-32 of the rest, and of the rest width, height, and the light of direct and of
+//! indirect, three f32 a pixel.
+
+use std::{
+    fs,
+    io::{self, Write as _},
+    path::{Path, PathBuf},
+};
+
+use atomic_write_file::AtomicWriteFile;
+use directories::ProjectDirs;
+
+use crate::measure::picture::Picture;
+
+const FIRST_LINE: &[u8] = b"grotto reference\n";
+
+/// A path-traced picture in two parts, whose sum is the full picture. Linear light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    pub direct: Picture,
+    pub indirect: Picture,
+}
+
+/// What it takes to find a reference.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// Everything that the picture depends on, but for the tracer.
+    pub content: String,
+    /// Of the tracer.
+    pub version: String,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+}
+
+/// What a look into the cache finds.
+#[derive(Debug, PartialEq)]
+pub enum Found {
+    Truth(Box<Truth>),
+    Nothing,
+    /// Not to be used, and why.
+    Unusable(String),
+}
+
+/// A folder of references, or none.
+pub struct Cache {
+    folder: Option<PathBuf>,
+}
+
+impl Cache {
+    /// In this folder; without one in the user's own, where the system has such a place.
+    pub fn new(folder: Option<&Path>) -> Self {
+        let own = || {
+            Some(
+                ProjectDirs::from("", "", "grotto")?
+                    .cache_dir()
+                    .join("references"),
+            )
+        };
+        Self {
+            folder: folder.map(Path::to_owned).or_else(own),
+        }
+    }
+
+    /// Finds nothing and keeps nothing.
+    pub fn none() -> Self {
+        Self { folder: None }
+    }
+
+    fn path(&self, key: &Key) -> Option<PathBuf> {
+        let name = format!("{:032x}.reference", fnv1a(key.content.as_bytes()));
+        Some(self.folder.as_ref()?.join(name))
+    }
+
+    pub fn load(&self, key: &Key) -> Found {
+        let Some(path) = self.path(key) else {
+            return Found::Nothing;
+        };
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Nothing,
+            Err(error) => return Found::Unusable(format!("{}: {error}", path.display())),
+        };
+        match decode(&bytes, key) {
+            Ok(truth) => Found::Truth(Box::new(truth)),
+            Err(reason) => Found::Unusable(format!("{}: {reason}", path.display())),
+        }
+    }
+
+    /// Keeps a reference for the next time.
+    ///
+    /// # Errors
+    /// When it cannot be written, with the path.
+    pub fn store(&self, key: &Key, truth: &Truth) -> Result<(), String> {
+        let (Some(path), Some(folder)) = (self.path(key), &self.folder) else {
+            return Ok(());
+        };
+        let write = || {
+            fs::create_dir_all(folder)?;
+            let mut file = AtomicWriteFile::open(&path)?;
+            file.write_all(&encode(truth, &key.version))?;
+            file.commit()
+        };
+        write().map_err(|error: io::Error| format!("{}: {error}", path.display()))
+    }
+}
+
+fn encode(truth: &Truth, version: &str) -> Vec<u8> {
+    let mut body = Vec::new();
+    for edge in [truth.direct.width, truth.direct.height] {
+        body.extend(edge.to_le_bytes());
+    }
+    for value in [&truth.direct, &truth.indirect]
+        .map(|p| p.rgb.as_flattened())
+        .concat()
+    {
+        body.extend(value.to_le_bytes());
+    }
+    let mut bytes = FIRST_LINE.to_vec();
+    bytes.extend((version.len() as u32).to_le_bytes());
+    bytes.extend(version.as_bytes());
+    bytes.extend(crc32fast::hash(&body).to_le_bytes());
+    bytes.extend(body);
+    bytes
+}
+
+fn decode(bytes: &[u8], key: &Key) -> Result<Truth, &'static str> {
+    const SHORT: &str = "it ends too early";
+    let rest = bytes
+        .strip_prefix(FIRST_LINE)
+        .ok_or("it is no reference of grotto's")?;
+    let (length, rest) = number(rest).ok_or(SHORT)?;
+    let (version, rest) = rest.split_at_checked(length as usize).ok_or(SHORT)?;
+    if version != key.version.as_bytes() {
+        return Err("it was traced by another version");
+    }
+    let (crc, body) = number(rest).ok_or(SHORT)?;
+    if crc32fast::hash(body) != crc {
+        return Err("it is damaged");
+    }
+    let (width, rest) = number(body).ok_or(SHORT)?;
+    let (height, light) = number(rest).ok_or(SHORT)?;
+    let pixels = width as usize * height as usize;
+    if [width, height] != key.size || light.len() != pixels * 24 {
+        return Err("it is a picture of another size");
+    }
+    let values: Vec<f32> = light
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|v| f32::from_le_bytes(*v))
+        .collect();
+    let (direct, indirect) = values.as_chunks::<3>().0.split_at(pixels);
+    let picture = |rgb: &[[f32; 3]]| Picture {
+        width,
+        height,
+        rgb: rgb.to_vec(),
+    };
+    Ok(Truth {
+        direct: picture(direct),
+        indirect: picture(indirect),
+    })
+}
+
+/// The first four bytes as a number, and what follows them.
+fn number(bytes: &[u8]) -> Option<(u32, &[u8])> {
+    let (first, rest) = bytes.split_first_chunk()?;
+    Some((u32::from_le_bytes(*first), rest))
+}
+
+/// FNV-1a with 128 bits (Fowler, Noll, Vo): a name for a text, the same on every machine.
+pub fn fnv1a(bytes: &[u8]) -> u128 {
+    const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+    let step = |hash: u128, byte: &u8| (hash ^ u128::from(*byte)).wrapping_mul(PRIME);
+    bytes.iter().fold(BASIS, step)
+}
+
+#[cfg(test)]
+mod tests {
+    use tempfile::tempdir;
+
+    use super::*;
+
+    fn truth() -> Truth {
+        let picture = |base: f32| Picture {
+            width: 3,
+            height: 2,
+            rgb: (0..6).map(|i| [base + i as f32, 0.5, -base]).collect(),
+        };
+        Truth {
+            direct: picture(1.0),
+            indirect: picture(100.0),
+        }
+    }
+
+    fn key() -> Key {
+        Key {
+            content: "a room".to_owned(),
+            version: "1".to_owned(),
+            size: [3, 2],
+        }
+    }
+
+    #[test]
+    fn known_hashes() {
+        assert_eq!(fnv1a(b""), 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
+        assert_eq!(fnv1a(b"a"), 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
+    }
+
+    #[test]
+    fn what_is_stored_is_found_and_nothing_else_is() {
+        let folder = tempdir().expect("a temporary folder");
+        let cache = Cache::new(Some(folder.path()));
+        assert_eq!(cache.load(&key()), Found::Nothing);
+        cache.store(&key(), &truth()).expect("writable");
+        assert_eq!(cache.load(&key()), Found::Truth(Box::new(truth())));
+        let other = Key {
+            content: "another room".to_owned(),
+            ..key()
+        };
+        assert_eq!(cache.load(&other), Found::Nothing);
+        assert_eq!(Cache::none().load(&key()), Found::Nothing);
+    }
+
+    #[test]
+    fn another_version_and_every_kind_of_damage_are_unusable() {
+        let folder = tempdir().expect("a temporary folder");
+        let cache = Cache::new(Some(folder.path()));
+        cache.store(&key(), &truth()).expect("writable");
+        let newer = Key {
+            version: "2".to_owned(),
+            ..key()
+        };
+        let reason = |found| match found {
+            Found::Unusable(reason) => reason,
+            found => panic!("{found:?}"),
+        };
+        assert!(reason(cache.load(&newer)).contains("another version"));
+        let path = cache.path(&key()).expect("a folder");
+        let whole = fs::read(&path).expect("stored");
+        for end in 0..whole.len() {
+            fs::write(&path, &whole[..end]).expect("writable");
+            reason(cache.load(&key()));
+        }
+        for at in 0..whole.len() {
+            let mut flipped = whole.clone();
+            flipped[at] ^= 0x10;
+            fs::write(&path, &flipped).expect("writable");
+            reason(cache.load(&key()));
+        }
+        fs::write(&path, &whole).expect("writable");
+        assert!(matches!(cache.load(&key()), Found::Truth(_)));
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_named() {
+        let folder = tempdir().expect("a temporary folder");
+        let file = folder.path().join("a file");
+        fs::write(&file, "").expect("writable");
+        let refused = Cache::new(Some(&file)).store(&key(), &truth());
+        assert!(refused.expect_err("a file").contains("a file"));
+    }
+}

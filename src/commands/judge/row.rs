@@ -1,0 +1,248 @@
+//! One row of the table: a camera's picture in one layout, judged by the reference.
+
+use serde::Serialize;
+
+use super::{
+    super::{
+        Failure,
+        driver::Driver,
+        dynamics::{self, Responses},
+    },
+    cache::Truth,
+};
+use crate::{
+    lights::Lights,
+    measure::{
+        comparison::{Comparison, Shown, compare},
+        picture::Picture,
+        selection::Selection,
+        stability::Stability,
+    },
+    passes::ViewMode,
+    world::{Camera, World},
+};
+
+/// What was measured. Fields in the order in which they are printed; what is not finite is `null`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    pub world: String,
+    pub camera: String,
+    pub layout: String,
+    /// Rays per probe and frame.
+    pub rays: u32,
+    pub hysteresis: f32,
+    /// Frames before the pictures.
+    pub frames: u32,
+    /// All light: as `grotto compare` gives it, DDGI over reference.
+    pub full: Comparison,
+    /// Bounced light alone.
+    pub indirect: Comparison,
+    /// Light that DDGI adds where the reference has none, over the light of the brightest camera;
+    /// `null` where the reference has light everywhere.
+    pub leak_ratio: Option<f64>,
+    /// `null` when it was left out.
+    pub stability: Option<Stability>,
+    /// `null` when it was left out.
+    pub response: Option<Responses>,
+}
+
+/// The pictures of a row, as a display shows them, and FLIP of each pixel.
+pub struct Pictures {
+    pub full: Shown,
+    pub indirect: Shown,
+    pub full_map: Vec<f32>,
+    pub indirect_map: Vec<f32>,
+}
+
+/// The reference of a camera, ready to be compared with.
+pub struct Target {
+    pub full: Shown,
+    pub indirect: Shown,
+    /// Pixels that must stay dark.
+    pub dark: Option<Dark>,
+}
+
+/// Pixels that the reference sends no light through, or that a mask marks.
+pub struct Dark {
+    pub pixels: Selection,
+    /// Mean luminance that makes 1 of the leak ratio; above 0.
+    pub bright: f64,
+}
+
+/// The least share of a picture's surfaces that counts as a dark place.
+const LEAST_DARK: f64 = 0.01;
+
+impl Target {
+    pub fn new(truth: Truth, exposure_ev: f32) -> Self {
+        Self {
+            full: Shown::from_linear(full(&truth), exposure_ev),
+            indirect: Shown::from_linear(truth.indirect, exposure_ev),
+            dark: None,
+        }
+    }
+
+    /// Where no light of the reference comes from, though there is a surface, as a mask; `None` where
+    /// that is less than 1 % of the picture.
+    pub fn unlit(&self, normals: &Picture) -> Option<Picture> {
+        let black = |rgb: &[f32; 3]| *rgb == [0.0; 3];
+        let pairs = self.full.linear.rgb.iter().zip(&normals.rgb);
+        let unlit = |(light, normal)| {
+            if black(light) && !black(normal) {
+                1.0
+            } else {
+                0.0
+            }
+        };
+        let mask: Vec<[f32; 3]> = pairs.map(|pair| [unlit(pair); 3]).collect();
+        let count = mask.iter().filter(|rgb| !black(rgb)).count();
+        (count as f64 >= LEAST_DARK * mask.len() as f64).then_some(Picture {
+            rgb: mask,
+            ..*normals
+        })
+    }
+}
+
+/// All light of a reference.
+pub fn full(truth: &Truth) -> Picture {
+    let pixels = truth.direct.rgb.iter().zip(&truth.indirect.rgb);
+    Picture {
+        rgb: pixels
+            .map(|(a, b)| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
+            .collect(),
+        ..truth.direct
+    }
+}
+
+/// Mean luminance (Rec. 709) of the selected pixels.
+pub fn luminance(picture: &Picture, selection: &Selection) -> f64 {
+    let chosen = selection.of(&picture.rgb);
+    let sum: f64 = chosen
+        .iter()
+        .map(|&[r, g, b]| 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b))
+        .sum();
+    sum / chosen.len().max(1) as f64
+}
+
+/// What to measure besides the pictures.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// Frames before the pictures.
+    pub frames: u32,
+    pub stability: bool,
+    /// Frames that are watched after each change; `None` leaves the response out.
+    pub watched: Option<u32>,
+}
+
+impl Plan {
+    /// Frames of one row, for progress.
+    pub fn length(&self) -> u64 {
+        let still = if self.stability {
+            u64::from(dynamics::STILL_FRAMES)
+        } else {
+            0
+        };
+        let response = |watched| Responses::frames(self.frames, watched);
+        u64::from(self.frames) + 2 + still + self.watched.map_or(0, response)
+    }
+}
+
+/// Fills a row; the driver has fresh probes. Its pictures are rounded to what the adapter's f16
+/// holds.
+pub fn judge(
+    driver: &mut Driver<'_>,
+    (world, camera, layout): (&World, &Camera, &str),
+    lights: &Lights,
+    target: &Target,
+    plan: &Plan,
+    after: &dyn Fn(),
+) -> Result<(Row, Pictures), Failure> {
+    let size = driver.view().size;
+    let exposure_ev = driver.view().exposure_ev;
+    driver.look(camera, ViewMode::Full);
+    driver.advance(lights, plan.frames + 1, after)?;
+    let full = Shown::from_linear(driver.radiance()?, exposure_ev);
+    let stability = plan
+        .stability
+        .then(|| dynamics::stability(driver, lights, after))
+        .transpose()?;
+    driver.look(camera, ViewMode::Indirect);
+    driver.advance(lights, 1, after)?;
+    let indirect = Shown::from_linear(driver.radiance()?, exposure_ev);
+    let everywhere = Selection::ALL;
+    let (full_figures, full_map) =
+        compare(&full, &target.full, &everywhere).map_err(Failure::fault)?;
+    let (indirect_figures, indirect_map) =
+        compare(&indirect, &target.indirect, &everywhere).map_err(Failure::fault)?;
+    let leak = |dark: &Dark| {
+        let added =
+            luminance(&full.linear, &dark.pixels) - luminance(&target.full.linear, &dark.pixels);
+        added / dark.bright
+    };
+    let leak_ratio = target.dark.as_ref().map(leak);
+    let (rays, hysteresis) = (driver.rays(), driver.hysteresis());
+    let response = match plan.watched {
+        Some(watched) => {
+            let frames = [plan.frames, watched];
+            let all = dynamics::responses(driver, world, lights, camera, frames, after)?;
+            driver.resize(size)?;
+            Some(all)
+        }
+        None => None,
+    };
+    let row = Row {
+        world: world.name.clone(),
+        camera: camera.name.clone(),
+        layout: layout.to_owned(),
+        rays,
+        hysteresis,
+        frames: plan.frames,
+        full: full_figures,
+        indirect: indirect_figures,
+        leak_ratio,
+        stability,
+        response,
+    };
+    let pictures = Pictures {
+        full,
+        indirect,
+        full_map,
+        indirect_map,
+    };
+    Ok((row, pictures))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(rgb: &[[f32; 3]]) -> Picture {
+        Picture {
+            width: rgb.len() as u32,
+            height: 1,
+            rgb: rgb.to_vec(),
+        }
+    }
+
+    #[test]
+    fn luminance_of_known_pixels() {
+        let picture = picture(&[[1.0; 3], [0.0, 2.0, 0.0], [9.0; 3]]);
+        let first_two = Selection::region([3, 1], [0, 0, 2, 1]).expect("inside");
+        let expected = (1.0 + 2.0 * 0.7152) / 2.0;
+        assert!((luminance(&picture, &first_two) - expected).abs() < 1e-9);
+    }
+
+    #[test]
+    fn only_surfaces_without_any_light_are_dark() {
+        let black = picture(&[[0.0; 3]; 4]);
+        let truth = Truth {
+            direct: picture(&[[0.0; 3], [0.5; 3], [0.0; 3], [0.0; 3]]),
+            indirect: picture(&[[0.0; 3], [0.0; 3], [0.0, 1e-6, 0.0], [0.0; 3]]),
+        };
+        // Lit, lit by a bounce, unlit, and beyond all surfaces.
+        let normals = picture(&[[0.5, 1.0, 0.5], [0.5; 3], [0.5; 3], [0.0; 3]]);
+        let target = Target::new(truth, 0.0);
+        let mask = target.unlit(&normals).expect("one of four is enough");
+        assert_eq!(mask, picture(&[[1.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]]));
+        assert_eq!(target.unlit(&black), None, "the sky is no place");
+    }
+}

@@ -1,0 +1,197 @@
+//! The picture that DDGI is judged by: path-traced, or from the cache.
+
+use std::sync::atomic::AtomicBool;
+
+use clap::ValueEnum;
+
+use super::{
+    super::{
+        Failure,
+        options::RunOptions,
+        output,
+        reference::{TraceRequest, trace},
+    },
+    cache::{Cache, Found, Key, Truth, fnv1a},
+};
+use crate::{
+    frame::Stage,
+    gpu::{Gpu, ShaderLibrary},
+    lights::Lights,
+    measure::picture::Picture,
+    reference::{self, FilmOptions, View},
+    world::{Camera, World, generate, materials::MaterialSet, voxels::Voxels},
+};
+
+/// Who says what is true.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Against {
+    /// The path tracer on the GPU, as `grotto reference`.
+    Reference,
+    /// The path tracer on the CPU, in f64, over voxels of the CPU: slow, and shares no shader.
+    Cpu,
+}
+
+/// What a reference shows, and how well.
+pub struct Film<'a> {
+    pub camera: &'a Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Paths per pixel.
+    pub spp: u32,
+    pub seed: u32,
+    /// Whether textures are seen; else every texture is its mean.
+    pub textures: bool,
+}
+
+/// The path tracer of one world, and the references that are kept of it.
+pub struct Tracer<'a> {
+    pub world: &'a World,
+    pub lights: &'a Lights,
+    pub run: &'a RunOptions,
+    pub cache: &'a Cache,
+    pub gpu: &'a Gpu,
+    pub against: Against,
+    /// For the CPU; made when the first reference is traced.
+    pub voxels: Option<Voxels>,
+}
+
+/// The sources of the tracers: references are good for as long as they stay the same.
+const CPU_SOURCES: [&str; 5] = [
+    include_str!("../../reference/march.rs"),
+    include_str!("../../reference/path_trace.rs"),
+    include_str!("../../reference/random.rs"),
+    include_str!("../../reference/render.rs"),
+    include_str!("../../lights/lamp.rs"),
+];
+const GPU_SOURCES: [&str; 4] = [
+    include_str!("../reference.rs"),
+    include_str!("../../lights/emitters.rs"),
+    include_str!("../../lights/table.rs"),
+    include_str!("../../passes/path_trace.rs"),
+];
+
+impl<'a> Tracer<'a> {
+    /// The reference, traced if it is not in the cache. `stage` is the world on the adapter.
+    ///
+    /// # Errors
+    /// When it cannot be traced. A cache that fails is no failure.
+    pub fn truth(&mut self, film: &Film<'_>, stage: &Stage) -> Result<Truth, Failure> {
+        let key = self.key(film)?;
+        match self.cache.load(&key) {
+            Found::Truth(truth) => return Ok(*truth),
+            Found::Nothing => {}
+            Found::Unusable(reason) => {
+                output::note(self.run, &format!("{reason}; the reference is traced anew"));
+            }
+        }
+        let truth = Truth {
+            direct: self.trace(film, View::Direct, stage)?,
+            indirect: self.trace(film, View::Indirect, stage)?,
+        };
+        if let Err(reason) = self.cache.store(&key, &truth) {
+            output::note(self.run, &format!("{reason}; the reference is not kept"));
+        }
+        Ok(truth)
+    }
+
+    fn key(&self, film: &Film<'_>) -> Result<Key, Failure> {
+        // Who looks and where probes stand change nothing about the world.
+        let mut world = self.world.clone();
+        world.name.clear();
+        world.title.clear();
+        world.cameras.clear();
+        world.layouts.clear();
+        world.lamp_presets.clear();
+        let Film {
+            camera,
+            size,
+            spp,
+            seed,
+            textures,
+        } = film;
+        let basis = camera.basis(f64::from(size[0]) / f64::from(size[1]));
+        let tracer = match self.against {
+            Against::Reference => &self.gpu.summary.name,
+            Against::Cpu => "CPU",
+        };
+        Ok(Key {
+            content: format!(
+                "{tracer} {world:?} {:?} {basis:?} {size:?} {spp} {seed} {textures}",
+                self.lights
+            ),
+            version: self.version()?,
+            size: *size,
+        })
+    }
+
+    fn version(&self) -> Result<String, Failure> {
+        let sources = match self.against {
+            Against::Cpu => CPU_SOURCES.concat(),
+            Against::Reference => {
+                let shader = ShaderLibrary::embedded().compose("passes/path_trace", &[])?;
+                GPU_SOURCES.concat() + &shader.wgsl
+            }
+        };
+        Ok(format!(
+            "{} {:032x}",
+            env!("CARGO_PKG_VERSION"),
+            fnv1a(sources.as_bytes())
+        ))
+    }
+
+    fn trace(&mut self, film: &Film<'_>, view: View, stage: &Stage) -> Result<Picture, Failure> {
+        let bar = output::progress(self.run, "samples of the reference", 1);
+        let progress = |done, total| {
+            bar.set_length(total);
+            bar.set_position(done);
+        };
+        let never = AtomicBool::new(false);
+        let picture = match self.against {
+            Against::Cpu => self.on_the_cpu(film, view, &progress, &never),
+            Against::Reference => {
+                let request = TraceRequest {
+                    camera: film.camera,
+                    size: film.size,
+                    view,
+                    spp: film.spp,
+                    seed: film.seed,
+                    textures: film.textures,
+                    antialias: false,
+                };
+                let (gpu, world) = (self.gpu, self.world);
+                trace(gpu, stage, world, self.lights, &request, &progress, &never)?.picture
+            }
+        };
+        bar.finish_and_clear();
+        Ok(picture)
+    }
+
+    fn on_the_cpu(
+        &mut self,
+        film: &Film<'_>,
+        view: View,
+        progress: &(dyn Fn(u64, u64) + Sync),
+        cancel: &AtomicBool,
+    ) -> Picture {
+        let world = self.world;
+        let voxels = self.voxels.get_or_insert_with(|| generate::generate(world));
+        let materials = MaterialSet::bake(&world.materials, world.seed);
+        let scene = reference::Scene {
+            voxels,
+            origin: world.origin,
+            materials: &materials,
+            lights: self.lights,
+            textures: film.textures,
+        };
+        let options = FilmOptions {
+            camera: film.camera,
+            size: film.size,
+            samples: film.spp,
+            seed: u64::from(film.seed),
+            view,
+            antialias: false,
+            max_bounces: u32::MAX,
+        };
+        reference::render_scene(&scene, &options, progress, cancel)
+    }
+}

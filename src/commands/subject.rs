@@ -1,0 +1,194 @@
+//! What a table is made of: worlds, and in each the cameras and layouts that its rows are for.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::{
+    Failure,
+    options::{RunOptions, choose, load_world, picture_size, world_time},
+};
+use crate::{
+    lights::Lights,
+    parameters::Parameters,
+    passes::{View, ViewMode},
+    world::{Camera, LampPreset, LayoutSpec, World},
+};
+
+/// Options of tables.
+#[derive(Args)]
+pub struct SubjectOptions {
+    /// World files
+    #[arg(value_name = "WORLD")]
+    pub worlds: Vec<PathBuf>,
+    /// Only this camera (repeatable); worlds without it are left out
+    #[arg(long = "camera", value_name = "NAME")]
+    pub cameras: Vec<String>,
+    /// Only this probe layout (repeatable); worlds without it are left out
+    #[arg(long = "layout", value_name = "NAME")]
+    pub layouts: Vec<String>,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "480x270", value_parser = picture_size, allow_hyphen_values = true)]
+    pub size: [u32; 2],
+    /// Frames for the probes to settle before anything is measured
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=1_000_000), allow_negative_numbers = true)]
+    pub frames: u32,
+    /// World time at which everything stands still, in seconds
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = world_time, allow_negative_numbers = true)]
+    pub time: f64,
+    /// Seed of the random rays
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
+    pub seed: u32,
+    /// Rays per probe and frame, one row each [default: that of probes.rays]
+    #[arg(long, value_name = "N,N…", value_delimiter = ',', value_parser = rays)]
+    pub rays: Vec<u32>,
+}
+
+/// Accepts what `probes.rays` accepts.
+fn rays(text: &str) -> Result<u32, String> {
+    let mut parameters = Parameters::default();
+    let set = parameters.set(&format!("probes.rays={text}"));
+    set.map(|()| parameters.probes.rays)
+        .map_err(|error| error.to_string())
+}
+
+/// Cameras or layouts that rows are for, when none are named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unnamed {
+    /// The world's first: what `grotto render` takes.
+    First,
+    All,
+}
+
+/// One world with what its rows are for, and the lights that stand still in it.
+pub struct Subject {
+    pub world: World,
+    pub parameters: Parameters,
+    pub cameras: Vec<Camera>,
+    pub layouts: Vec<LayoutSpec>,
+    /// Never empty.
+    pub rays: Vec<u32>,
+    pub lights: Lights,
+    options: ViewOptions,
+}
+
+struct ViewOptions {
+    size: [u32; 2],
+    seed: u32,
+    time_s: f64,
+}
+
+impl Subject {
+    /// Reads a world and finds in it what the options name. `None` for a world that has no such
+    /// camera or layout, when it is one of several.
+    ///
+    /// # Errors
+    /// For a world that cannot be read, and for names that the only world does not have.
+    pub fn load(
+        path: &Path,
+        run: &RunOptions,
+        options: &SubjectOptions,
+        unnamed: Unnamed,
+    ) -> Result<Option<Self>, Failure> {
+        let parameters = run.parameters()?;
+        let world = load_world(path, &parameters)?;
+        let alone = options.worlds.len() <= 1;
+        let chosen = Choice {
+            path,
+            unnamed,
+            alone,
+        };
+        let cameras = chosen.of("camera", &world.cameras, |c| &c.name, &options.cameras)?;
+        let layouts = chosen.of("layout", &world.layouts, |l| &l.name, &options.layouts)?;
+        let preset = Some(&parameters.lights.preset).filter(|name| !name.is_empty());
+        let presets = &world.lamp_presets;
+        let mut lamps: LampPreset =
+            choose(path, "lamp preset", presets, |p| &p.name, &preset.cloned())?;
+        lamps.lamps.truncate(parameters.lights.max_lamps as usize);
+        if cameras.is_empty() || layouts.is_empty() {
+            return Ok(None);
+        }
+        let moving = parameters.lights.animate;
+        let lights = Lights::at(&world, &lamps, if moving { options.time } else { 0.0 });
+        let rays = match &options.rays[..] {
+            [] => vec![parameters.probes.rays],
+            given => given.to_vec(),
+        };
+        Ok(Some(Self {
+            world,
+            parameters,
+            cameras,
+            layouts,
+            rays,
+            lights,
+            options: ViewOptions {
+                size: options.size,
+                seed: options.seed,
+                time_s: options.time,
+            },
+        }))
+    }
+
+    /// What a driver of this world starts with.
+    pub fn view(&self, camera: &Camera) -> View {
+        View {
+            camera: camera.clone(),
+            size: self.options.size,
+            frame: 0,
+            seed: self.options.seed,
+            exposure_ev: self.parameters.picture.exposure_ev,
+            mode: ViewMode::Full,
+            time_s: self.options.time_s,
+            textures: self.parameters.textures.enabled,
+        }
+    }
+
+    /// The parameters with another number of rays.
+    pub fn with_rays(&self, rays: u32) -> Parameters {
+        let mut parameters = self.parameters.clone();
+        parameters.probes.rays = rays;
+        parameters
+    }
+}
+
+struct Choice<'a> {
+    path: &'a Path,
+    unnamed: Unnamed,
+    /// Whether a name that is not there is a mistake.
+    alone: bool,
+}
+
+impl Choice<'_> {
+    fn of<T: Clone>(
+        &self,
+        what: &str,
+        all: &[T],
+        name: impl Fn(&T) -> &str,
+        wanted: &[String],
+    ) -> Result<Vec<T>, Failure> {
+        if wanted.is_empty() {
+            let count = match self.unnamed {
+                Unnamed::First => 1,
+                Unnamed::All => all.len(),
+            };
+            return Ok(all.iter().take(count).cloned().collect());
+        }
+        let mut found = Vec::new();
+        for wanted in wanted {
+            match all.iter().find(|one| name(one) == wanted) {
+                Some(one) => found.push(one.clone()),
+                None if self.alone => {
+                    // Says what there is.
+                    choose(self.path, what, all, &name, &Some(wanted.clone()))?;
+                }
+                None => {}
+            }
+        }
+        Ok(found)
+    }
+}

@@ -1,0 +1,178 @@
+//! How many frames light takes to follow a change of the scene.
+
+use serde::Serialize;
+
+use super::{
+    metrics::{MetricError, comparable},
+    picture::Picture,
+};
+
+/// Frames from a change until this share of it is seen, the first frame that shows any of it being
+/// frame 1; `None` when the frames that were watched were too few.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Response {
+    pub to_90: Option<u32>,
+    pub to_99: Option<u32>,
+    /// Frames that were watched.
+    pub watched: u32,
+}
+
+/// Within the tolerance for so many frames is arrived: passing through on the way is not.
+const HOLD: usize = 8;
+/// A change of less than this share of the light is none that could be followed.
+const LEAST_CHANGE: f64 = 0.005;
+
+/// How a series of pictures goes from `before` to its settled value, the mean of its last quarter.
+/// `None` when the light hardly changes (by less than half a percent of it), or no picture follows.
+///
+/// Progress is the part of the change that has happened, summed over pixels and channels: with
+/// settled value e and start b, Σ sign(e − b)·(value − b) / Σ |e − b|. It is linear in the pictures,
+/// so that noise which averages out over pixels averages out of it. A share of 90 % is reached when
+/// progress is within 10 % of 1 and stays so for eight frames.
+///
+/// # Errors
+/// [`MetricError`] for pictures of different sizes, or not finite. They are linear light.
+pub fn response(before: &Picture, after: &[Picture]) -> Result<Option<Response>, MetricError> {
+    for picture in after {
+        comparable(picture, before)?;
+    }
+    let settled = mean(&after[after.len() - after.len().div_ceil(4)..]);
+    let start: Vec<f64> = flat(before).collect();
+    let light: f64 = settled.iter().chain(&start).map(|value| value.abs()).sum();
+    let change: f64 = settled.iter().zip(&start).map(|(e, b)| (e - b).abs()).sum();
+    if change <= LEAST_CHANGE * light {
+        return Ok(None);
+    }
+    let progress: Vec<f64> = after
+        .iter()
+        .map(|picture| {
+            let values = flat(picture).zip(settled.iter().zip(&start));
+            let done: f64 = values
+                .map(|(value, (e, b))| (value - b) * (e - b).signum())
+                .sum();
+            done / change
+        })
+        .collect();
+    Ok(Some(Response {
+        to_90: reached(&progress, 0.9),
+        to_99: reached(&progress, 0.99),
+        watched: after.len() as u32,
+    }))
+}
+
+/// The first frame (counted from 1) at which progress has come to this share, to stay.
+fn reached(progress: &[f64], share: f64) -> Option<u32> {
+    let within = |value: &f64| (1.0 - value).abs() <= 1.0 - share + 1e-9;
+    let frame = progress
+        .windows(HOLD.min(progress.len().max(1)))
+        .position(|window| window.iter().all(within))?;
+    Some(frame as u32 + 1)
+}
+
+fn flat(picture: &Picture) -> impl Iterator<Item = f64> {
+    picture.rgb.iter().flatten().map(|&value| f64::from(value))
+}
+
+fn mean(pictures: &[Picture]) -> Vec<f64> {
+    let mut sums = Vec::new();
+    for picture in pictures {
+        sums.resize(picture.rgb.len() * 3, 0.0);
+        for (sum, value) in sums.iter_mut().zip(flat(picture)) {
+            *sum += value / pictures.len() as f64;
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One pixel that rises and one that falls, at the same progress.
+    fn at(progress: f64) -> Picture {
+        Picture {
+            width: 2,
+            height: 1,
+            rgb: vec![[progress as f32; 3], [2.0 - progress as f32; 3]],
+        }
+    }
+
+    fn of(progress: impl IntoIterator<Item = f64>) -> Option<Response> {
+        let after: Vec<Picture> = progress.into_iter().map(at).collect();
+        response(&at(0.0), &after).expect("comparable")
+    }
+
+    #[test]
+    fn a_running_mean_takes_the_frames_that_its_hysteresis_says() {
+        // After n frames 1 − 0.9ⁿ is there: 90 % after 21.9, 99 % after 43.7.
+        let response = of((1..400).map(|n| 1.0 - 0.9f64.powi(n))).expect("a change");
+        assert_eq!((response.to_90, response.to_99), (Some(22), Some(44)));
+        assert_eq!(response.watched, 399);
+    }
+
+    #[test]
+    fn what_is_there_at_once_takes_one_frame() {
+        let response = of([1.0; 40]).expect("a change");
+        assert_eq!((response.to_90, response.to_99), (Some(1), Some(1)));
+    }
+
+    #[test]
+    fn passing_through_the_settled_value_is_not_arriving() {
+        let mut progress = vec![1.0; 100];
+        progress[..20].copy_from_slice(&[1.5; 20]);
+        progress[3] = 1.0;
+        let response = of(progress).expect("a change");
+        assert_eq!(response.to_90, Some(21));
+    }
+
+    #[test]
+    fn light_that_never_settles_is_said_to_be_unsettled() {
+        let swinging = (0..80).map(|n| if n % 2 == 0 { 0.5 } else { 1.5 });
+        let response = of(swinging).expect("a change");
+        assert_eq!((response.to_90, response.to_99), (None, None));
+    }
+
+    #[test]
+    fn no_change_and_no_frames_have_no_response() {
+        assert_eq!(of([0.0; 30]), None);
+        assert_eq!(of([0.001; 30]), None);
+        assert_eq!(of([]), None);
+    }
+
+    #[test]
+    fn independent_noise_hardly_moves_the_count() {
+        let noise = |seed: u32| {
+            let hash = seed
+                .wrapping_mul(2_654_435_761)
+                .rotate_left(15)
+                .wrapping_mul(2_246_822_519);
+            f64::from(hash >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let noisy = |n: u32| {
+            let done = 1.0 - 0.9f64.powi(n as i32);
+            let pixels = (0..400).map(|i| [(done + 0.05 * noise(n * 400 + i)) as f32; 3]);
+            Picture {
+                width: 20,
+                height: 20,
+                rgb: pixels.collect(),
+            }
+        };
+        let after: Vec<Picture> = (1..300).map(noisy).collect();
+        let response = response(&Picture::new(20, 20), &after).expect("comparable");
+        let response = response.expect("a change");
+        assert!(
+            response.to_90.is_some_and(|n| n.abs_diff(22) <= 1),
+            "{response:?}"
+        );
+        assert!(
+            response.to_99.is_some_and(|n| n.abs_diff(44) <= 4),
+            "{response:?}"
+        );
+    }
+
+    #[test]
+    fn a_picture_that_is_not_finite_is_refused() {
+        let refused = response(&at(0.0), &[at(0.5), at(f64::NAN)]);
+        assert!(matches!(refused, Err(MetricError::NotFinite { .. })));
+    }
+}
