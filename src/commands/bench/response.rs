@@ -25,7 +25,7 @@ use crate::{
 /// moves half of the free way towards the camera, at most eight voxels; a sphere of radius 3 is cut out
 /// where the camera's central ray hits, and filled again. Each time, frames are counted until 90 % and
 /// 99 % of the change of the indirect light are there, to stay. The settled value is the mean of the last
-/// quarter of the frames that are watched.
+/// quarter of the frames that are watched. Without WORLD the Cornell box is measured.
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]

@@ -23,7 +23,8 @@ use crate::{
 /// Change of a pixel between consecutive frames of a still scene, by rays per probe
 ///
 /// The sum over RGB of the absolute difference of the tone-mapped picture, in [0, 3], over fifty
-/// frames after the probes have settled.
+/// frames after the probes have settled. Pixels that show no surface never change: choose a view
+/// without them. Without WORLD the Cornell box is measured.
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]

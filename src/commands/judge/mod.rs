@@ -24,6 +24,7 @@ use super::{
     EXIT_FAULT, Failure,
     driver::Driver,
     dynamics::WATCHED_FRAMES,
+    memory,
     options::RunOptions,
     out_file::OutFile,
     output,
@@ -47,7 +48,8 @@ use crate::{
 /// camera. Stability is the change of a pixel between consecutive frames, sum over RGB, over 50 frames
 /// of the still, tone-mapped scene. Response counts frames until 90 % and 99 % of a change of the
 /// indirect light are there, after the first lamp is switched on, off, or moved, and after a wall before
-/// the camera is opened and closed by a sphere of radius 3.
+/// the camera is opened and closed by a sphere of radius 3. Without WORLD all worlds of the folder
+/// worlds/ are judged.
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -118,6 +120,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let paths = worlds(&arguments.subjects.worlds)?;
     let file = |name| OutFile::new(&arguments.out, name);
     let (json, csv, html) = (file("judge.json")?, file("judge.csv")?, file("judge.html")?);
+    // Light, display and figures of DDGI and reference, and what FLIP takes for each pixel.
+    let [width, height] = arguments.subjects.size.map(u64::from);
+    memory::check("judging pictures of this size", width * height * 400)?;
     let masks = read_masks(arguments)?;
     let gpu = output::open_gpu(&arguments.run)?;
     let cache = match arguments.no_cache {
