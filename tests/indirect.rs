@@ -5,10 +5,10 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Recorder, ShaderChecks},
     lights::{LampShape, LampState, Lights},
-    parameters::ProbeParameters,
+    parameters::{ProbeParameters, Relocation},
     passes::{
         GpuLights, GpuMaterials, GpuVoxels, ProbeField, View, ViewMode, camera_rays::CameraRays,
-        probe_blend::ProbeBlend, probe_rays::ProbeRays, shade::Shade,
+        probe_blend::ProbeBlend, probe_rays::ProbeRays, probe_states::ProbeStates, shade::Shade,
     },
     probes::{Layout as _, Volume},
     world::{
@@ -110,6 +110,11 @@ impl Stage {
         let mut resources = voxels.resources().to_vec();
         resources.extend(materials.resources());
         resources.extend(on_gpu.resources());
+        let states = ProbeStates::new(&gpu, &field, &resources).expect("compiles");
+        field.begin_frame(&gpu, &parameters, 3, 0);
+        let mut recorder = Recorder::new(&gpu, None);
+        states.record(&mut recorder);
+        recorder.submit(&gpu).expect("submits");
         let rays = ProbeRays::new(&gpu, &field, &resources).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         Self {
@@ -385,6 +390,7 @@ fn two_runs_give_the_same_bytes() {
 fn probes_stay_out_of_the_walls() {
     let parameters = ProbeParameters {
         rays: 64,
+        relocation: Relocation::Off,
         ..Default::default()
     };
     let mut stage = Stage::new(&voxels(room), &[material(0.5, 1.0)], &dark(), parameters);

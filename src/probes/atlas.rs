@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(memory.distance_atlas, 64 * 324 * 8);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 8)
+            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 8 + 16)
         );
     }
 }

@@ -65,7 +65,8 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         change_step,
         change_large,
         change_deviations,
-        firefly_clamp
+        firefly_clamp,
+        move_reach
     );
     assert_eq!(*span as usize, size_of::<GpuProbeInfo>());
     assert_eq!(members.len(), expected.len());

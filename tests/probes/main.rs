@@ -4,6 +4,7 @@ mod gather;
 mod history;
 mod lattice;
 mod maps;
+mod placement;
 
 use glam::{DVec3, IVec2, UVec2, Vec3};
 use grotto::{
