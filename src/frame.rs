@@ -1,6 +1,7 @@
 //! The whole frame on one page, as data flow.
 //!
 //! ```text
+//! probe_states (new probes, edits) ─ where probes stand
 //! camera_rays ─ surfaces ─────────────────────────────┐
 //! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ─ shade ─ hdr ─ tonemap ─ display
 //!     └────────────── atlas of the last frame ◄────────┘
@@ -181,7 +182,7 @@ impl Frame {
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
-        if std::mem::take(&mut self.misplaced) {
+        if mem::take(&mut self.misplaced) {
             self.passes.probe_states.record(recorder);
         }
         self.passes.probe_rays.record(recorder);

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::{GpuEmitters, Slice};
 use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder},
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
     measure::picture::Picture,
 };
 
@@ -24,8 +24,6 @@ pub struct GpuTraceJob {
 
 /// Edge of a tile in pixels.
 const TILE: u32 = 8;
-/// Most workgroups along one axis that every device supports.
-const MOST_GROUPS: u32 = 65_535;
 
 /// The kernels, and what they add up.
 pub struct PathTrace {
@@ -139,34 +137,23 @@ impl PathTrace {
             .write_buffer(&self.job, 0, bytemuck::bytes_of(&job));
         let groups = slice.places.len() as u32;
         recorder.compute("path_trace", |pass| {
-            let groups = [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1];
-            kernel.dispatch(pass, bindings, groups);
+            let [width, rows] = rectangle(groups);
+            kernel.dispatch(pass, bindings, [width, rows, 1]);
         });
     }
 
     /// What shows the picture so far; `resources` are those of the view.
     ///
     /// # Errors
-    /// [`GpuError::Shader`].
+    /// [`GpuError::TooLarge`], [`GpuError::Shader`].
     pub fn resolve(
         &self,
         gpu: &Gpu,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Resolve, GpuError> {
-        let hdr = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("traced_hdr"),
-            size: wgpu::Extent3d {
-                width: self.size[0],
-                height: self.size[1],
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
+        let [width, height] = self.size;
+        let format = wgpu::TextureFormat::Rgba16Float;
+        let hdr = gpu.texture("traced_hdr", [width, height, 1], format)?;
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {

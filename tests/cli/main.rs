@@ -114,33 +114,27 @@ fn without_arguments_it_says_what_it_is() {
     assert!(ended.stdout.lines().count() < 15);
 }
 
+const COMMANDS: [&str; 7] = [
+    "render",
+    "reference",
+    "compare",
+    "judge",
+    "bench",
+    "check",
+    "info",
+];
+
 #[test]
 fn help_lists_what_there_is_and_nothing_else() {
     let ended = run(&["--help"]);
     assert_eq!(ended.code, 0);
-    for command in [
-        "render",
-        "reference",
-        "compare",
-        "judge",
-        "bench",
-        "check",
-        "info",
-    ] {
+    for command in COMMANDS {
         assert!(ended.stdout.contains(command), "{}", ended.stdout);
     }
     let later = "stress";
     assert!(!ended.stdout.contains(later), "{}", ended.stdout);
     assert_eq!(run(&[later]).code, 2);
-    for command in [
-        "render",
-        "reference",
-        "compare",
-        "judge",
-        "bench",
-        "check",
-        "info",
-    ] {
+    for command in COMMANDS {
         assert_eq!(run(&[command, "--help"]).code, 0);
     }
 }
