@@ -13,13 +13,14 @@ use crate::{
     gpu::{Gpu, GpuError, Recorder, Timing},
     lights::Lights,
     measure::picture::Picture,
-    parameters::ProbeParameters,
+    parameters::{ProbeParameters, Visibility},
     passes::{
         GpuLights, GpuMaterials, GpuVoxels, MemoryUse, ProbeField, ProbeFieldError, View,
         camera_rays::CameraRays,
         distances::Distances,
         probe_blend::ProbeBlend,
         probe_rays::ProbeRays,
+        probe_sight::ProbeSight,
         probe_states::ProbeStates,
         shade::Shade,
         shadow_count,
@@ -133,6 +134,7 @@ pub struct Frame {
 struct Passes {
     camera_rays: CameraRays,
     probe_states: ProbeStates,
+    probe_sight: ProbeSight,
     probe_rays: ProbeRays,
     probe_blend: ProbeBlend,
     shade: Shade,
@@ -184,6 +186,9 @@ impl Frame {
         self.passes.camera_rays.record(recorder);
         if mem::take(&mut self.misplaced) {
             self.passes.probe_states.record(recorder);
+            if probes.visibility == Visibility::Exact {
+                self.passes.probe_sight.record(recorder);
+            }
         }
         self.passes.probe_rays.record(recorder);
         self.passes.probe_blend.record(recorder);
@@ -334,6 +339,7 @@ impl Passes {
         Ok(Self {
             tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
             probe_states: ProbeStates::new(gpu, field, resources)?,
+            probe_sight: ProbeSight::new(gpu, field, resources)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
             camera_rays,

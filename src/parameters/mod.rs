@@ -106,8 +106,10 @@ choice! {
         None = "none",
         /// By the mean and the variance of the distances that the probe saw (Majercik et al. 2019).
         Chebyshev = "chebyshev",
+        /// By marching: kept for every voxel of air beside stone in the probe's cages.
+        Exact = "exact",
     }
-    later: ["exact"]
+    later: []
 }
 
 choice! {
@@ -165,13 +167,15 @@ parameters! {
         #[doc = "Share of history kept per update; higher is steadier, lower reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
         #[doc = "How a probe behind a wall loses its weight; none is faster and leaks, chebyshev reads one texel more per probe."]
-        visibility: Visibility = Visibility::Chebyshev, Visibility::KIND, Nothing;
+        visibility: Visibility = Visibility::Chebyshev, Visibility::KIND, Probes;
         #[doc = "Whether probes sleep and move by what surrounds them; off updates every probe that is not in stone."]
         states: ProbeStates = ProbeStates::Off, ProbeStates::KIND, Probes;
         #[doc = "What becomes of probes in stone: exact moves them to the nearest air, off leaves them dead; exact lights corners truer and traces more probes."]
         relocation: Relocation = Relocation::Exact, Relocation::KIND, Probes;
         #[doc = "Farthest that a probe in stone moves along an axis, in spacings (and 31 voxels); more reaches more walls, for more probes to trace."]
         move_reach: f32 = 0.95, Kind::Number { min: 0.0, max: 0.95 }, Probes;
+        #[doc = "Share of the surfaces in its cages that a probe must miss under exact visibility to get a twin that sees them; less lights thin walls truer and traces more probes, 1 makes none."]
+        twin_share: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Probes;
         #[doc = "Edge of a probe's irradiance map; more resolves sharper bounced light, for memory and blend time by its square."]
         irradiance_texels: u32 = 8, Kind::Count { min: 4, max: 32 }, Probes;
         #[doc = "Edge of a probe's distance map; more leaks less at thin walls, for memory and blend time by its square."]

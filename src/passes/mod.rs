@@ -9,6 +9,7 @@ pub mod path_trace;
 pub mod probe_blend;
 mod probe_field;
 pub mod probe_rays;
+pub mod probe_sight;
 pub mod probe_states;
 pub mod ray_bench;
 mod scene;

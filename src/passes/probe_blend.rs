@@ -3,7 +3,6 @@
 use super::ProbeField;
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
-    probes::Layout as _,
 };
 
 pub struct ProbeBlend {
@@ -29,7 +28,7 @@ impl ProbeBlend {
                 ..Default::default()
             },
         )?;
-        let slots = field.volume().slots();
+        let slots = field.atlas().slots;
         Ok(Self {
             bindings: kernel.bind(gpu, &field.update_resources()),
             kernel,

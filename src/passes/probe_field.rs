@@ -1,6 +1,7 @@
 //! The probe field on the GPU: what the passes that trace, blend and gather probes share.
 
 use bytemuck::{Pod, Zeroable};
+use glam::UVec3;
 
 use crate::{
     gpu::{Gpu, GpuError},
@@ -51,12 +52,20 @@ pub struct GpuProbeInfo {
     pub change_deviations: f32,
     pub firefly_clamp: f32,
     pub move_reach: f32,
+    pub sight_counts: [u32; 3],
+    pub sight_words: u32,
+    pub lattice_slots: u32,
+    pub twin_share: f32,
+    pub pad: [u32; 2],
 }
 
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
 /// update takes no account of them, and a gather before it finds no light.
 pub struct ProbeField {
     volume: Volume,
+    /// Voxels of the box that a probe's sight covers.
+    sight: UVec3,
+    twins: bool,
     atlas: AtlasLayout,
     memory: ProbeMemory,
     rays_per_probe: u32,
@@ -68,6 +77,7 @@ pub struct ProbeField {
     distance_history: wgpu::Buffer,
     states: wgpu::Buffer,
     places: wgpu::Buffer,
+    sight_bits: wgpu::Buffer,
     irradiance_atlas: wgpu::Texture,
     distance_atlas: wgpu::Texture,
     irradiance_view: wgpu::TextureView,
@@ -83,8 +93,12 @@ impl ProbeField {
         volume: Volume,
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
+        let exact = parameters.visibility == Visibility::Exact;
+        let twins = exact && parameters.twin_share < 1.0;
+        let slots = volume.slots() * if twins { 2 } else { 1 };
+        let sight = (2.0 * volume.spacing() + 2.0).floor().as_uvec3();
         let atlas = AtlasLayout::new(
-            volume.slots(),
+            slots,
             parameters,
             gpu.limits.max_texture_dimension_2d,
             gpu.limits.max_texture_array_layers,
@@ -111,6 +125,7 @@ impl ProbeField {
         let irradiance_atlas = texture("irradiance_atlas", atlas.irradiance_texels)?;
         let distance_atlas = texture("distance_atlas", atlas.distance_texels)?;
         let places = gpu.storage_buffer("probe_places", memory.places)?;
+        let sight_words = if exact { u64::from(slots * sight.y * sight.z) } else { 0 };
         // Until pass `probe_states` looks, all probes stand on the lattice and are thought alive.
         let lattice: Vec<[f32; 4]> = (0..volume.slots())
             .map(|slot| volume.position(slot).extend(1.0).to_array())
@@ -118,6 +133,9 @@ impl ProbeField {
         gpu.queue
             .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
         Ok(Self {
+            sight,
+            twins,
+            sight_bits: gpu.storage_buffer("probe_sight", sight_words * 4)?,
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
@@ -168,7 +186,7 @@ impl ProbeField {
         };
         GpuProbeInfo {
             first_ws: self.volume.first().to_array(),
-            slots: self.volume.slots(),
+            slots: self.atlas.slots,
             spacing: self.volume.spacing().to_array(),
             rays: self.rays_per_probe,
             inverse_spacing: self.volume.spacing().recip().to_array(),
@@ -188,6 +206,7 @@ impl ProbeField {
             visibility: match parameters.visibility {
                 Visibility::None => 0,
                 Visibility::Chebyshev => 1,
+                Visibility::Exact => 2,
             },
             chebyshev_power: parameters.chebyshev_power,
             chebyshev_floor: parameters.chebyshev_floor,
@@ -203,11 +222,16 @@ impl ProbeField {
                 Relocation::Off => 0.0,
                 Relocation::Exact => parameters.move_reach,
             },
+            sight_counts: self.sight.to_array(),
+            sight_words: self.sight.y * self.sight.z,
+            lattice_slots: self.volume.slots(),
+            twin_share: if self.twins { parameters.twin_share } else { 1.0 },
+            pad: [0; 2],
         }
     }
 
     /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 6] {
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 7] {
         use wgpu::BindingResource::{Sampler, TextureView};
         [
             ("probe_info", self.info.as_entire_binding()),
@@ -216,6 +240,7 @@ impl ProbeField {
             ("distance_atlas", TextureView(&self.distance_view)),
             ("probe_sampler", Sampler(&self.sampler)),
             ("probe_places", self.places.as_entire_binding()),
+            ("probe_sight", self.sight_bits.as_entire_binding()),
         ]
     }
 
@@ -240,12 +265,13 @@ impl ProbeField {
         ]
     }
 
-    /// What pass `probe_states` writes: where each probe stands, and what it knows.
-    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
+    /// What the passes `probe_states` and `probe_sight` write: where each probe stands, what it knows and sees.
+    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
         [
             ("probe_info", self.info.as_entire_binding()),
             ("probe_places_out", self.places.as_entire_binding()),
             ("probe_states", self.states.as_entire_binding()),
+            ("probe_sight_out", self.sight_bits.as_entire_binding()),
         ]
     }
 
@@ -297,7 +323,7 @@ impl ProbeField {
     pub fn alive(&self, gpu: &Gpu) -> Result<u32, GpuError> {
         // Updates so far (0 for a probe in stone) and the mean luminance of the rays.
         let states: Vec<[u32; 2]> = gpu.read_buffer(&self.states)?;
-        let probes = states.iter().take(self.volume.slots() as usize);
+        let probes = states.iter().take(self.atlas.slots as usize);
         Ok(probes.filter(|[updates, _]| *updates > 0).count() as u32)
     }
 

@@ -3,7 +3,6 @@
 use super::ProbeField;
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
-    probes::Layout as _,
 };
 
 pub struct ProbeRays {
@@ -34,7 +33,7 @@ impl ProbeRays {
         all.extend(field.resources());
         all.push(("probe_rays_out", field.rays().as_entire_binding()));
         // The buffer of the rays fits a binding, so that their number fits an u32.
-        let rays = field.volume().slots() * field.rays_per_probe();
+        let rays = field.atlas().slots * field.rays_per_probe();
         let groups = rays.div_ceil(kernel.workgroup_size[0]);
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
