@@ -13,7 +13,7 @@ use crate::{
     gpu::{Gpu, GpuError, Recorder, Timing},
     lights::Lights,
     measure::picture::Picture,
-    parameters::{ProbeParameters, Visibility},
+    parameters::ProbeParameters,
     passes::{
         GpuLights, GpuMaterials, GpuVoxels, MemoryUse, ProbeField, ProbeFieldError, View,
         camera_rays::CameraRays,
@@ -27,7 +27,7 @@ use crate::{
         tonemap::Tonemap,
         voxelise::{Voxelise, VoxeliseReport},
     },
-    probes::{ProbeError, Volume},
+    probes::{ProbeError, Volume, sight::Region},
     world::{
         LayoutSpec, World,
         materials::MaterialSet,
@@ -126,8 +126,8 @@ pub struct Frame {
     view: wgpu::Buffer,
     lights: GpuLights,
     field: ProbeField,
-    /// Whether voxels or probes are new, so that the probes must be placed.
-    misplaced: bool,
+    /// Where voxels or probes are new, so that probes must be placed.
+    misplaced: Option<Region>,
     passes: Passes,
 }
 
@@ -162,7 +162,7 @@ impl Frame {
             view,
             lights,
             field,
-            misplaced: true,
+            misplaced: Some(Region::everywhere()),
             passes,
         })
     }
@@ -184,9 +184,10 @@ impl Frame {
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
-        if mem::take(&mut self.misplaced) {
+        if let Some(region) = self.misplaced.take() {
+            self.field.look_at(gpu, &region);
             self.passes.probe_states.record(recorder);
-            if probes.visibility == Visibility::Exact {
+            if self.field.exact() {
                 self.passes.probe_sight.record(recorder);
             }
         }
@@ -232,7 +233,7 @@ impl Frame {
         let resources = resources(&self.stage, &self.view, &self.lights);
         self.passes = Passes::new(gpu, self.size, &field, &resources)?;
         self.field = field;
-        self.misplaced = true;
+        self.misplaced = Some(Region::everywhere());
         self.frames = 0;
         Ok(())
     }
@@ -250,7 +251,13 @@ impl Frame {
             }
         }
         self.stage.voxels.write(gpu, voxels, edit);
-        self.misplaced = true;
+        if let Some((first, last)) = edit.region {
+            let region = Region {
+                first: first.as_ivec3(),
+                last: last.as_ivec3(),
+            };
+            self.misplaced = Some(self.misplaced.map_or(region, |before| before.union(&region)));
+        }
         Ok(())
     }
 

@@ -1,12 +1,14 @@
 //! The probe field on the GPU: what the passes that trace, blend and gather probes share.
 
 use bytemuck::{Pod, Zeroable};
-use glam::UVec3;
 
 use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
-    probes::{AtlasLayout, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling},
+    probes::{
+        AtlasLayout, Layout as _, ProbeError, Sight, Volume, atlas::ProbeMemory, sampling,
+        sight::Region,
+    },
 };
 
 /// Why a probe field cannot be made.
@@ -63,8 +65,7 @@ pub struct GpuProbeInfo {
 /// update takes no account of them, and a gather before it finds no light.
 pub struct ProbeField {
     volume: Volume,
-    /// Voxels of the box that a probe's sight covers.
-    sight: UVec3,
+    sight: Option<Sight>,
     twins: bool,
     atlas: AtlasLayout,
     memory: ProbeMemory,
@@ -78,6 +79,7 @@ pub struct ProbeField {
     states: wgpu::Buffer,
     places: wgpu::Buffer,
     sight_bits: wgpu::Buffer,
+    region: wgpu::Buffer,
     irradiance_atlas: wgpu::Texture,
     distance_atlas: wgpu::Texture,
     irradiance_view: wgpu::TextureView,
@@ -93,17 +95,20 @@ impl ProbeField {
         volume: Volume,
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
-        let exact = parameters.visibility == Visibility::Exact;
-        let twins = exact && parameters.twin_share < 1.0;
+        let sight = Sight::new(&volume, parameters);
+        let twins = sight.is_some() && parameters.twin_share < 1.0;
         let slots = volume.slots() * if twins { 2 } else { 1 };
-        let sight = (2.0 * volume.spacing() + 2.0).floor().as_uvec3();
         let atlas = AtlasLayout::new(
             slots,
             parameters,
             gpu.limits.max_texture_dimension_2d,
             gpu.limits.max_texture_array_layers,
         )?;
-        let memory = atlas.memory(parameters.rays);
+        let sight_bytes = sight.map_or(0, |sight| u64::from(sight.words()) * u64::from(slots) * 4);
+        let memory = ProbeMemory {
+            sight: sight_bytes,
+            ..atlas.memory(parameters.rays)
+        };
         let parts = [
             ("the rays of all probes (probes.rays)", memory.rays),
             (
@@ -114,6 +119,7 @@ impl ProbeField {
                 "the distance history of all probes",
                 memory.distance_history,
             ),
+            ("what all probes see (probes.visibility)", memory.sight),
         ];
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
@@ -125,7 +131,6 @@ impl ProbeField {
         let irradiance_atlas = texture("irradiance_atlas", atlas.irradiance_texels)?;
         let distance_atlas = texture("distance_atlas", atlas.distance_texels)?;
         let places = gpu.storage_buffer("probe_places", memory.places)?;
-        let sight_words = if exact { u64::from(slots * sight.y * sight.z) } else { 0 };
         // Until pass `probe_states` looks, all probes stand on the lattice and are thought alive.
         let lattice: Vec<[f32; 4]> = (0..volume.slots())
             .map(|slot| volume.position(slot).extend(1.0).to_array())
@@ -135,7 +140,8 @@ impl ProbeField {
         Ok(Self {
             sight,
             twins,
-            sight_bits: gpu.storage_buffer("probe_sight", sight_words * 4)?,
+            sight_bits: gpu.storage_buffer("probe_sight", sight_bytes)?,
+            region: gpu.uniform_buffer("probe_region", &Region::everywhere().to_gpu()),
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
@@ -206,7 +212,8 @@ impl ProbeField {
             visibility: match parameters.visibility {
                 Visibility::None => 0,
                 Visibility::Chebyshev => 1,
-                Visibility::Exact => 2,
+                Visibility::Exact if self.sight.is_some() => 2,
+                Visibility::Exact => 1,
             },
             chebyshev_power: parameters.chebyshev_power,
             chebyshev_floor: parameters.chebyshev_floor,
@@ -222,8 +229,8 @@ impl ProbeField {
                 Relocation::Off => 0.0,
                 Relocation::Exact => parameters.move_reach,
             },
-            sight_counts: self.sight.to_array(),
-            sight_words: self.sight.y * self.sight.z,
+            sight_counts: self.sight.map_or([0; 3], |sight| sight.counts.to_array()),
+            sight_words: self.sight.map_or(0, |sight| sight.words()),
             lattice_slots: self.volume.slots(),
             twin_share: if self.twins { parameters.twin_share } else { 1.0 },
             pad: [0; 2],
@@ -265,14 +272,33 @@ impl ProbeField {
         ]
     }
 
-    /// What the passes `probe_states` and `probe_sight` write: where each probe stands, what it knows and sees.
-    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
+    /// What the passes `probe_states` and `probe_sight` write: where each probe stands, what it knows
+    /// and what it sees; and the region that they look at.
+    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 5] {
         [
             ("probe_info", self.info.as_entire_binding()),
             ("probe_places_out", self.places.as_entire_binding()),
             ("probe_states", self.states.as_entire_binding()),
             ("probe_sight_out", self.sight_bits.as_entire_binding()),
+            ("probe_region", self.region.as_entire_binding()),
         ]
+    }
+
+    /// Says what the next run of the passes `probe_states` and `probe_sight` is for; before the first,
+    /// it is everything.
+    pub fn look_at(&self, gpu: &Gpu, region: &Region) {
+        gpu.queue
+            .write_buffer(&self.region, 0, bytemuck::bytes_of(&region.to_gpu()));
+    }
+
+    /// Whether probes know by marching what they see: asked for, and their cages are small enough.
+    pub fn exact(&self) -> bool {
+        self.sight.is_some()
+    }
+
+    /// What each probe sees: see [`Sight`].
+    pub fn sight(&self) -> Option<(Sight, &wgpu::Buffer)> {
+        self.sight.map(|sight| (sight, &self.sight_bits))
     }
 
     /// Where each probe stands (world space; XYZ), and whether it gives light (W: 1 or 0): four f32
@@ -321,10 +347,10 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn alive(&self, gpu: &Gpu) -> Result<u32, GpuError> {
-        // Updates so far (0 for a probe in stone) and the mean luminance of the rays.
-        let states: Vec<[u32; 2]> = gpu.read_buffer(&self.states)?;
+        // Updates so far (0 for a probe in stone), and what else passes know of it.
+        let states: Vec<[u32; 4]> = gpu.read_buffer(&self.states)?;
         let probes = states.iter().take(self.atlas.slots as usize);
-        Ok(probes.filter(|[updates, _]| *updates > 0).count() as u32)
+        Ok(probes.filter(|[updates, ..]| *updates > 0).count() as u32)
     }
 
     /// Bytes of GPU memory.

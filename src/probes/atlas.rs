@@ -26,8 +26,8 @@ const IRRADIANCE_HISTORY_BYTES: u64 = 16;
 const DISTANCE_HISTORY_BYTES: u64 = 8;
 /// Radiance and distance of one ray (f32).
 const RAY_BYTES: u64 = 16;
-/// Updates so far, and the mean luminance.
-const STATE_BYTES: u64 = 8;
+/// Updates so far, the mean luminance, unrest, and flags.
+const STATE_BYTES: u64 = 16;
 /// Where it stands, and whether it gives light.
 const PLACE_BYTES: u64 = 16;
 
@@ -41,6 +41,8 @@ pub struct ProbeMemory {
     pub rays: u64,
     pub states: u64,
     pub places: u64,
+    /// What probes see under exact visibility; not a matter of the atlas.
+    pub sight: u64,
 }
 
 impl ProbeMemory {
@@ -52,6 +54,7 @@ impl ProbeMemory {
             + self.rays
             + self.states
             + self.places
+            + self.sight
     }
 }
 
@@ -127,6 +130,7 @@ impl AtlasLayout {
             rays: slots * u64::from(rays) * RAY_BYTES,
             states: slots * STATE_BYTES,
             places: slots * PLACE_BYTES,
+            sight: 0,
         }
     }
 }
@@ -189,7 +193,7 @@ mod tests {
         assert_eq!(memory.distance_atlas, 64 * 324 * 8);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 8 + 16)
+            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 16)
         );
     }
 }

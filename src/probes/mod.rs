@@ -9,9 +9,11 @@
 pub mod atlas;
 pub mod octahedral;
 pub mod sampling;
+pub mod sight;
 pub mod volume;
 
 pub use atlas::AtlasLayout;
+pub use sight::Sight;
 pub use volume::Volume;
 
 use glam::Vec3;

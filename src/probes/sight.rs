@@ -1,0 +1,124 @@
+//! What each probe sees, voxel by voxel: the exact answer to whether a probe lights a surface.
+
+use glam::{IVec3, UVec3, Vec3};
+
+use super::Volume;
+use crate::parameters::{ProbeParameters, Visibility};
+
+/// Largest box (voxels along an axis): with a border of one voxel its rows fit words of 32 bits.
+const MOST_COUNT: u32 = 30;
+
+/// The box of voxels around a lattice point that its cages reach. A probe has one bit for each of
+/// them, set where the voxel is air beside stone and its centre sees the probe. A row of voxels along
+/// x is one u32, its first voxel in the lowest bit; rows follow each other along y, then z.
+/// `shaders/probes/sight.wesl` reads the bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sight {
+    /// Voxels along the axes of the box.
+    pub counts: UVec3,
+}
+
+impl Sight {
+    /// `None` where visibility is not to be exact, or where cages are too large for it (more than 14
+    /// voxels along an axis).
+    pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
+        let counts = (2.0 * volume.spacing()).ceil() + 2.0;
+        let fits = counts.max_element() <= MOST_COUNT as f32;
+        (parameters.visibility == Visibility::Exact && fits).then(|| Self {
+            counts: counts.as_uvec3(),
+        })
+    }
+
+    /// Words of one probe.
+    pub fn words(&self) -> u32 {
+        self.counts.y * self.counts.z
+    }
+
+    /// The box's first voxel (world space) around a lattice point.
+    pub fn corner(lattice_ws: Vec3, spacing: Vec3) -> IVec3 {
+        (lattice_ws - spacing - 0.5).floor().as_ivec3()
+    }
+}
+
+/// A box of voxels (grid space, both ends inclusive) that may have changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    pub first: IVec3,
+    pub last: IVec3,
+}
+
+impl Region {
+    /// All voxels that there can be.
+    pub fn everywhere() -> Self {
+        // Far beyond any world, and far from overflow.
+        let far = IVec3::splat(1 << 24);
+        Self {
+            first: -far,
+            last: far,
+        }
+    }
+
+    /// The smallest region that holds both.
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            first: self.first.min(other.first),
+            last: self.last.max(other.last),
+        }
+    }
+
+    /// `ProbeRegion` of `shaders/data/probes.wesl`.
+    pub fn to_gpu(&self) -> [[i32; 4]; 2] {
+        [self.first, self.last].map(|voxel| voxel.extend(0).to_array())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::LayoutSpec;
+
+    fn sight(spacing: f32) -> Option<Sight> {
+        let spec = LayoutSpec {
+            name: "test".into(),
+            counts: UVec3::splat(2),
+            spacing: Vec3::splat(spacing),
+            centre: Vec3::ZERO,
+        };
+        let parameters = ProbeParameters {
+            visibility: Visibility::Exact,
+            ..Default::default()
+        };
+        Sight::new(&Volume::new(&spec).expect("a good layout"), &parameters)
+    }
+
+    #[test]
+    fn the_box_holds_every_voxel_of_the_cages_and_their_neighbours() {
+        for (spacing, lattice) in [(4.0, 0.5), (3.5, -0.25), (14.0, 7.0), (0.3, 2.9)] {
+            let counts = sight(spacing).expect("small enough").counts;
+            let corner = Sight::corner(Vec3::splat(lattice), Vec3::splat(spacing));
+            let last = corner + counts.as_ivec3() - 1;
+            let reach = spacing + 0.5;
+            assert!(corner.x as f32 <= lattice - reach);
+            // Neighbours count from half a voxel on.
+            assert!(last.x >= (lattice + reach - 1e-3).floor() as i32, "{spacing} {lattice}");
+        }
+    }
+
+    #[test]
+    fn large_cages_have_none() {
+        assert!(sight(14.0).is_some());
+        assert_eq!(sight(14.6), None);
+        assert_eq!(sight(1e30), None);
+    }
+
+    #[test]
+    fn regions_grow() {
+        let region = |first, last| Region {
+            first: IVec3::splat(first),
+            last: IVec3::splat(last),
+        };
+        assert_eq!(region(0, 1).union(&region(-3, -2)), region(-3, 1));
+        let everywhere = Region::everywhere();
+        assert_eq!(region(0, 1).union(&everywhere), everywhere);
+    }
+}
