@@ -124,6 +124,8 @@ pub struct Frame {
     frames: u32,
     view: wgpu::Buffer,
     lights: GpuLights,
+    /// Of the last frame.
+    lights_before: Option<Lights>,
     field: ProbeField,
     /// Whether voxels or probes are new, so that the probes must be placed.
     misplaced: bool,
@@ -159,6 +161,7 @@ impl Frame {
             frames: 0,
             view,
             lights,
+            lights_before: None,
             field,
             misplaced: true,
             passes,
@@ -179,6 +182,9 @@ impl Frame {
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         self.lights.set(gpu, lights);
+        let before = self.lights_before.replace(lights.clone());
+        let light_change = before.map_or(0.0, |before| lights.change_since(&before));
+        self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
@@ -245,6 +251,11 @@ impl Frame {
             }
         }
         self.stage.voxels.write(gpu, voxels, edit);
+        if let Some((min, max)) = edit.region {
+            let origin = self.stage.voxels.origin;
+            let [min, max] = [min, max].map(|voxel| voxel.as_ivec3() + origin);
+            self.field.changes.edit(min, max, self.frames);
+        }
         self.misplaced = true;
         Ok(())
     }

@@ -310,8 +310,7 @@ fn more_hysteresis_responds_later() {
     let respond = |hysteresis: &str| {
         let set = [
             "probes.warmup_frames=0",
-            "probes.change_step=0",
-            "probes.change_large=1",
+            "probes.change_deviations=1000",
             hysteresis,
         ];
         let set: Vec<&str> = set.iter().flat_map(|key| ["--set", key]).collect();

@@ -2,10 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::GpuChanges;
 use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
-    probes::{AtlasLayout, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling},
+    probes::{AtlasLayout, Changes, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling},
 };
 
 /// Why a probe field cannot be made.
@@ -45,10 +46,6 @@ pub struct GpuProbeInfo {
     pub least_weight: f32,
     pub hysteresis: f32,
     pub warmup_frames: u32,
-    pub change_small: f32,
-    pub change_step: f32,
-    pub change_large: f32,
-    pub change_deviations: f32,
     pub firefly_clamp: f32,
     pub move_reach: f32,
 }
@@ -56,6 +53,8 @@ pub struct GpuProbeInfo {
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
 /// update takes no account of them, and a gather before it finds no light.
 pub struct ProbeField {
+    /// What its probes are told of changes.
+    pub changes: Changes,
     volume: Volume,
     atlas: AtlasLayout,
     memory: ProbeMemory,
@@ -67,6 +66,8 @@ pub struct ProbeField {
     irradiance_history: wgpu::Buffer,
     distance_history: wgpu::Buffer,
     states: wgpu::Buffer,
+    trends: wgpu::Buffer,
+    changes_info: wgpu::Buffer,
     places: wgpu::Buffer,
     irradiance_atlas: wgpu::Texture,
     distance_atlas: wgpu::Texture,
@@ -118,6 +119,7 @@ impl ProbeField {
         gpu.queue
             .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
         Ok(Self {
+            changes: Changes::default(),
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
@@ -127,6 +129,8 @@ impl ProbeField {
                 .storage_buffer("irradiance_history", memory.irradiance_history)?,
             distance_history: gpu.storage_buffer("distance_history", memory.distance_history)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
+            trends: gpu.storage_buffer("probe_trends", memory.trends)?,
+            changes_info: gpu.uniform_buffer("changes", &GpuChanges::default()),
             irradiance_view: layers_of(&irradiance_atlas),
             distance_view: layers_of(&distance_atlas),
             irradiance_atlas,
@@ -150,7 +154,16 @@ impl ProbeField {
     ///
     /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
     /// time when this one was made.
-    pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
+    pub fn begin_frame(
+        &self,
+        gpu: &Gpu,
+        parameters: &ProbeParameters,
+        seed: u64,
+        frame: u64,
+    ) {
+        let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
+        gpu.queue
+            .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));
         let info = self.info(parameters);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
@@ -194,10 +207,6 @@ impl ProbeField {
             least_weight: parameters.least_weight,
             hysteresis: parameters.hysteresis,
             warmup_frames: parameters.warmup_frames,
-            change_small: parameters.change_small,
-            change_step: parameters.change_step,
-            change_large: parameters.change_large,
-            change_deviations: parameters.change_deviations,
             firefly_clamp: parameters.firefly_clamp,
             move_reach: match parameters.relocation {
                 Relocation::Off => 0.0,
@@ -220,7 +229,7 @@ impl ProbeField {
     }
 
     /// What is written when the field is updated: rays, histories, states, and the atlas.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 11] {
         use wgpu::BindingResource::TextureView;
         [
             ("probe_info", self.info.as_entire_binding()),
@@ -235,6 +244,9 @@ impl ProbeField {
                 self.distance_history.as_entire_binding(),
             ),
             ("probe_states", self.states.as_entire_binding()),
+            ("probe_trends", self.trends.as_entire_binding()),
+            ("probe_places", self.places.as_entire_binding()),
+            ("changes", self.changes_info.as_entire_binding()),
             ("irradiance_out", TextureView(&self.irradiance_view)),
             ("distance_out", TextureView(&self.distance_view)),
         ]

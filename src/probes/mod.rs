@@ -7,11 +7,13 @@
 //! radiance reflected by a diffuse surface is therefore albedo × texel. Distances are in voxels.
 
 pub mod atlas;
+pub mod changes;
 pub mod octahedral;
 pub mod sampling;
 pub mod volume;
 
 pub use atlas::AtlasLayout;
+pub use changes::Changes;
 pub use volume::Volume;
 
 use glam::Vec3;
