@@ -307,10 +307,10 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn alive(&self, gpu: &Gpu) -> Result<u32, GpuError> {
-        // Updates so far (0 for a probe in stone) and the mean luminance of the rays.
-        let states: Vec<[u32; 2]> = gpu.read_buffer(&self.states)?;
+        // Updates so far (0 for a probe in stone), and what else passes know of it.
+        let states: Vec<[u32; 4]> = gpu.read_buffer(&self.states)?;
         let probes = states.iter().take(self.volume.slots() as usize);
-        Ok(probes.filter(|[updates, _]| *updates > 0).count() as u32)
+        Ok(probes.filter(|[updates, ..]| *updates > 0).count() as u32)
     }
 
     /// Bytes of GPU memory.
