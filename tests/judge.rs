@@ -339,3 +339,20 @@ fn more_hysteresis_responds_later() {
     assert!((3.0..12.0).contains(&quick), "{quick}");
     assert!((18.0..60.0).contains(&slow), "{slow}");
 }
+
+/// Four frames to nine tenths of all bounces, and nothing of that is paid for with a shorter history.
+#[test]
+fn a_lamp_that_is_switched_is_seen_at_once() {
+    let frames = ["--frames", "24", "--response-frames", "40"];
+    let small = ["--size", "16x9", "--layout", "layout1", "--rays", "128"];
+    let set = ["--set", "probes.warmup_frames=10", "--json"];
+    let output = grotto(&[&["bench", "response", CORNELL], &frames[..], &small, &set].concat());
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let json: Value = serde_json::from_str(&text(&output.stdout)).expect("one JSON object");
+    let response = &json["rows"][0]["response"];
+    assert_eq!(json["rows"][0]["hysteresis"].as_f64(), Some(f64::from(0.97f32)));
+    for change in ["lamp_on", "lamp_off"] {
+        let frames = number(response, &format!("{change}.to_90"));
+        assert!(frames <= 4.0, "{change}: {response}");
+    }
+}

@@ -62,7 +62,7 @@ fn a_slow_average_reaches_its_goal() {
     assert!((found - 1.05).abs() < 0.001, "{found}");
 }
 
-/// Rays whose radiance is noisy between the probes' updates: (slot, direction, frame) → radiance.
+/// Radiance that depends on the direction, and so on how an update's rays are turned.
 fn noisy(mean: f64, direction: DVec3) -> [f32; 4] {
     [(mean * (1.0 + 0.2 * (direction.x * 40.0).sin())) as f32; 4]
 }
@@ -119,7 +119,7 @@ fn light_that_nobody_announced_is_followed_when_it_stays() {
         rig.update(|_, d| noisy(6.0, d));
     }
     let later = centre(&rig, 0);
-    assert!((later - 6.0).abs() < 0.3, "must drop its history: {later}");
+    assert!((later - 6.0).abs() < 0.5, "must drop its history: {later}");
 }
 
 /// A speck of light that few rays find, elsewhere for each probe, and soft light around it.
@@ -199,6 +199,7 @@ fn distances_follow_an_edit_where_it_is() {
             assert!((found - 3.0).abs() < 0.02, "{place}: {found}");
         }
     }
+    drop(distance);
     // Another such change that nobody told of is averaged in slowly.
     rig.update(|_, _| [1.0, 1.0, 1.0, 6.0]);
     let slow = rig.distance(0)(IVec2::new(0, 8))[0] * longest;
