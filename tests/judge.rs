@@ -350,7 +350,7 @@ fn a_lamp_that_is_switched_is_seen_at_once() {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let json: Value = serde_json::from_str(&text(&output.stdout)).expect("one JSON object");
     let response = &json["rows"][0]["response"];
-    assert_eq!(json["rows"][0]["hysteresis"].as_f64(), Some(f64::from(0.97f32)));
+    assert_eq!(json["rows"][0]["hysteresis"].as_f64(), Some(0.97));
     for change in ["lamp_on", "lamp_off"] {
         let frames = number(response, &format!("{change}.to_90"));
         assert!(frames <= 4.0, "{change}: {response}");

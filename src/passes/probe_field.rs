@@ -154,13 +154,7 @@ impl ProbeField {
     ///
     /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
     /// time when this one was made.
-    pub fn begin_frame(
-        &self,
-        gpu: &Gpu,
-        parameters: &ProbeParameters,
-        seed: u64,
-        frame: u64,
-    ) {
+    pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
         let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
         gpu.queue
             .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));

@@ -1,11 +1,11 @@
 //! What becomes of the maps over many updates: averages, reactions, and numbers that are none.
 
 use glam::{DVec3, IVec2, IVec3};
-use half::f16;
 use grotto::{
     parameters::ProbeParameters,
     probes::{Layout as _, octahedral, sampling},
 };
+use half::f16;
 
 use crate::{Rig, texels, volume};
 
@@ -125,7 +125,11 @@ fn light_that_nobody_announced_is_followed_when_it_stays() {
 /// A speck of light that few rays find, elsewhere for each probe, and soft light around it.
 fn specks(slot: u32, direction: DVec3) -> [f32; 4] {
     let speck = sampling::fibonacci(slot, 16);
-    [if direction.dot(speck) > 0.97 { 60.0 } else { 1.0 }; 4]
+    [if direction.dot(speck) > 0.97 {
+        60.0
+    } else {
+        1.0
+    }; 4]
 }
 
 /// In a still scene change-aware history is plain history: as still, and with the same mean, however
@@ -145,9 +149,9 @@ fn a_still_scene_is_as_still_and_as_bright_as_without_any_reaction() {
         let [(mean, unrest), (plain_mean, plain_unrest)] = [aware, plain].map(|parameters| {
             let mut rig = Rig::new(volume([4, 4, 1], 4.0), parameters);
             let (mut sum, mut squares, mut last) = (0.0, 0.0, Vec::<f64>::new());
-            for frame in 0..240 {
+            for frame in 0..180 {
                 rig.update(specks);
-                if frame < 80 {
+                if frame < 60 {
                     continue;
                 }
                 let texels = rig.gpu.read_texture(rig.field.irradiance_atlas());
@@ -183,7 +187,9 @@ fn distances_follow_an_edit_where_it_is() {
     let place = rig.field.volume().position(0).as_ivec3();
     let wall = place + IVec3::X * 3;
     let frame = rig.frame as u32;
-    rig.field.changes.edit(wall - IVec3::ONE, wall + IVec3::ONE, frame);
+    rig.field
+        .changes
+        .edit(wall - IVec3::ONE, wall + IVec3::ONE, frame);
     rig.field.changes.begin_frame(0.0, frame);
     let opened = |_: u32, d: DVec3| [1.0, 1.0, 1.0, if d.x > 0.7 { 12.0 } else { 3.0 }];
     for _ in 0..2 {

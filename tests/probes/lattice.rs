@@ -16,7 +16,11 @@ fn layout_of(name: &str) -> (Vec<(String, usize)>, usize) {
     let gpu = gpu();
     let composed = gpu.shaders.compose("passes/probe_blend", &[]);
     let module = composed.expect("composes").module;
-    let named = |ty: &naga::Type| ty.name.as_deref().is_some_and(|full| full.starts_with(name));
+    let named = |ty: &naga::Type| {
+        ty.name
+            .as_deref()
+            .is_some_and(|full| full.starts_with(name))
+    };
     let (_, info) = module.types.iter().find(|(_, ty)| named(ty)).expect(name);
     let naga::TypeInner::Struct { members, span } = &info.inner else {
         panic!("{name} is a struct");
@@ -65,7 +69,10 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         firefly_clamp,
         move_reach,
     );
-    assert_eq!(layout_of("ProbeInfo"), (expected, size_of::<GpuProbeInfo>()));
+    assert_eq!(
+        layout_of("ProbeInfo"),
+        (expected, size_of::<GpuProbeInfo>())
+    );
 }
 
 #[test]
@@ -73,7 +80,10 @@ fn changes_lie_in_memory_as_the_shader_reads_them() {
     let expected = offsets!(GpuChanges: alert, deviations, unrest_kept, frame, edit_count, edits);
     assert_eq!(layout_of("Changes"), (expected, size_of::<GpuChanges>()));
     let expected = offsets!(GpuEditSphere: centre_ws, radius, frame);
-    assert_eq!(layout_of("EditSphere"), (expected, size_of::<GpuEditSphere>()));
+    assert_eq!(
+        layout_of("EditSphere"),
+        (expected, size_of::<GpuEditSphere>())
+    );
 }
 
 #[test]
