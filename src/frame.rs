@@ -125,6 +125,8 @@ pub struct Frame {
     frames: u32,
     view: wgpu::Buffer,
     lights: GpuLights,
+    /// Of the last frame.
+    lights_before: Option<Lights>,
     field: ProbeField,
     /// Where voxels or probes are new, so that probes must be placed.
     misplaced: Option<Region>,
@@ -161,6 +163,7 @@ impl Frame {
             frames: 0,
             view,
             lights,
+            lights_before: None,
             field,
             misplaced: Some(Region::everywhere()),
             passes,
@@ -181,6 +184,9 @@ impl Frame {
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         self.lights.set(gpu, lights);
+        let before = self.lights_before.replace(lights.clone());
+        let light_change = before.map_or(0.0, |before| lights.change_since(&before));
+        self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
@@ -256,7 +262,13 @@ impl Frame {
                 first: first.as_ivec3(),
                 last: last.as_ivec3(),
             };
-            self.misplaced = Some(self.misplaced.map_or(region, |before| before.union(&region)));
+            self.misplaced = Some(
+                self.misplaced
+                    .map_or(region, |before| before.union(&region)),
+            );
+            let origin = self.stage.voxels.origin;
+            let [min, max] = [region.first + origin, region.last + origin];
+            self.field.changes.edit(min, max, self.frames);
         }
         Ok(())
     }

@@ -167,7 +167,7 @@ parameters! {
         #[doc = "Share of history kept per update; higher is steadier, lower reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
         #[doc = "How a probe behind a wall loses its weight; none is faster and leaks, chebyshev reads one texel more per probe."]
-        visibility: Visibility = Visibility::Chebyshev, Visibility::KIND, Probes;
+        visibility: Visibility = Visibility::Exact, Visibility::KIND, Probes;
         #[doc = "Whether probes sleep and move by what surrounds them; off updates every probe that is not in stone."]
         states: ProbeStates = ProbeStates::Off, ProbeStates::KIND, Probes;
         #[doc = "What becomes of probes in stone: exact moves them to the nearest air, off leaves them dead; exact lights corners truer and traces more probes."]
@@ -202,14 +202,10 @@ parameters! {
         least_weight: f32 = 1e-4, Kind::Number { min: 1e-9, max: 1.0 }, Nothing;
         #[doc = "Updates in which a fresh probe's history is replaced, one bounce each, before they are averaged; more carry bright surfaces farther, fewer settle sooner."]
         warmup_frames: u32 = 40, Kind::Count { min: 0, max: 1000 }, Nothing;
-        #[doc = "Change of a texel, relative to the brighter, that lowers its hysteresis; less reacts sooner, more boils less."]
-        change_small: f32 = 0.25, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "How much a small change lowers the hysteresis; more reacts sooner, less boils less."]
-        change_step: f32 = 0.15, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Change of a texel, relative to the brighter, that drops its history; less reacts at once, more boils less."]
-        change_large: f32 = 0.8, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Standard deviations of its own noise that a texel's change must exceed to count; more boils less at few rays, 0 takes noise for change."]
-        change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 100.0 }, Nothing;
+        #[doc = "Standard deviations of its own noise beyond which a probe's light counts as changed and its history is shortened; less reacts sooner, more boils less, and 1000 never reacts."]
+        change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;
+        #[doc = "Share of its unrest that a probe keeps per update after a change; more lets late bounces in sooner, less is steady again sooner."]
+        change_unrest: f32 = 0.9, Kind::Number { min: 0.0, max: 0.99 }, Nothing;
         #[doc = "Most luminance of a probe ray in multiples of the probe's mean; less is steadier but loses the light of small bright things, 0 limits nothing."]
         firefly_clamp: f32 = 0.0, Kind::Number { min: 0.0, max: 65504.0 }, Nothing;
     }

@@ -7,6 +7,7 @@ mod lighting;
 pub mod overlay;
 pub mod path_trace;
 pub mod probe_blend;
+mod probe_changes;
 mod probe_field;
 pub mod probe_rays;
 pub mod probe_sight;
@@ -21,6 +22,7 @@ mod view;
 pub mod voxelise;
 
 pub use lighting::{GpuEmitters, GpuLights, GpuMaterials};
+pub use probe_changes::{GpuChanges, GpuEditSphere};
 pub use probe_field::{GpuProbeInfo, ProbeField, ProbeFieldError};
 pub use scene::{GpuVoxels, MemoryUse};
 pub use schedule::{Schedule, Slice};

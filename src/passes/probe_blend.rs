@@ -1,9 +1,7 @@
 //! Pass `probe_blend`: averages the rays of a frame into the maps of each probe.
 
 use super::ProbeField;
-use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
-};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 pub struct ProbeBlend {
     kernel: Kernel,

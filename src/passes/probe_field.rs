@@ -2,11 +2,12 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::GpuChanges;
 use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
     probes::{
-        AtlasLayout, Layout as _, ProbeError, Sight, Volume, atlas::ProbeMemory, sampling,
+        AtlasLayout, Changes, Layout as _, ProbeError, Sight, Volume, atlas::ProbeMemory, sampling,
         sight::Region,
     },
 };
@@ -48,10 +49,6 @@ pub struct GpuProbeInfo {
     pub least_weight: f32,
     pub hysteresis: f32,
     pub warmup_frames: u32,
-    pub change_small: f32,
-    pub change_step: f32,
-    pub change_large: f32,
-    pub change_deviations: f32,
     pub firefly_clamp: f32,
     pub move_reach: f32,
     pub sight_counts: [u32; 3],
@@ -64,6 +61,8 @@ pub struct GpuProbeInfo {
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
 /// update takes no account of them, and a gather before it finds no light.
 pub struct ProbeField {
+    /// What its probes are told of changes.
+    pub changes: Changes,
     volume: Volume,
     sight: Option<Sight>,
     twins: bool,
@@ -77,6 +76,8 @@ pub struct ProbeField {
     irradiance_history: wgpu::Buffer,
     distance_history: wgpu::Buffer,
     states: wgpu::Buffer,
+    trends: wgpu::Buffer,
+    changes_info: wgpu::Buffer,
     places: wgpu::Buffer,
     sight_bits: wgpu::Buffer,
     region: wgpu::Buffer,
@@ -142,6 +143,7 @@ impl ProbeField {
             twins,
             sight_bits: gpu.storage_buffer("probe_sight", sight_bytes)?,
             region: gpu.uniform_buffer("probe_region", &Region::everywhere().to_gpu()),
+            changes: Changes::default(),
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
@@ -151,6 +153,8 @@ impl ProbeField {
                 .storage_buffer("irradiance_history", memory.irradiance_history)?,
             distance_history: gpu.storage_buffer("distance_history", memory.distance_history)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
+            trends: gpu.storage_buffer("probe_trends", memory.trends)?,
+            changes_info: gpu.uniform_buffer("changes", &GpuChanges::default()),
             irradiance_view: layers_of(&irradiance_atlas),
             distance_view: layers_of(&distance_atlas),
             irradiance_atlas,
@@ -175,6 +179,9 @@ impl ProbeField {
     /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
     /// time when this one was made.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
+        let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
+        gpu.queue
+            .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));
         let info = self.info(parameters);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
@@ -220,10 +227,6 @@ impl ProbeField {
             least_weight: parameters.least_weight,
             hysteresis: parameters.hysteresis,
             warmup_frames: parameters.warmup_frames,
-            change_small: parameters.change_small,
-            change_step: parameters.change_step,
-            change_large: parameters.change_large,
-            change_deviations: parameters.change_deviations,
             firefly_clamp: parameters.firefly_clamp,
             move_reach: match parameters.relocation {
                 Relocation::Off => 0.0,
@@ -232,7 +235,11 @@ impl ProbeField {
             sight_counts: self.sight.map_or([0; 3], |sight| sight.counts.to_array()),
             sight_words: self.sight.map_or(0, |sight| sight.words()),
             lattice_slots: self.volume.slots(),
-            twin_share: if self.twins { parameters.twin_share } else { 1.0 },
+            twin_share: if self.twins {
+                parameters.twin_share
+            } else {
+                1.0
+            },
             pad: [0; 2],
         }
     }
@@ -252,7 +259,7 @@ impl ProbeField {
     }
 
     /// What is written when the field is updated: rays, histories, states, and the atlas.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 11] {
         use wgpu::BindingResource::TextureView;
         [
             ("probe_info", self.info.as_entire_binding()),
@@ -267,6 +274,9 @@ impl ProbeField {
                 self.distance_history.as_entire_binding(),
             ),
             ("probe_states", self.states.as_entire_binding()),
+            ("probe_trends", self.trends.as_entire_binding()),
+            ("probe_places", self.places.as_entire_binding()),
+            ("changes", self.changes_info.as_entire_binding()),
             ("irradiance_out", TextureView(&self.irradiance_view)),
             ("distance_out", TextureView(&self.distance_view)),
         ]

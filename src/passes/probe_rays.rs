@@ -1,9 +1,7 @@
 //! Pass `probe_rays`: every ray of every probe, shaded where it hits.
 
 use super::ProbeField;
-use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
-};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 pub struct ProbeRays {
     kernel: Kernel,

@@ -1,10 +1,7 @@
 //! Pass `shadow_count`: how many shadow rays a frame sends. Not part of a frame.
 
 use super::ProbeField;
-use crate::{
-    gpu::{Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
-    probes::Layout as _,
-};
+use crate::gpu::{Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 /// Counts the shadow rays of the last frame: those of the probe rays, and with `pixels` those of a
 /// picture of `size` pixels. `resources` are those of the voxels, the view and the lights.
@@ -42,7 +39,7 @@ pub fn count(
     }
     let kernel = kernel("probes")?;
     let bindings = kernel.bind(gpu, &all);
-    let rays = field.volume().slots() * field.rays_per_probe();
+    let rays = field.atlas().slots * field.rays_per_probe();
     let groups = rays.div_ceil(kernel.workgroup_size[0]);
     recorder.run(&kernel, &bindings, rectangle(groups));
     recorder.submit(gpu)?;

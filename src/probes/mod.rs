@@ -7,12 +7,14 @@
 //! radiance reflected by a diffuse surface is therefore albedo × texel. Distances are in voxels.
 
 pub mod atlas;
+pub mod changes;
 pub mod octahedral;
 pub mod sampling;
 pub mod sight;
 pub mod volume;
 
 pub use atlas::AtlasLayout;
+pub use changes::Changes;
 pub use sight::Sight;
 pub use volume::Volume;
 

@@ -100,7 +100,10 @@ mod tests {
             let reach = spacing + 0.5;
             assert!(corner.x as f32 <= lattice - reach);
             // Neighbours count from half a voxel on.
-            assert!(last.x >= (lattice + reach - 1e-3).floor() as i32, "{spacing} {lattice}");
+            assert!(
+                last.x >= (lattice + reach - 1e-3).floor() as i32,
+                "{spacing} {lattice}"
+            );
         }
     }
 

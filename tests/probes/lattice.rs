@@ -4,39 +4,44 @@ use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Kernel, KernelSpec, Recorder},
     parameters::ProbeParameters,
-    passes::{GpuProbeInfo, ProbeField},
+    passes::{GpuChanges, GpuEditSphere, GpuProbeInfo, ProbeField},
     probes::{Layout as _, Volume, octahedral, sampling},
     world::LayoutSpec,
 };
 
 use crate::{Rig, SEED, gpu};
 
+/// The members of a struct of pass `probe_blend`, with their offsets, and its size.
+fn layout_of(name: &str) -> (Vec<(String, usize)>, usize) {
+    let gpu = gpu();
+    let composed = gpu.shaders.compose("passes/probe_blend", &[]);
+    let module = composed.expect("composes").module;
+    let named = |ty: &naga::Type| {
+        ty.name
+            .as_deref()
+            .is_some_and(|full| full.starts_with(name))
+    };
+    let (_, info) = module.types.iter().find(|(_, ty)| named(ty)).expect(name);
+    let naga::TypeInner::Struct { members, span } = &info.inner else {
+        panic!("{name} is a struct");
+    };
+    let members = members.iter().map(|member| {
+        let name = member.name.clone().expect("a name");
+        (name, member.offset as usize)
+    });
+    (members.collect(), *span as usize)
+}
+
+/// By name, the offsets of a struct's fields.
+macro_rules! offsets {
+    ($Struct:ident: $($field:ident),+ $(,)?) => {
+        vec![$((stringify!($field).to_owned(), std::mem::offset_of!($Struct, $field))),+]
+    };
+}
+
 #[test]
 fn probe_info_lies_in_memory_as_the_shader_reads_it() {
-    let gpu = gpu();
-    let composed = gpu
-        .shaders
-        .compose("passes/probe_blend", &[])
-        .expect("composes");
-    let (_, info) = composed
-        .module
-        .types
-        .iter()
-        .find(|(_, ty)| {
-            ty.name
-                .as_deref()
-                .is_some_and(|name| name.starts_with("ProbeInfo"))
-        })
-        .expect("declared");
-    let naga::TypeInner::Struct { members, span } = &info.inner else {
-        panic!("a struct");
-    };
-    macro_rules! offsets {
-        ($($field:ident),+) => {
-            [$((stringify!($field), std::mem::offset_of!(GpuProbeInfo, $field))),+]
-        };
-    }
-    let expected = offsets!(
+    let expected = offsets!(GpuProbeInfo:
         first_ws,
         slots,
         spacing,
@@ -61,19 +66,24 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         least_weight,
         hysteresis,
         warmup_frames,
-        change_small,
-        change_step,
-        change_large,
-        change_deviations,
         firefly_clamp,
-        move_reach
+        move_reach,
     );
-    assert_eq!(*span as usize, size_of::<GpuProbeInfo>());
-    assert_eq!(members.len(), expected.len());
-    for (member, (name, offset)) in members.iter().zip(expected) {
-        assert_eq!(member.name.as_deref(), Some(name));
-        assert_eq!(member.offset as usize, offset, "{name}");
-    }
+    assert_eq!(
+        layout_of("ProbeInfo"),
+        (expected, size_of::<GpuProbeInfo>())
+    );
+}
+
+#[test]
+fn changes_lie_in_memory_as_the_shader_reads_them() {
+    let expected = offsets!(GpuChanges: alert, deviations, unrest_kept, frame, edit_count, edits);
+    assert_eq!(layout_of("Changes"), (expected, size_of::<GpuChanges>()));
+    let expected = offsets!(GpuEditSphere: centre_ws, radius, frame);
+    assert_eq!(
+        layout_of("EditSphere"),
+        (expected, size_of::<GpuEditSphere>())
+    );
 }
 
 #[test]

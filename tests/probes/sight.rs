@@ -105,9 +105,12 @@ fn box_of(slot: u32, sight: &Sight) -> impl Iterator<Item = (IVec3, usize, u32)>
 }
 
 fn is_surface(voxels: &Voxels, voxel: IVec3) -> bool {
-    let around = (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| (x, y, z))));
+    let around =
+        (-1..=1).flat_map(|x| (-1..=1).flat_map(move |y| (-1..=1).map(move |z| (x, y, z))));
     voxels.material(voxel) == 0
-        && around.map(IVec3::from).any(|step| voxels.material(voxel + step) != 0)
+        && around
+            .map(IVec3::from)
+            .any(|step| voxels.material(voxel + step) != 0)
 }
 
 /// Whether nothing stands between: `None` where the way runs along an edge, which rounding decides.
@@ -144,8 +147,15 @@ fn a_probe_sees_what_marching_says_and_its_twin_the_rest() {
             twins += 1;
             let home = volume().position(slot).floor().as_ivec3();
             let voxel = Vec3::new(twin[0], twin[1], twin[2]).floor().as_ivec3();
-            assert!((voxel - home).abs().cmple(reach).all(), "out of reach: slot {slot}");
-            assert_eq!(voxels.material(voxel - ORIGIN), 0, "a twin in stone: slot {slot}");
+            assert!(
+                (voxel - home).abs().cmple(reach).all(),
+                "out of reach: slot {slot}"
+            );
+            assert_eq!(
+                voxels.material(voxel - ORIGIN),
+                0,
+                "a twin in stone: slot {slot}"
+            );
         }
         for (voxel, word, bit) in box_of(slot, &sight) {
             let found = bits[word] >> bit & 1 == 1;
@@ -270,7 +280,10 @@ fn a_constant_is_gathered_as_the_constant_wherever_a_probe_is_seen() {
     for face in 0..3 {
         for gathered in rig.gather(&line_on(face, 0.23, 30)) {
             for (found, expected) in gathered.iter().zip([0.25, 1.0, 4.0]) {
-                assert!((found / expected - 1.0).abs() < 2e-3, "face {face}: {gathered:?}");
+                assert!(
+                    (found / expected - 1.0).abs() < 2e-3,
+                    "face {face}: {gathered:?}"
+                );
             }
         }
     }
@@ -283,17 +296,30 @@ fn light_is_continuous_over_a_surface_and_stays_on_its_side_of_a_wall() {
     // Each probe another light; those whose lattice points lie in the second room are blue as well.
     let rig = lit(|slot| {
         let random = sampling::rotation(3, u64::from(slot)).xyz().as_vec3();
-        [1.0 + random.x, f32::from(x_of(slot) > 12.0), f32::from(x_of(slot) < -6.0)]
+        [
+            1.0 + random.x,
+            f32::from(x_of(slot) > 12.0),
+            f32::from(x_of(slot) < -6.0),
+        ]
     });
     for face in 0..3 {
         for start in 0..24 {
             let mut line = line_on(face, 0.4, 24);
             let (point, normal) = line.swap_remove(start);
-            let across = if normal.y > 0.5 { Vec3::new(1.0, 0.0, 0.7) } else { Vec3::new(0.0, 1.0, 1.0) };
-            let points: Vec<_> = (0..60).map(|i| (point + across * STEP * i as f32, normal)).collect();
+            let across = if normal.y > 0.5 {
+                Vec3::new(1.0, 0.0, 0.7)
+            } else {
+                Vec3::new(0.0, 1.0, 1.0)
+            };
+            let points: Vec<_> = (0..60)
+                .map(|i| (point + across * STEP * i as f32, normal))
+                .collect();
             let light = rig.gather(&points);
             for pair in light.windows(2) {
-                assert!((pair[0][0] - pair[1][0]).abs() < 0.05, "face {face}: a step at {point}: {pair:?}");
+                assert!(
+                    (pair[0][0] - pair[1][0]).abs() < 0.05,
+                    "face {face}: a step at {point}: {pair:?}"
+                );
             }
         }
     }
