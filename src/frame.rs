@@ -1,7 +1,7 @@
 //! The whole frame on one page, as data flow.
 //!
 //! ```text
-//! probe_states (new probes, edits) ─ where probes stand
+//! probe_states (new probes, edits) ─ where probes stand ─ probe_due ─ which are updated
 //! camera_rays ─ surfaces ─────────────────────────────┐
 //! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ─ shade ─ hdr ─ tonemap ─ display
 //!     └────────────── atlas of the last frame ◄────────┘
@@ -13,12 +13,13 @@ use crate::{
     gpu::{Gpu, GpuError, Recorder, Timing},
     lights::Lights,
     measure::picture::Picture,
-    parameters::ProbeParameters,
+    parameters::{ProbeParameters, Relocation},
     passes::{
         GpuLights, GpuMaterials, GpuVoxels, MemoryUse, ProbeField, ProbeFieldError, View,
         camera_rays::CameraRays,
         distances::Distances,
         probe_blend::ProbeBlend,
+        probe_due::ProbeDue,
         probe_rays::ProbeRays,
         probe_states::ProbeStates,
         shade::Shade,
@@ -125,14 +126,13 @@ pub struct Frame {
     view: wgpu::Buffer,
     lights: GpuLights,
     field: ProbeField,
-    /// Whether voxels or probes are new, so that the probes must be placed.
-    misplaced: bool,
     passes: Passes,
 }
 
 struct Passes {
     camera_rays: CameraRays,
     probe_states: ProbeStates,
+    probe_due: ProbeDue,
     probe_rays: ProbeRays,
     probe_blend: ProbeBlend,
     shade: Shade,
@@ -160,7 +160,6 @@ impl Frame {
             view,
             lights,
             field,
-            misplaced: true,
             passes,
         })
     }
@@ -182,11 +181,15 @@ impl Frame {
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
-        if mem::take(&mut self.misplaced) {
+        if self.field.take_changed() {
             self.passes.probe_states.record(recorder);
         }
+        self.passes.probe_due.record(recorder);
         self.passes.probe_rays.record(recorder);
         self.passes.probe_blend.record(recorder);
+        if probes.relocation == Relocation::Statistical {
+            self.passes.probe_states.record_walk(recorder);
+        }
         self.passes.shade.record(recorder);
         self.passes.tonemap.record(recorder);
         self.frames += 1;
@@ -227,7 +230,6 @@ impl Frame {
         let resources = resources(&self.stage, &self.view, &self.lights);
         self.passes = Passes::new(gpu, self.size, &field, &resources)?;
         self.field = field;
-        self.misplaced = true;
         self.frames = 0;
         Ok(())
     }
@@ -245,7 +247,9 @@ impl Frame {
             }
         }
         self.stage.voxels.write(gpu, voxels, edit);
-        self.misplaced = true;
+        if let Some((low, high)) = edit.region {
+            self.field.note_change(low.as_vec3(), high.as_vec3() + 1.0);
+        }
         Ok(())
     }
 
@@ -334,6 +338,7 @@ impl Passes {
         Ok(Self {
             tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
             probe_states: ProbeStates::new(gpu, field, resources)?,
+            probe_due: ProbeDue::new(gpu, field)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
             camera_rays,

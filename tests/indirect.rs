@@ -5,10 +5,11 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Recorder, ShaderChecks},
     lights::{LampShape, LampState, Lights},
-    parameters::{ProbeParameters, Relocation},
+    parameters::{ProbeParameters, ProbeStates as States, Relocation},
     passes::{
         GpuLights, GpuMaterials, GpuVoxels, ProbeField, View, ViewMode, camera_rays::CameraRays,
-        probe_blend::ProbeBlend, probe_rays::ProbeRays, probe_states::ProbeStates, shade::Shade,
+        probe_blend::ProbeBlend, probe_due::ProbeDue, probe_rays::ProbeRays,
+        probe_states::ProbeStates, shade::Shade,
     },
     probes::{Layout as _, Volume},
     world::{
@@ -26,6 +27,7 @@ struct Stage {
     materials: GpuMaterials,
     lights: GpuLights,
     field: ProbeField,
+    due: ProbeDue,
     rays: ProbeRays,
     blend: ProbeBlend,
     parameters: ProbeParameters,
@@ -94,6 +96,11 @@ impl Stage {
         lights: &Lights,
         parameters: ProbeParameters,
     ) -> Self {
+        // No picture asks for probes while they settle.
+        let parameters = ProbeParameters {
+            states: States::Off,
+            ..parameters
+        };
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
         let volume = Volume::new(&LayoutSpec {
             name: "test".into(),
@@ -115,6 +122,7 @@ impl Stage {
         let mut recorder = Recorder::new(&gpu, None);
         states.record(&mut recorder);
         recorder.submit(&gpu).expect("submits");
+        let due = ProbeDue::new(&gpu, &field).expect("compiles");
         let rays = ProbeRays::new(&gpu, &field, &resources).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         Self {
@@ -122,6 +130,7 @@ impl Stage {
             materials,
             lights: on_gpu,
             field,
+            due,
             rays,
             blend,
             parameters,
@@ -136,6 +145,7 @@ impl Stage {
             self.field
                 .begin_frame(&self.gpu, &self.parameters, self.seed, self.frame);
             let mut recorder = Recorder::new(&self.gpu, None);
+            self.due.record(&mut recorder);
             self.rays.record(&mut recorder);
             self.blend.record(&mut recorder);
             recorder.submit(&self.gpu).expect("submits");

@@ -7,7 +7,9 @@ mod lighting;
 pub mod overlay;
 pub mod path_trace;
 pub mod probe_blend;
+pub mod probe_due;
 mod probe_field;
+mod probe_plan;
 pub mod probe_rays;
 pub mod probe_states;
 pub mod ray_bench;
@@ -21,6 +23,7 @@ pub mod voxelise;
 
 pub use lighting::{GpuEmitters, GpuLights, GpuMaterials};
 pub use probe_field::{GpuProbeInfo, ProbeField, ProbeFieldError};
+pub use probe_plan::{GpuProbePlan, StateCounts};
 pub use scene::{GpuVoxels, MemoryUse};
 pub use schedule::{Schedule, Slice};
 pub use view::{GpuView, View, ViewMode};

@@ -30,6 +30,8 @@ const RAY_BYTES: u64 = 16;
 const STATE_BYTES: u64 = 16;
 /// Where it stands, and whether it gives light.
 const PLACE_BYTES: u64 = 16;
+/// The list of the due, who asked when, and how far it has walked.
+const PLAN_BYTES: u64 = 3 * 4 + 8;
 
 /// What a probe field takes on the GPU, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +43,7 @@ pub struct ProbeMemory {
     pub rays: u64,
     pub states: u64,
     pub places: u64,
+    pub plan: u64,
 }
 
 impl ProbeMemory {
@@ -52,6 +55,7 @@ impl ProbeMemory {
             + self.rays
             + self.states
             + self.places
+            + self.plan
     }
 }
 
@@ -127,6 +131,7 @@ impl AtlasLayout {
             rays: slots * u64::from(rays) * RAY_BYTES,
             states: slots * STATE_BYTES,
             places: slots * PLACE_BYTES,
+            plan: slots * PLAN_BYTES,
         }
     }
 }
@@ -189,7 +194,7 @@ mod tests {
         assert_eq!(memory.distance_atlas, 64 * 324 * 8);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 16)
+            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 16 + 20)
         );
     }
 }

@@ -4,39 +4,46 @@ use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Kernel, KernelSpec, Recorder},
     parameters::ProbeParameters,
-    passes::{GpuProbeInfo, ProbeField},
+    passes::{GpuProbeInfo, GpuProbePlan, ProbeField},
     probes::{Layout as _, Volume, octahedral, sampling},
     world::LayoutSpec,
 };
 
 use crate::{Rig, SEED, gpu};
 
-#[test]
-fn probe_info_lies_in_memory_as_the_shader_reads_it() {
-    let gpu = gpu();
-    let composed = gpu
+/// Names and offsets of the members of a shader's struct, and its size.
+fn members_of(name: &str) -> (Vec<(String, usize)>, usize) {
+    let composed = gpu()
         .shaders
         .compose("passes/probe_blend", &[])
         .expect("composes");
-    let (_, info) = composed
-        .module
-        .types
-        .iter()
-        .find(|(_, ty)| {
-            ty.name
-                .as_deref()
-                .is_some_and(|name| name.starts_with("ProbeInfo"))
-        })
-        .expect("declared");
+    let named = |ty: &naga::Type| {
+        ty.name
+            .as_deref()
+            .is_some_and(|known| known.starts_with(name))
+    };
+    let mut types = composed.module.types.iter().map(|(_, ty)| ty);
+    let info = types.find(|ty| named(ty)).expect("declared");
     let naga::TypeInner::Struct { members, span } = &info.inner else {
         panic!("a struct");
     };
-    macro_rules! offsets {
-        ($($field:ident),+) => {
-            [$((stringify!($field), std::mem::offset_of!(GpuProbeInfo, $field))),+]
-        };
-    }
+    let member = |member: &naga::StructMember| {
+        let name = member.name.clone().expect("a name");
+        (name, member.offset as usize)
+    };
+    (members.iter().map(member).collect(), *span as usize)
+}
+
+macro_rules! offsets {
+    ($Struct:ident: $($field:ident),+) => {
+        vec![$((stringify!($field).to_owned(), std::mem::offset_of!($Struct, $field))),+]
+    };
+}
+
+#[test]
+fn probe_info_lies_in_memory_as_the_shader_reads_it() {
     let expected = offsets!(
+        GpuProbeInfo:
         first_ws,
         slots,
         spacing,
@@ -68,12 +75,36 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         firefly_clamp,
         move_reach
     );
-    assert_eq!(*span as usize, size_of::<GpuProbeInfo>());
-    assert_eq!(members.len(), expected.len());
-    for (member, (name, offset)) in members.iter().zip(expected) {
-        assert_eq!(member.name.as_deref(), Some(name));
-        assert_eq!(member.offset as usize, offset, "{name}");
-    }
+    assert_eq!(
+        members_of("ProbeInfo"),
+        (expected, size_of::<GpuProbeInfo>())
+    );
+}
+
+#[test]
+fn the_plan_lies_in_memory_as_the_shader_reads_it() {
+    let expected = offsets!(
+        GpuProbePlan:
+        changed_low_gs,
+        frame,
+        changed_high_gs,
+        states,
+        alive_frames,
+        fed_interval,
+        asleep_interval,
+        rays_rows,
+        probe_rows,
+        weights,
+        relocation,
+        stone_hysteresis,
+        stone_threshold,
+        clearance,
+        restless
+    );
+    assert_eq!(
+        members_of("ProbePlan"),
+        (expected, size_of::<GpuProbePlan>())
+    );
 }
 
 #[test]

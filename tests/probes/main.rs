@@ -5,12 +5,13 @@ mod history;
 mod lattice;
 mod maps;
 mod placement;
+mod states;
 
 use glam::{DVec3, IVec2, UVec2, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks},
-    parameters::ProbeParameters,
-    passes::{ProbeField, probe_blend::ProbeBlend},
+    parameters::{ProbeParameters, ProbeStates},
+    passes::{ProbeField, probe_blend::ProbeBlend, probe_due::ProbeDue},
     probes::{Layout as _, Volume, sampling},
     world::LayoutSpec,
 };
@@ -34,6 +35,7 @@ fn volume(counts: [u32; 3], spacing: f32) -> Volume {
 struct Rig {
     gpu: Gpu,
     field: ProbeField,
+    due: ProbeDue,
     blend: ProbeBlend,
     parameters: ProbeParameters,
     frame: u64,
@@ -42,13 +44,20 @@ struct Rig {
 const SEED: u64 = 11;
 
 impl Rig {
+    /// Every probe is due in every update.
     fn new(volume: Volume, parameters: ProbeParameters) -> Self {
+        let parameters = ProbeParameters {
+            states: ProbeStates::Off,
+            ..parameters
+        };
         let gpu = gpu();
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
+        let due = ProbeDue::new(&gpu, &field).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         Self {
             gpu,
             field,
+            due,
             blend,
             parameters,
             frame: 0,
@@ -69,6 +78,7 @@ impl Rig {
             .queue
             .write_buffer(self.field.rays(), 0, bytemuck::cast_slice(&rays));
         let mut recorder = Recorder::new(&self.gpu, None);
+        self.due.record(&mut recorder);
         self.blend.record(&mut recorder);
         recorder.submit(&self.gpu).expect("submits");
         self.frame += 1;

@@ -32,14 +32,19 @@ use crate::{
     gpu::{self, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
     parameters::Remake,
-    passes::overlay::{Overlay, PanelShapes},
+    passes::{
+        StateCounts,
+        overlay::{Overlay, PanelShapes},
+    },
     world::Camera,
 };
 
 /// Edge of the picture in parts of the window's where a CPU draws it.
 const SOFTWARE_SCALE: f32 = 0.35;
-/// Frames after which every probe has been traced, or lies in stone.
-const FRAMES_TO_COUNT: u32 = 4;
+/// From frame to frame in which probes are counted: reading the counts back stalls.
+const FRAMES_TO_COUNT: u32 = 64;
+/// The first of them: a new probe has been judged by then.
+const FIRST_COUNT: u32 = 2;
 
 pub struct Session {
     window: Arc<Window>,
@@ -58,7 +63,7 @@ pub struct Session {
     captured: bool,
     rate: FrameRate,
     passes: PassMeans,
-    alive: Option<u32>,
+    probes: Option<StateCounts>,
     last_frame: Instant,
     presented: u32,
     hidden: bool,
@@ -141,7 +146,7 @@ impl Session {
             captured: false,
             rate: FrameRate::default(),
             passes: PassMeans::default(),
-            alive: None,
+            probes: None,
             last_frame: Instant::now(),
             presented: 0,
             hidden: false,
@@ -220,8 +225,9 @@ impl Session {
         if std::mem::take(&mut self.screenshot_wanted) {
             self.save_screenshot();
         }
-        if self.alive.is_none() && self.show.frame().frames() >= FRAMES_TO_COUNT {
-            self.alive = Some(self.show.frame().field().alive(&gpu)?);
+        let frames = self.show.frame().frames();
+        if frames % FRAMES_TO_COUNT == FIRST_COUNT {
+            self.probes = Some(self.show.frame().field().state_counts(&gpu)?);
         }
         self.check()
     }
@@ -241,7 +247,7 @@ impl Session {
             passes: &self.passes,
             camera: &self.camera,
             speed: self.speed,
-            alive: self.alive,
+            probes: self.probes,
         };
         let mut action = None;
         let output = context.run_ui(input, |ui| {
@@ -283,7 +289,7 @@ impl Session {
             self.messages.toast_error(error.to_string());
         }
         // Probes may have come out of stone, or got into it.
-        self.alive = None;
+        self.probes = None;
     }
 
     /// Shows what was chosen: at once if that is no work, else when the mouse is let go.
@@ -314,7 +320,7 @@ impl Session {
 
     /// After work that no frame should be measured by.
     fn remade(&mut self) {
-        self.alive = None;
+        self.probes = None;
         self.rate.clear();
         self.last_frame = Instant::now();
     }
