@@ -335,8 +335,8 @@ impl ProbeField {
         self.distance_sharpness
     }
 
-    /// Radiance (linear RGB) and length (voxels; negative for a probe in stone) of every ray of each
-    /// probe's last update, probe by probe: four f32 each.
+    /// Radiance (linear RGB) and length (voxels; negative where it began in stone) of every ray of each
+    /// probe's last update, probe by probe: four f32 each, 0 before the first.
     pub fn rays(&self) -> &wgpu::Buffer {
         &self.rays
     }

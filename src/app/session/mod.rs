@@ -32,10 +32,7 @@ use crate::{
     gpu::{self, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
     parameters::Remake,
-    passes::{
-        StateCounts,
-        overlay::{Overlay, PanelShapes},
-    },
+    passes::overlay::{Overlay, PanelShapes},
     world::Camera,
 };
 
@@ -43,8 +40,6 @@ use crate::{
 const SOFTWARE_SCALE: f32 = 0.35;
 /// From frame to frame in which probes are counted: reading the counts back stalls.
 const FRAMES_TO_COUNT: u32 = 64;
-/// The first of them: a new probe has been judged by then.
-const FIRST_COUNT: u32 = 2;
 
 pub struct Session {
     window: Arc<Window>,
@@ -63,7 +58,7 @@ pub struct Session {
     captured: bool,
     rate: FrameRate,
     passes: PassMeans,
-    probes: Option<StateCounts>,
+    probes: Option<crate::passes::StateCounts>,
     last_frame: Instant,
     presented: u32,
     hidden: bool,
@@ -225,8 +220,7 @@ impl Session {
         if std::mem::take(&mut self.screenshot_wanted) {
             self.save_screenshot();
         }
-        let frames = self.show.frame().frames();
-        if frames % FRAMES_TO_COUNT == FIRST_COUNT {
+        if self.show.frame().frames().is_multiple_of(FRAMES_TO_COUNT) {
             self.probes = Some(self.show.frame().field().state_counts(&gpu)?);
         }
         self.check()
