@@ -8,7 +8,7 @@ use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks, Timing, rectangle},
     lights::Lights,
     measure::picture::Picture,
-    parameters::Parameters,
+    parameters::{Parameters, ProbeStates},
     passes::{
         View, ViewMode,
         ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
@@ -60,6 +60,7 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
     let mut parameters = Parameters::default();
     parameters.probes.rays = 32;
     parameters.probes.warmup_frames = 1;
+    parameters.probes.states = ProbeStates::On;
     let layout = LayoutSpec {
         name: "test".into(),
         counts: UVec3::new(4, 3, 3),

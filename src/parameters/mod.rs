@@ -185,7 +185,7 @@ parameters! {
         #[doc = "How a probe behind a wall loses its weight; none is faster and leaks, chebyshev reads one texel more per probe."]
         visibility: Visibility = Visibility::Chebyshev, Visibility::KIND, Nothing;
         #[doc = "Whether probes without surfaces in their cages sleep; off updates every probe that is not in stone."]
-        states: ProbeStates = ProbeStates::On, ProbeStates::KIND, Nothing;
+        states: ProbeStates = ProbeStates::Off, ProbeStates::KIND, Nothing;
         #[doc = "Whether probes sleep too that no pixel asks for; on saves most of their time, off reacts at once where nobody looks."]
         asking: bool = true, Kind::Flag, Nothing;
         #[doc = "Frames that a probe stays awake after it was last asked for; more finds each pixel's probes (64), less sleeps sooner."]
@@ -340,7 +340,7 @@ mod tests {
             "probes.rays=400",
             "probes.hysteresis = 0.9",
             "probes.visibility=none",
-            "probes.states=off",
+            "probes.states=on",
             "lights.preset=four lamps",
             "lights.animate=off",
             "textures.enabled=false",

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use glam::{IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder},
-    parameters::{ProbeParameters, Relocation},
+    parameters::{ProbeParameters, ProbeStates as Sleep, Relocation},
     passes::{
         GpuVoxels, ProbeField, StateCounts, probe_blend::ProbeBlend, probe_due::ProbeDue,
         probe_states::ProbeStates,
@@ -183,11 +183,18 @@ fn turn(slots: &BTreeSet<u32>, frame: u64, interval: u64) -> BTreeSet<u32> {
     slots.iter().filter(is_turn).copied().collect()
 }
 
+fn on() -> ProbeParameters {
+    ProbeParameters {
+        states: Sleep::On,
+        ..Default::default()
+    }
+}
+
 #[test]
 fn stone_is_dead_open_air_sleeps_and_what_is_before_a_wall_is_alive() {
     let mut slab = Slab::new(ProbeParameters {
         asking: false,
-        ..Default::default()
+        ..on()
     });
     let (near, far) = (columns(2..3), columns(3..6));
     for frame in 0..2 {
@@ -216,7 +223,7 @@ fn stone_is_dead_open_air_sleeps_and_what_is_before_a_wall_is_alive() {
 fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
     let mut slab = Slab::new(ProbeParameters {
         alive_frames: 5,
-        ..Default::default()
+        ..on()
     });
     let all = columns(2..6);
     for _ in 0..2 {
@@ -248,7 +255,7 @@ fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
 fn an_edit_wakes_what_it_touches_at_once_and_kills_what_it_covers() {
     let mut slab = Slab::new(ProbeParameters {
         alive_frames: 3,
-        ..Default::default()
+        ..on()
     });
     let all = columns(2..6);
     for _ in 0..4 {
@@ -284,7 +291,7 @@ fn probes_that_an_edit_walls_in_are_no_longer_far() {
     let mut slab = Slab::new(ProbeParameters {
         asking: false,
         alive_frames: 1,
-        ..Default::default()
+        ..on()
     });
     for _ in 0..3 {
         slab.update();
@@ -308,8 +315,8 @@ fn probes_that_an_edit_walls_in_are_no_longer_far() {
 #[test]
 fn without_states_all_are_due_that_are_not_in_stone() {
     let mut slab = Slab::new(ProbeParameters {
-        states: grotto::parameters::ProbeStates::Off,
-        ..Default::default()
+        states: Sleep::Off,
+        ..on()
     });
     for _ in 0..4 {
         assert_eq!(slab.update(), columns(2..6));
