@@ -1,7 +1,7 @@
 //! The whole frame on one page, as data flow.
 //!
 //! ```text
-//! probe_states (new probes, edits) ─ where probes stand
+//! probe_states (new probes, edits) ─ where probes stand ─ probe_due ─ which are updated
 //! camera_rays ─ surfaces ─────────────────────────────┐
 //! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ─ shade ─ hdr ─ tonemap ─ display
 //!     └────────────── atlas of the last frame ◄────────┘
@@ -13,12 +13,13 @@ use crate::{
     gpu::{Gpu, GpuError, Recorder, Timing},
     lights::Lights,
     measure::picture::Picture,
-    parameters::ProbeParameters,
+    parameters::{ProbeParameters, Relocation},
     passes::{
         GpuLights, GpuMaterials, GpuVoxels, MemoryUse, ProbeField, ProbeFieldError, View,
         camera_rays::CameraRays,
         distances::Distances,
         probe_blend::ProbeBlend,
+        probe_due::ProbeDue,
         probe_rays::ProbeRays,
         probe_sight::ProbeSight,
         probe_states::ProbeStates,
@@ -27,7 +28,7 @@ use crate::{
         tonemap::Tonemap,
         voxelise::{Voxelise, VoxeliseReport},
     },
-    probes::{ProbeError, Volume, sight::Region},
+    probes::{ProbeError, Volume},
     world::{
         LayoutSpec, World,
         materials::MaterialSet,
@@ -128,8 +129,6 @@ pub struct Frame {
     /// Of the last frame.
     lights_before: Option<Lights>,
     field: ProbeField,
-    /// Where voxels or probes are new, so that probes must be placed.
-    misplaced: Option<Region>,
     passes: Passes,
 }
 
@@ -137,6 +136,7 @@ struct Passes {
     camera_rays: CameraRays,
     probe_states: ProbeStates,
     probe_sight: ProbeSight,
+    probe_due: ProbeDue,
     probe_rays: ProbeRays,
     probe_blend: ProbeBlend,
     shade: Shade,
@@ -165,7 +165,6 @@ impl Frame {
             lights,
             lights_before: None,
             field,
-            misplaced: Some(Region::everywhere()),
             passes,
         })
     }
@@ -190,15 +189,18 @@ impl Frame {
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
-        if let Some(region) = self.misplaced.take() {
-            self.field.look_at(gpu, &region);
+        if self.field.take_changed() {
             self.passes.probe_states.record(recorder);
             if self.field.exact() {
                 self.passes.probe_sight.record(recorder);
             }
         }
+        self.passes.probe_due.record(recorder);
         self.passes.probe_rays.record(recorder);
         self.passes.probe_blend.record(recorder);
+        if probes.relocation == Relocation::Statistical {
+            self.passes.probe_states.record_walk(recorder);
+        }
         self.passes.shade.record(recorder);
         self.passes.tonemap.record(recorder);
         self.frames += 1;
@@ -239,7 +241,6 @@ impl Frame {
         let resources = resources(&self.stage, &self.view, &self.lights);
         self.passes = Passes::new(gpu, self.size, &field, &resources)?;
         self.field = field;
-        self.misplaced = Some(Region::everywhere());
         self.frames = 0;
         Ok(())
     }
@@ -258,17 +259,12 @@ impl Frame {
         }
         self.stage.voxels.write(gpu, voxels, edit);
         if let Some((first, last)) = edit.region {
-            let region = Region {
-                first: first.as_ivec3(),
-                last: last.as_ivec3(),
-            };
-            self.misplaced = Some(
-                self.misplaced
-                    .map_or(region, |before| before.union(&region)),
-            );
+            let (low, high) = (first.as_ivec3(), last.as_ivec3());
+            self.field.note_change(low.as_vec3(), high.as_vec3() + 1.0);
             let origin = self.stage.voxels.origin;
-            let [min, max] = [region.first + origin, region.last + origin];
-            self.field.changes.edit(min, max, self.frames);
+            self.field
+                .changes
+                .edit(low + origin, high + origin, self.frames);
         }
         Ok(())
     }
@@ -359,6 +355,7 @@ impl Passes {
             tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
             probe_states: ProbeStates::new(gpu, field, resources)?,
             probe_sight: ProbeSight::new(gpu, field, resources)?,
+            probe_due: ProbeDue::new(gpu, field)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
             camera_rays,

@@ -349,7 +349,8 @@ impl Shown {
             .record(&self.gpu, &mut recorder, &view, &lights, &self.parameters);
         recorder.submit(&self.gpu).expect("submits");
         let picture = self.frame.read_radiance(&self.gpu).expect("reads back");
-        let alive = self.frame.field().alive(&self.gpu).expect("reads back");
+        let alive = self.frame.field().state_counts(&self.gpu);
+        let alive = alive.expect("reads back").alive;
         (picture.rgb, alive)
     }
 }

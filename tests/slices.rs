@@ -8,7 +8,7 @@ use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks, Timing, rectangle},
     lights::Lights,
     measure::picture::Picture,
-    parameters::Parameters,
+    parameters::{Parameters, ProbeStates},
     passes::{
         View, ViewMode,
         ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
@@ -52,12 +52,15 @@ struct Drawn {
     shadow_rays: u64,
 }
 
-/// Two frames of the Cornell box with more probes than a row of workgroups holds.
+/// Frames of the Cornell box with more probes than a row of workgroups holds: all of them are due in
+/// the first, some in the others.
 fn draw(gpu: &Gpu, timed: bool) -> Drawn {
     let world = world();
     let stage = Stage::build(gpu, &world).expect("fits");
     let mut parameters = Parameters::default();
     parameters.probes.rays = 32;
+    parameters.probes.warmup_frames = 1;
+    parameters.probes.states = ProbeStates::On;
     let layout = LayoutSpec {
         name: "test".into(),
         counts: UVec3::new(4, 3, 3),
@@ -66,7 +69,7 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
     let mut frame = Frame::new(gpu, stage, &layout, &parameters.probes, SIZE).expect("fits");
     let lights = Lights::at(&world, &world.lamp_presets[0], 0.0);
     let mut timing = timed.then(|| Timing::new(gpu).expect("a clock"));
-    for index in 0..2 {
+    for index in 0..3 {
         let mut recorder = Recorder::new(gpu, timing.as_mut());
         let view = view(&world, index);
         frame.record(gpu, &mut recorder, &view, &lights, &parameters.probes);
@@ -75,7 +78,7 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
         if let Some(timing) = timing.as_mut().filter(|timing| timing.supported()) {
             let times = timing.next_frame().expect("one frame was drawn");
             let labels: Vec<&str> = times.passes_ms.keys().map(|label| &**label).collect();
-            let mut passes = vec!["camera_rays", "probe_blend", "probe_rays"];
+            let mut passes = vec!["camera_rays", "probe_blend", "probe_due", "probe_rays"];
             // Only for new probes.
             passes.extend((index == 0).then_some("probe_states"));
             passes.extend(["shade", "tonemap"]);

@@ -15,7 +15,7 @@ use super::{
 use crate::{
     gpu::PassTimes,
     parameters::{KEYS, Kind},
-    passes::ViewMode,
+    passes::{StateCounts, ViewMode},
     probes::Layout as _,
     world::Camera,
 };
@@ -40,8 +40,8 @@ pub struct Facts<'a> {
     pub passes: &'a PassMeans,
     pub camera: &'a Camera,
     pub speed: f32,
-    /// Probes that give light, once that is known.
-    pub alive: Option<u32>,
+    /// Probes by state, once that is known.
+    pub probes: Option<StateCounts>,
 }
 
 /// What a user asked for.
@@ -177,8 +177,11 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
     let frame = facts.show.frame();
     let memory = frame.memory();
     let probes = frame.field().volume().slots();
-    let alive = match facts.alive {
-        Some(alive) => format!("{alive} of {probes} alive"),
+    let states = match facts.probes {
+        Some(counts) => format!(
+            "{probes}: {} alive, {} asleep, {} dead; {} due",
+            counts.alive, counts.sleeping, counts.dead, counts.due
+        ),
         None => probes.to_string(),
     };
     grid(ui, "figures", |ui| {
@@ -190,7 +193,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
         line("picture", format!("{width} × {height}"));
         line(
             "probes",
-            format!("{alive}, {} rays each", frame.field().rays_per_probe()),
+            format!("{states}, {} rays each", frame.field().rays_per_probe()),
         );
         line(
             "memory",

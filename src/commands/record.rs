@@ -88,21 +88,23 @@ pub struct ProbeCounts {
     pub alive: u32,
     pub sleeping: u32,
     pub dead: u32,
+    /// Updated in the last frame.
+    pub due: u32,
 }
 
 impl ProbeCounts {
-    /// Of a field that has been updated: what is not alive then lies in stone.
+    /// Of a field that has been updated.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn read(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
-        let total = field.volume().slots();
-        let alive = field.alive(gpu)?;
+        let counts = field.state_counts(gpu)?;
         Ok(Self {
-            total,
-            alive,
-            sleeping: 0,
-            dead: total - alive,
+            total: field.volume().slots(),
+            alive: counts.alive,
+            sleeping: counts.sleeping,
+            dead: counts.dead,
+            due: counts.due,
         })
     }
 }

@@ -3,6 +3,7 @@
 use std::{
     collections::{BTreeMap, VecDeque},
     mem,
+    ops::Range,
     sync::Arc,
     time::Instant,
 };
@@ -141,16 +142,46 @@ impl<'a> Recorder<'a> {
     ///
     /// # Panics
     /// With more than 4096 rows.
-    pub fn run(&mut self, kernel: &Kernel, bindings: &Bindings, [width, rows]: [u32; 2]) {
+    pub fn run(&mut self, kernel: &Kernel, bindings: &Bindings, groups: [u32; 2]) {
+        self.run_rows(kernel, bindings, groups, None);
+    }
+
+    /// The same for work of which the GPU says how much there is: columns and rows in three u32 at
+    /// `offset` of `buffer`, with as many rows as `most` and at most its columns. Where it must go out
+    /// in slices, all of `most` does, and the shader leaves out what is too many.
+    ///
+    /// # Panics
+    /// With more than 4096 rows.
+    pub fn run_indirect(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &Bindings,
+        most: [u32; 2],
+        (buffer, offset): (&wgpu::Buffer, u64),
+    ) {
+        self.run_rows(kernel, bindings, most, Some((buffer, offset)));
+    }
+
+    fn run_rows(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &Bindings,
+        [width, rows]: [u32; 2],
+        indirect: Option<(&wgpu::Buffer, u64)>,
+    ) {
         assert!(rows <= MOST_ROWS, "`{}` has {rows} rows", kernel.label);
+        let dispatch = |pass: &mut wgpu::ComputePass<'_>, slice: Range<u32>| match indirect {
+            Some((buffer, offset)) if slice == (0..rows) => {
+                kernel.dispatch_indirect(pass, bindings, buffer, offset);
+            }
+            _ => kernel.dispatch_rows(pass, bindings, width, slice),
+        };
         let (label, pace) = (&*kernel.label, &bindings.pace);
         let slices = Slices::new(pace, [width, rows], self.first_groups);
         if let Some(Clock::Wall { .. }) = self.timing.as_ref().map(|timing| &timing.clock) {
             for slice in slices {
                 let count = slice.end - slice.start;
-                let elapsed_ms = self.compute_timed(label, |pass| {
-                    kernel.dispatch_rows(pass, bindings, width, slice);
-                });
+                let elapsed_ms = self.compute_timed(label, |pass| dispatch(pass, slice));
                 let elapsed_ms = elapsed_ms.unwrap_or_default();
                 tracing::trace!("{label}: {count} of {rows} rows in {elapsed_ms:.1} ms");
                 pace.learn(count, elapsed_ms);
@@ -159,7 +190,7 @@ impl<'a> Recorder<'a> {
         }
         self.compute(label, |pass| {
             for slice in slices {
-                kernel.dispatch_rows(pass, bindings, width, slice);
+                dispatch(pass, slice);
             }
         });
         if let Some(timing) = &mut self.timing {

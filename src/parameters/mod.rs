@@ -130,17 +130,35 @@ choice! {
         Off = "off",
         /// It moves to the nearest air, if that is near enough.
         Exact = "exact",
+        /// It walks along the axes, farther and farther, until its rays find that it stands in air and
+        /// far enough from surfaces.
+        Statistical = "statistical",
     }
     later: []
 }
 
 choice! {
-    /// Whether probes sleep, die and move by what surrounds them.
-    ProbeStates {
-        /// Every probe is traced and gathered.
-        Off = "off",
+    /// What the probes of a cage weigh at a point, before light and visibility.
+    Weights {
+        /// By the distances of the probes as they stand, without a step from cage to cage.
+        Continuous = "continuous",
+        /// Trilinear, with the corner of a moved probe moved along.
+        Adjusted = "adjusted",
+        /// Trilinear, as if no probe had moved.
+        Lattice = "lattice",
     }
-    later: ["on"]
+    later: []
+}
+
+choice! {
+    /// Whether probes sleep.
+    ProbeStates {
+        /// Every probe outside of stone is updated in every frame.
+        Off = "off",
+        /// Those that nobody needs now are refreshed now and then.
+        On = "on",
+    }
+    later: []
 }
 
 parameters! {
@@ -166,12 +184,30 @@ parameters! {
         rays: u32 = 128, Kind::Count { min: 8, max: 4096 }, Probes;
         #[doc = "Share of history kept per update; higher is steadier, lower reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
-        #[doc = "How a probe behind a wall loses its weight; none is faster and leaks, chebyshev reads one texel more per probe."]
+        #[doc = "How a probe behind a wall loses its weight: exact marches, leaks nothing and gives thin walls probes on both sides (cages of up to 14 voxels; larger ones take chebyshev), chebyshev guesses from distances, none is fastest and leaks."]
         visibility: Visibility = Visibility::Exact, Visibility::KIND, Probes;
-        #[doc = "Whether probes sleep and move by what surrounds them; off updates every probe that is not in stone."]
-        states: ProbeStates = ProbeStates::Off, ProbeStates::KIND, Probes;
-        #[doc = "What becomes of probes in stone: exact moves them to the nearest air, off leaves them dead; exact lights corners truer and traces more probes."]
+        #[doc = "Whether probes without surfaces in their cages sleep; off updates every probe that is not in stone."]
+        states: ProbeStates = ProbeStates::Off, ProbeStates::KIND, Nothing;
+        #[doc = "Whether probes sleep too that no pixel asks for; on saves most of their time, off reacts at once where nobody looks."]
+        asking: bool = true, Kind::Flag, Nothing;
+        #[doc = "Frames that a probe stays awake after it was last asked for; more finds each pixel's probes (64), less sleeps sooner."]
+        alive_frames: u32 = 64, Kind::Count { min: 1, max: 100_000 }, Nothing;
+        #[doc = "Frames between updates of a probe that only other probes' rays ask for; more is faster, less carries changes of bounced light sooner."]
+        fed_interval: u32 = 4, Kind::Count { min: 1, max: 1000 }, Nothing;
+        #[doc = "Frames between updates of a sleeping probe; more is faster, less is fresher when it wakes."]
+        asleep_interval: u32 = 10, Kind::Count { min: 1, max: 1000 }, Nothing;
+        #[doc = "Unrest (how much its light changes now) above which a probe is updated in every frame, whoever asks; less follows lamps sooner, 1 never does."]
+        restless: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
+        #[doc = "What becomes of probes in stone: exact moves them to the nearest air, statistical lets them walk until their rays are free, off leaves them dead; exact lights corners truer and traces more probes."]
         relocation: Relocation = Relocation::Exact, Relocation::KIND, Probes;
+        #[doc = "Statistical relocation: share kept per update of what is known of a probe's place; more moves later, less moves for what passes by."]
+        stone_hysteresis: f32 = 0.95, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
+        #[doc = "Statistical relocation: share of updates in stone from which a probe moves; more moves fewer probes."]
+        stone_threshold: f32 = 0.5, Kind::Number { min: 0.0, max: 0.99 }, Nothing;
+        #[doc = "Statistical relocation: voxels that a moved probe should be from surfaces; more avoids pits, less stays nearer to its lattice point."]
+        clearance: f32 = 1.0, Kind::Number { min: 0.0, max: 31.0 }, Nothing;
+        #[doc = "What moved probes weigh: continuous by where they stand, adjusted as the trilinear cage moved along, lattice as if unmoved; lattice is fastest, continuous shows no cages."]
+        weights: Weights = Weights::Continuous, Weights::KIND, Nothing;
         #[doc = "Farthest that a probe in stone moves along an axis, in spacings (and 31 voxels); more reaches more walls, for more probes to trace."]
         move_reach: f32 = 0.95, Kind::Number { min: 0.0, max: 0.95 }, Probes;
         #[doc = "Share of the surfaces in its cages that a probe must miss under exact visibility to get a twin that sees them; less lights thin walls truer and traces more probes, 1 makes none."]
@@ -304,7 +340,7 @@ mod tests {
             "probes.rays=400",
             "probes.hysteresis = 0.9",
             "probes.visibility=none",
-            "probes.states=off",
+            "probes.states=on",
             "lights.preset=four lamps",
             "lights.animate=off",
             "textures.enabled=false",
@@ -354,7 +390,19 @@ mod tests {
             ("probes.hysteresis=1", ["number from 0 to 0.999", "`1`"]),
             ("probes.visibility=exact", ["not yet", "none, chebyshev"]),
             ("probes.visibility=some", ["none, chebyshev", "`some`"]),
-            ("probes.states=on", ["not yet", "off"]),
+            ("probes.states=maybe", ["off, on", "`maybe`"]),
+            (
+                "probes.fed_interval=0",
+                ["whole number from 1 to 1000", "`0`"],
+            ),
+            (
+                "probes.stone_hysteresis=NaN",
+                ["number from 0 to 0.999", "`NaN`"],
+            ),
+            (
+                "probes.weights=even",
+                ["continuous, adjusted, lattice", "`even`"],
+            ),
             ("lights.animate=maybe", ["on or off", "`maybe`"]),
             ("world.size=0x1x1", ["from 1 to 4096", "`0x1x1`"]),
             ("world.size=64x64", ["WIDTHxHEIGHTxDEPTH", "`64x64`"]),

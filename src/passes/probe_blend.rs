@@ -1,4 +1,4 @@
-//! Pass `probe_blend`: averages the rays of a frame into the maps of each probe.
+//! Pass `probe_blend`: averages the rays of a frame into the maps of each probe that is due.
 
 use super::ProbeField;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
@@ -6,7 +6,8 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangl
 pub struct ProbeBlend {
     kernel: Kernel,
     bindings: Bindings,
-    groups: [u32; 2],
+    most: [u32; 2],
+    dispatch: wgpu::Buffer,
 }
 
 impl ProbeBlend {
@@ -30,11 +31,14 @@ impl ProbeBlend {
         Ok(Self {
             bindings: kernel.bind(gpu, &field.update_resources()),
             kernel,
-            groups: rectangle(slots),
+            most: rectangle(slots),
+            dispatch: field.dispatch().clone(),
         })
     }
 
+    /// After pass `probe_rays`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.run(&self.kernel, &self.bindings, self.groups);
+        let due = (&self.dispatch, ProbeField::PROBES_OFFSET);
+        recorder.run_indirect(&self.kernel, &self.bindings, self.most, due);
     }
 }

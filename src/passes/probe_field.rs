@@ -1,14 +1,17 @@
 //! The probe field on the GPU: what the passes that trace, blend and gather probes share.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
-use super::GpuChanges;
+use super::{
+    GpuChanges,
+    probe_plan::{ProbePlan, StateCounts},
+};
 use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
     probes::{
         AtlasLayout, Changes, Layout as _, ProbeError, Sight, Volume, atlas::ProbeMemory, sampling,
-        sight::Region,
     },
 };
 
@@ -68,6 +71,7 @@ pub struct ProbeField {
     twins: bool,
     atlas: AtlasLayout,
     memory: ProbeMemory,
+    plan: ProbePlan,
     rays_per_probe: u32,
     distance_sharpness: u32,
     info: wgpu::Buffer,
@@ -80,7 +84,6 @@ pub struct ProbeField {
     changes_info: wgpu::Buffer,
     places: wgpu::Buffer,
     sight_bits: wgpu::Buffer,
-    region: wgpu::Buffer,
     irradiance_atlas: wgpu::Texture,
     distance_atlas: wgpu::Texture,
     irradiance_view: wgpu::TextureView,
@@ -142,8 +145,8 @@ impl ProbeField {
             sight,
             twins,
             sight_bits: gpu.storage_buffer("probe_sight", sight_bytes)?,
-            region: gpu.uniform_buffer("probe_region", &Region::everywhere().to_gpu()),
             changes: Changes::default(),
+            plan: ProbePlan::new(gpu, slots, parameters.rays)?,
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
@@ -190,12 +193,17 @@ impl ProbeField {
             .collect();
         gpu.queue
             .write_buffer(&self.ray_directions, 0, bytemuck::cast_slice(&directions));
+        self.plan.begin_frame(gpu, parameters, frame);
     }
 
     fn info(&self, parameters: &ProbeParameters) -> GpuProbeInfo {
         let scale = |texels: u32| {
             let [width, height, _] = self.atlas.texture_extent(texels);
             [1.0 / width as f32, 1.0 / height as f32]
+        };
+        let move_reach = match parameters.relocation {
+            Relocation::Off => 0.0,
+            Relocation::Exact | Relocation::Statistical => parameters.move_reach,
         };
         GpuProbeInfo {
             first_ws: self.volume.first().to_array(),
@@ -210,7 +218,12 @@ impl ProbeField {
             distance_scale: scale(self.atlas.distance_texels),
             irradiance_texels: self.atlas.irradiance_texels as f32,
             distance_texels: self.atlas.distance_texels as f32,
-            longest: parameters.distance_clamp * self.volume.cage_diagonal(),
+            // As the source rejects: what no cage can ask for, however far its probe has moved.
+            longest: self.volume.cage_diagonal()
+                * match parameters.long_rays {
+                    LongRays::Clamp => parameters.distance_clamp,
+                    LongRays::Reject => 1.0 + move_reach,
+                },
             reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
             normal_bias: parameters.normal_bias,
             view_bias: parameters.view_bias,
@@ -228,10 +241,7 @@ impl ProbeField {
             hysteresis: parameters.hysteresis,
             warmup_frames: parameters.warmup_frames,
             firefly_clamp: parameters.firefly_clamp,
-            move_reach: match parameters.relocation {
-                Relocation::Off => 0.0,
-                Relocation::Exact => parameters.move_reach,
-            },
+            move_reach,
             sight_counts: self.sight.map_or([0; 3], |sight| sight.counts.to_array()),
             sight_words: self.sight.map_or(0, |sight| sight.words()),
             lattice_slots: self.volume.slots(),
@@ -245,9 +255,12 @@ impl ProbeField {
     }
 
     /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 7] {
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 9] {
         use wgpu::BindingResource::{Sampler, TextureView};
+        let [plan, work] = self.plan.resources();
         [
+            plan,
+            work,
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
             ("irradiance_atlas", TextureView(&self.irradiance_view)),
@@ -259,9 +272,12 @@ impl ProbeField {
     }
 
     /// What is written when the field is updated: rays, histories, states, and the atlas.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 11] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
         use wgpu::BindingResource::TextureView;
+        let [plan, work] = self.plan.resources();
         [
+            plan,
+            work,
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
             ("probe_rays", self.rays.as_entire_binding()),
@@ -282,23 +298,20 @@ impl ProbeField {
         ]
     }
 
-    /// What the passes `probe_states` and `probe_sight` write: where each probe stands, what it knows
-    /// and what it sees; and the region that they look at.
-    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 5] {
+    /// What the passes `probe_states` and `probe_sight` read of the probes and write: where each
+    /// stands, what it knows, and what it sees.
+    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
+        let [plan, work] = self.plan.resources();
         [
+            plan,
+            work,
+            self.plan.walks(),
             ("probe_info", self.info.as_entire_binding()),
             ("probe_places_out", self.places.as_entire_binding()),
             ("probe_states", self.states.as_entire_binding()),
             ("probe_sight_out", self.sight_bits.as_entire_binding()),
-            ("probe_region", self.region.as_entire_binding()),
+            ("probe_rays", self.rays.as_entire_binding()),
         ]
-    }
-
-    /// Says what the next run of the passes `probe_states` and `probe_sight` is for; before the first,
-    /// it is everything.
-    pub fn look_at(&self, gpu: &Gpu, region: &Region) {
-        gpu.queue
-            .write_buffer(&self.region, 0, bytemuck::bytes_of(&region.to_gpu()));
     }
 
     /// Whether probes know by marching what they see: asked for, and their cages are small enough.
@@ -309,6 +322,46 @@ impl ProbeField {
     /// What each probe sees: see [`Sight`].
     pub fn sight(&self) -> Option<(Sight, &wgpu::Buffer)> {
         self.sight.map(|sight| (sight, &self.sight_bits))
+    }
+
+    /// What pass `probe_due` writes besides [`Self::resources`].
+    pub fn due_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+        [
+            ("probe_states", self.states.as_entire_binding()),
+            ("probe_dispatch", self.plan.dispatch().as_entire_binding()),
+        ]
+    }
+
+    /// Workgroups that the due probes take, as pass `probe_due` writes them: those of pass
+    /// `probe_rays` at [`Self::RAYS_OFFSET`], those of passes with one for each probe at
+    /// [`Self::PROBES_OFFSET`].
+    pub fn dispatch(&self) -> &wgpu::Buffer {
+        self.plan.dispatch()
+    }
+
+    /// Byte in [`Self::dispatch`].
+    pub const RAYS_OFFSET: u64 = 0;
+    /// Byte in [`Self::dispatch`].
+    pub const PROBES_OFFSET: u64 = 16;
+
+    /// Voxels of a box (grid space, from low to high corner) have changed: pass `probe_states` is to
+    /// run before the probes' next update, and looks there.
+    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
+        self.plan.change(low_gs, high_gs);
+    }
+
+    /// Whether pass `probe_states` is to run in this frame: once for a new field, and once after
+    /// changes. After [`Self::begin_frame`].
+    pub fn take_changed(&mut self) -> bool {
+        self.plan.take_changed()
+    }
+
+    /// Slots that the last update was for, in no particular order.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn due(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        self.plan.due(gpu)
     }
 
     /// Where each probe stands (world space; XYZ), and whether it gives light (W: 1 or 0): four f32
@@ -335,8 +388,8 @@ impl ProbeField {
         self.distance_sharpness
     }
 
-    /// Radiance (linear RGB) and length (voxels; negative for a probe in stone) of every ray of the
-    /// last update, probe by probe: four f32 each.
+    /// Radiance (linear RGB) and length (voxels; negative where it began in stone) of every ray of each
+    /// probe's last update, probe by probe: four f32 each, 0 before the first.
     pub fn rays(&self) -> &wgpu::Buffer {
         &self.rays
     }
@@ -352,15 +405,12 @@ impl ProbeField {
         &self.distance_atlas
     }
 
-    /// Probes that were updated in the last update: the others lie in stone.
+    /// How many probes are in each state, and were due in the last update.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
-    pub fn alive(&self, gpu: &Gpu) -> Result<u32, GpuError> {
-        // Updates so far (0 for a probe in stone), and what else passes know of it.
-        let states: Vec<[u32; 4]> = gpu.read_buffer(&self.states)?;
-        let probes = states.iter().take(self.atlas.slots as usize);
-        Ok(probes.filter(|[updates, ..]| *updates > 0).count() as u32)
+    pub fn state_counts(&self, gpu: &Gpu) -> Result<StateCounts, GpuError> {
+        self.plan.count(gpu, &self.states, self.volume.slots())
     }
 
     /// Bytes of GPU memory.

@@ -1,4 +1,4 @@
-//! Pass `probe_rays`: every ray of every probe, shaded where it hits.
+//! Pass `probe_rays`: every ray of the probes that are due, shaded where it hits.
 
 use super::ProbeField;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
@@ -6,7 +6,8 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangl
 pub struct ProbeRays {
     kernel: Kernel,
     bindings: Bindings,
-    groups: [u32; 2],
+    most: [u32; 2],
+    dispatch: wgpu::Buffer,
 }
 
 impl ProbeRays {
@@ -36,11 +37,14 @@ impl ProbeRays {
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
             kernel,
-            groups: rectangle(groups),
+            most: rectangle(groups),
+            dispatch: field.dispatch().clone(),
         })
     }
 
+    /// After pass `probe_due`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.run(&self.kernel, &self.bindings, self.groups);
+        let due = (&self.dispatch, ProbeField::RAYS_OFFSET);
+        recorder.run_indirect(&self.kernel, &self.bindings, self.most, due);
     }
 }

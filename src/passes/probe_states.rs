@@ -1,5 +1,5 @@
-//! Pass `probe_states`: where each probe stands, by what is stone. Once for a new field, and after
-//! edits.
+//! Pass `probe_states`: where each probe stands, by what is stone or by what its rays say, and whether
+//! there are surfaces around it.
 
 use super::ProbeField;
 use crate::{
@@ -8,9 +8,10 @@ use crate::{
 };
 
 pub struct ProbeStates {
-    kernel: Kernel,
-    bindings: Bindings,
+    main: (Kernel, Bindings),
+    walk: (Kernel, Bindings),
     groups: [u32; 2],
+    dispatch: wgpu::Buffer,
 }
 
 impl ProbeStates {
@@ -23,25 +24,37 @@ impl ProbeStates {
         field: &ProbeField,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
-        let kernel = Kernel::new(
-            gpu,
-            &KernelSpec {
-                shader: "passes/probe_states",
-                ..Default::default()
-            },
-        )?;
         let mut all = resources.to_vec();
         all.extend(field.state_resources());
-        let slots = field.volume().slots();
+        let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
+            let spec = KernelSpec {
+                shader: "passes/probe_states",
+                entry,
+                ..Default::default()
+            };
+            let kernel = Kernel::new(gpu, &spec)?;
+            let bindings = kernel.bind(gpu, &all);
+            Ok((kernel, bindings))
+        };
         Ok(Self {
-            bindings: kernel.bind(gpu, &all),
-            kernel,
-            groups: rectangle(slots),
+            main: entry("main")?,
+            walk: entry("walk")?,
+            groups: rectangle(field.volume().slots()),
+            dispatch: field.dispatch().clone(),
         })
     }
 
-    /// After [`ProbeField::begin_frame`], before pass `probe_rays`.
+    /// For a new field, and after edits. After [`ProbeField::begin_frame`], before pass `probe_due`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.run(&self.kernel, &self.bindings, self.groups);
+        let (kernel, bindings) = &self.main;
+        recorder.run(kernel, bindings, self.groups);
+    }
+
+    /// Statistical relocation: moves the probes that were due by what their rays found. After pass
+    /// `probe_blend`.
+    pub fn record_walk(&self, recorder: &mut Recorder<'_>) {
+        let (kernel, bindings) = &self.walk;
+        let due = (&self.dispatch, ProbeField::PROBES_OFFSET);
+        recorder.run_indirect(kernel, bindings, self.groups, due);
     }
 }

@@ -3,7 +3,7 @@
 use super::ProbeField;
 use crate::gpu::{Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
-/// Counts the shadow rays of the last frame: those of the probe rays, and with `pixels` those of a
+/// Counts the shadow rays of the last frame: those of its probe rays, and with `pixels` those of a
 /// picture of `size` pixels. `resources` are those of the voxels, the view and the lights.
 ///
 /// # Errors

@@ -32,6 +32,8 @@ const STATE_BYTES: u64 = 16;
 const TREND_BYTES: u64 = 7 * 16;
 /// Where it stands, and whether it gives light.
 const PLACE_BYTES: u64 = 16;
+/// The list of the due, who asked when, and how far it has walked.
+const PLAN_BYTES: u64 = 3 * 4 + 8;
 
 /// What a probe field takes on the GPU, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +48,7 @@ pub struct ProbeMemory {
     pub places: u64,
     /// What probes see under exact visibility; not a matter of the atlas.
     pub sight: u64,
+    pub plan: u64,
 }
 
 impl ProbeMemory {
@@ -59,6 +62,7 @@ impl ProbeMemory {
             + self.trends
             + self.places
             + self.sight
+            + self.plan
     }
 }
 
@@ -136,6 +140,7 @@ impl AtlasLayout {
             trends: slots * TREND_BYTES,
             places: slots * PLACE_BYTES,
             sight: 0,
+            plan: slots * PLAN_BYTES,
         }
     }
 }
@@ -198,7 +203,7 @@ mod tests {
         assert_eq!(memory.distance_atlas, 64 * 324 * 8);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 112 + 16)
+            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 112 + 16 + 20)
         );
     }
 }

@@ -40,38 +40,6 @@ impl Sight {
     }
 }
 
-/// A box of voxels (grid space, both ends inclusive) that may have changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Region {
-    pub first: IVec3,
-    pub last: IVec3,
-}
-
-impl Region {
-    /// All voxels that there can be.
-    pub fn everywhere() -> Self {
-        // Far beyond any world, and far from overflow.
-        let far = IVec3::splat(1 << 24);
-        Self {
-            first: -far,
-            last: far,
-        }
-    }
-
-    /// The smallest region that holds both.
-    pub fn union(&self, other: &Self) -> Self {
-        Self {
-            first: self.first.min(other.first),
-            last: self.last.max(other.last),
-        }
-    }
-
-    /// `ProbeRegion` of `shaders/data/probes.wesl`.
-    pub fn to_gpu(&self) -> [[i32; 4]; 2] {
-        [self.first, self.last].map(|voxel| voxel.extend(0).to_array())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,16 +80,5 @@ mod tests {
         assert!(sight(14.0).is_some());
         assert_eq!(sight(14.6), None);
         assert_eq!(sight(1e30), None);
-    }
-
-    #[test]
-    fn regions_grow() {
-        let region = |first, last| Region {
-            first: IVec3::splat(first),
-            last: IVec3::splat(last),
-        };
-        assert_eq!(region(0, 1).union(&region(-3, -2)), region(-3, 1));
-        let everywhere = Region::everywhere();
-        assert_eq!(region(0, 1).union(&everywhere), everywhere);
     }
 }

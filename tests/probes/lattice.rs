@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Kernel, KernelSpec, Recorder},
     parameters::ProbeParameters,
-    passes::{GpuChanges, GpuEditSphere, GpuProbeInfo, ProbeField},
+    passes::{GpuChanges, GpuEditSphere, GpuProbeInfo, GpuProbePlan, ProbeField},
     probes::{Layout as _, Volume, octahedral, sampling},
     world::LayoutSpec,
 };
@@ -68,6 +68,10 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         warmup_frames,
         firefly_clamp,
         move_reach,
+        sight_counts,
+        sight_words,
+        lattice_slots,
+        twin_share,
     );
     assert_eq!(
         layout_of("ProbeInfo"),
@@ -83,6 +87,31 @@ fn changes_lie_in_memory_as_the_shader_reads_them() {
     assert_eq!(
         layout_of("EditSphere"),
         (expected, size_of::<GpuEditSphere>())
+    );
+}
+
+#[test]
+fn the_plan_lies_in_memory_as_the_shader_reads_it() {
+    let expected = offsets!(GpuProbePlan:
+        changed_low_gs,
+        frame,
+        changed_high_gs,
+        states,
+        alive_frames,
+        fed_interval,
+        asleep_interval,
+        rays_rows,
+        probe_rows,
+        weights,
+        relocation,
+        stone_hysteresis,
+        stone_threshold,
+        clearance,
+        restless
+    );
+    assert_eq!(
+        layout_of("ProbePlan"),
+        (expected, size_of::<GpuProbePlan>())
     );
 }
 

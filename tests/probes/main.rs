@@ -6,12 +6,13 @@ mod lattice;
 mod maps;
 mod placement;
 mod sight;
+mod states;
 
 use glam::{DVec3, IVec2, UVec2, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks},
-    parameters::{ProbeParameters, Visibility},
-    passes::{ProbeField, probe_blend::ProbeBlend},
+    parameters::{ProbeParameters, ProbeStates, Visibility},
+    passes::{ProbeField, probe_blend::ProbeBlend, probe_due::ProbeDue},
     probes::{Layout as _, Volume, sampling},
     world::LayoutSpec,
 };
@@ -35,6 +36,7 @@ fn volume(counts: [u32; 3], spacing: f32) -> Volume {
 struct Rig {
     gpu: Gpu,
     field: ProbeField,
+    due: ProbeDue,
     blend: ProbeBlend,
     parameters: ProbeParameters,
     frame: u64,
@@ -43,7 +45,8 @@ struct Rig {
 const SEED: u64 = 11;
 
 impl Rig {
-    /// Without voxels exact visibility would see nothing: Chebyshev's bound takes its place.
+    /// Without voxels exact visibility would see nothing: Chebyshev's bound takes its place. Every probe
+    /// is due in every update.
     fn new(volume: Volume, parameters: ProbeParameters) -> Self {
         let visibility = match parameters.visibility {
             Visibility::Exact => Visibility::Chebyshev,
@@ -60,12 +63,18 @@ impl Rig {
 
     /// Keeps exact visibility: the test runs the pass that looks around.
     fn seeing(volume: Volume, parameters: ProbeParameters) -> Self {
+        let parameters = ProbeParameters {
+            states: ProbeStates::Off,
+            ..parameters
+        };
         let gpu = gpu();
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
+        let due = ProbeDue::new(&gpu, &field).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         Self {
             gpu,
             field,
+            due,
             blend,
             parameters,
             frame: 0,
@@ -86,6 +95,7 @@ impl Rig {
             .queue
             .write_buffer(self.field.rays(), 0, bytemuck::cast_slice(&rays));
         let mut recorder = Recorder::new(&self.gpu, None);
+        self.due.record(&mut recorder);
         self.blend.record(&mut recorder);
         recorder.submit(&self.gpu).expect("submits");
         self.frame += 1;

@@ -3,8 +3,8 @@
 use glam::{IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder},
-    parameters::{ProbeParameters, Relocation},
-    passes::{GpuVoxels, ProbeField, probe_states::ProbeStates},
+    parameters::{ProbeParameters, Relocation, Weights},
+    passes::{GpuVoxels, ProbeField, probe_due::ProbeDue, probe_states::ProbeStates},
     probes::{Layout as _, Volume, sampling},
     world::{
         LayoutSpec,
@@ -41,8 +41,8 @@ fn volume() -> Volume {
     .expect("a good layout")
 }
 
-/// XYZ: place, W: whether alive.
-fn places(gpu: &Gpu, parameters: &ProbeParameters) -> Vec<[f32; 4]> {
+/// The test's world and its probes on the GPU.
+fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, ProbeStates) {
     let voxels = Voxels::from_cells(UVec3::splat(SIZE as u32), |cell| {
         let mut brick = Box::new([0u8; 512]);
         for (i, material) in brick.iter_mut().enumerate() {
@@ -58,6 +58,12 @@ fn places(gpu: &Gpu, parameters: &ProbeParameters) -> Vec<[f32; 4]> {
     let mut recorder = Recorder::new(gpu, None);
     pass.record(&mut recorder);
     recorder.submit(gpu).expect("submits");
+    (field, pass)
+}
+
+/// XYZ: place, W: whether alive.
+fn places(gpu: &Gpu, parameters: &ProbeParameters) -> Vec<[f32; 4]> {
+    let (field, _) = placed(gpu, parameters);
     gpu.read_buffer(field.places()).expect("reads back")
 }
 
@@ -180,46 +186,238 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
-/// Points and steps so small that no weight may change much, across the planes between cages too;
-/// probes moved at random as far as the parameters allow.
-#[test]
-fn weights_of_moved_probes_are_shares_and_continuous() {
-    const STEP: f32 = 1e-4;
-    let gpu = gpu();
-    let parameters = ProbeParameters::default();
-    let field = ProbeField::new(&gpu, volume(), &parameters).expect("fits");
-    field.begin_frame(&gpu, &parameters, 1, 0);
-    let reach = parameters.move_reach * SPACING;
-    let random = |i: u64| sampling::rotation(17, i).xyz().as_vec3();
-    let moved: Vec<[f32; 4]> = (0..volume().slots())
-        .map(|slot| volume().position(slot) + (random(u64::from(slot)) * reach).round())
-        .map(|place| place.extend(1.0).to_array())
-        .collect();
-    gpu.queue
-        .write_buffer(field.places(), 0, bytemuck::cast_slice(&moved));
-    let extent = (volume().counts() - 1).as_vec3() * SPACING * 0.5;
-    let points: Vec<Vec3> = (0..1500)
-        .map(|i| {
-            let mut place = (random(i + 1000) * extent) / SPACING;
-            // Every other point lies on a plane between cages.
-            if i % 2 == 0 {
-                let axis = (i / 2 % 3) as usize;
-                let half = (volume().counts()[axis] - 1) as f32 * 0.5;
-                place[axis] = (place[axis] + half).round() - half;
-            }
-            Vec3::new(0.3, -0.4, 0.5) + place * SPACING
-        })
-        .collect();
-    let shifted = |by: f32| -> Vec<Vec3> { points.iter().map(|p| *p + Vec3::splat(by)).collect() };
-    let before = weights(&gpu, &field, &shifted(-STEP));
-    let after = weights(&gpu, &field, &shifted(STEP));
-    for ((before, after), point) in before.iter().zip(&after).zip(&points) {
-        for (slot, (a, b)) in before.iter().zip(after).enumerate() {
-            // Where neighbours have changed places, shares are steep, but no step.
-            assert!(
-                (a - b).abs() < 0.02,
-                "slot {slot} jumps at {point}: {a}, {b}"
-            );
+/// Probes moved at random as far as the parameters allow, and points in their volume.
+struct Moved {
+    gpu: Gpu,
+    field: ProbeField,
+    places: Vec<Vec3>,
+    points: Vec<Vec3>,
+}
+
+impl Moved {
+    fn new(weights: Weights) -> Self {
+        let gpu = gpu();
+        let parameters = ProbeParameters {
+            weights,
+            ..Default::default()
+        };
+        let field = ProbeField::new(&gpu, volume(), &parameters).expect("fits");
+        field.begin_frame(&gpu, &parameters, 1, 0);
+        let reach = parameters.move_reach * SPACING;
+        let random = |i: u64| sampling::rotation(17, i).xyz().as_vec3();
+        let places: Vec<Vec3> = (0..volume().slots())
+            .map(|slot| volume().position(slot) + (random(slot.into()) * reach).trunc())
+            .collect();
+        let alive: Vec<[f32; 4]> = places.iter().map(|p| p.extend(1.0).to_array()).collect();
+        gpu.queue
+            .write_buffer(field.places(), 0, bytemuck::cast_slice(&alive));
+        let extent = (volume().counts() - 1).as_vec3() * SPACING * 0.5;
+        let points = (0..1500)
+            .map(|i| {
+                let mut place = (random(i + 1000) * extent) / SPACING;
+                // Every other point lies on a plane between cages.
+                if i % 2 == 0 {
+                    let axis = (i / 2 % 3) as usize;
+                    let half = (volume().counts()[axis] - 1) as f32 * 0.5;
+                    place[axis] = (place[axis] + half).round() - half;
+                }
+                Vec3::new(0.3, -0.4, 0.5) + place * SPACING
+            })
+            .collect();
+        Self {
+            gpu,
+            field,
+            places,
+            points,
         }
+    }
+
+    fn weights(&self, points: &[Vec3]) -> Vec<Vec<f32>> {
+        weights(&self.gpu, &self.field, points)
+    }
+
+    /// The most that a weight changes over steps so small that none may change much, across the
+    /// planes between cages too.
+    fn largest_jump(&self) -> f32 {
+        const STEP: f32 = 1e-4;
+        let shifted = |by: f32| -> Vec<Vec3> { self.points.iter().map(|p| p + by).collect() };
+        let before = self.weights(&shifted(-STEP));
+        let after = self.weights(&shifted(STEP));
+        let all = before.iter().flatten().zip(after.iter().flatten());
+        all.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    }
+}
+
+/// That weights are shares which add up to 1 is what `weights` asserts of all three.
+#[test]
+fn continuous_and_lattice_weights_are_shares_without_steps() {
+    // Where neighbours have changed places, shares are steep, but no step.
+    let jump = Moved::new(Weights::Continuous).largest_jump();
+    assert!(jump < 0.02, "{jump}");
+    let jump = Moved::new(Weights::Lattice).largest_jump();
+    assert!(jump < 1e-3, "{jump}");
+}
+
+/// The comparison above can tell: the source's weights have steps between cages.
+#[test]
+fn adjusted_weights_are_shares_with_steps_between_cages() {
+    let jump = Moved::new(Weights::Adjusted).largest_jump();
+    assert!(jump > 0.1, "{jump}");
+}
+
+#[test]
+fn lattice_and_adjusted_weights_are_their_closed_forms() {
+    for kind in [Weights::Lattice, Weights::Adjusted] {
+        let moved = Moved::new(kind);
+        let spacing = volume().spacing();
+        for (found, point) in moved.weights(&moved.points).iter().zip(&moved.points) {
+            let mut expected = vec![0.0; found.len()];
+            for (slot, lattice) in volume().cage(*point) {
+                let home = volume().position(slot);
+                let low = volume().first();
+                let index = ((home - low) / spacing).round();
+                let along = (point - low) / spacing;
+                // Where the point lies in the cage, seen from this corner: 1 − along or along.
+                let is_low = index.cmple(along);
+                let offset = (moved.places[slot as usize] - home) / spacing;
+                let adjusted = (0..3).map(|axis| {
+                    let a =
+                        (along[axis] - index[axis] + f32::from(!is_low.test(axis))).clamp(0.0, 1.0);
+                    let c = f32::from(!is_low.test(axis));
+                    let t = (c - offset[axis]) / (1.0 - offset[axis]);
+                    ((1.0 - a) * (1.0 - t) + a * t).clamp(0.0, 1.0)
+                });
+                expected[slot as usize] += match kind {
+                    Weights::Adjusted => adjusted.product::<f32>(),
+                    _ => lattice,
+                };
+            }
+            // On a plane between cages either of them may be meant.
+            let fraction = ((point - volume().first()) / spacing).fract();
+            let on_plane = (fraction - 0.5).abs().max_element() > 0.4999;
+            let total: f32 = expected.iter().sum();
+            for (slot, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let difference = (found - expected / total).abs();
+                assert!(
+                    on_plane || difference < 1e-3,
+                    "slot {slot} at {point}: {found}, not {}",
+                    expected / total
+                );
+            }
+        }
+    }
+}
+
+/// Steps of the walk, in order: six directions at one voxel, then at two, and so on.
+fn steps(reach: IVec3) -> impl Iterator<Item = IVec3> {
+    (1..=reach.max_element()).flat_map(move |distance| {
+        [IVec3::X, IVec3::Y, IVec3::Z]
+            .into_iter()
+            .flat_map(|axis| [axis, -axis])
+            .map(move |direction| direction * distance)
+    })
+}
+
+/// Voxels from the middle of a voxel of air to the nearest stone along an axis, as rays would find.
+fn clearance(voxel: IVec3) -> f32 {
+    let free = |direction: &IVec3| {
+        (0..6)
+            .take_while(|i| !is_stone(voxel + *direction * *i))
+            .count()
+    };
+    let axes = [IVec3::X, IVec3::Y, IVec3::Z].into_iter();
+    let nearest = axes.flat_map(|axis| [axis, -axis]).map(|d| free(&d)).min();
+    nearest.expect("six") as f32 - 0.5
+}
+
+#[test]
+fn walking_probes_stop_where_their_rays_are_free() {
+    let gpu = gpu();
+    let parameters = ProbeParameters {
+        relocation: Relocation::Statistical,
+        stone_hysteresis: 0.0,
+        rays: 8,
+        ..Default::default()
+    };
+    let (field, states) = placed(&gpu, &parameters);
+    let due = ProbeDue::new(&gpu, &field).expect("compiles");
+    let reach = (parameters.move_reach * SPACING).as_ivec3();
+    let voxel_of = |place: &[f32; 4]| Vec3::from_slice(place).floor().as_ivec3() - ORIGIN;
+    let mut found: Vec<[f32; 4]> = Vec::new();
+    // As many frames as two walks have steps.
+    for frame in 0..2 * steps(reach).count() as u64 + 2 {
+        field.begin_frame(&gpu, &parameters, 1, frame);
+        found = gpu.read_buffer(field.places()).expect("reads back");
+        let rays: Vec<[f32; 4]> = found
+            .iter()
+            .flat_map(|place| {
+                let voxel = voxel_of(place);
+                let length = if is_stone(voxel) {
+                    -1.0
+                } else {
+                    clearance(voxel)
+                };
+                [[0.0, 0.0, 0.0, length]; 8]
+            })
+            .collect();
+        gpu.queue
+            .write_buffer(field.rays(), 0, bytemuck::cast_slice(&rays));
+        let mut recorder = Recorder::new(&gpu, None);
+        due.record(&mut recorder);
+        states.record_walk(&mut recorder);
+        recorder.submit(&gpu).expect("submits");
+    }
+    let (mut walked, mut far, mut dead) = (0, 0, 0);
+    for (slot, place) in (0..).zip(&found) {
+        let home = voxel_of(&volume().position(slot).extend(0.0).to_array());
+        let turn = || steps(reach).map(|step| home + step);
+        let allowed = |voxel: &IVec3| (*voxel - home).abs().cmple(reach).all() && !is_stone(*voxel);
+        let clear = |voxel: &IVec3| allowed(voxel) && clearance(*voxel) >= parameters.clearance;
+        let expected = [home]
+            .into_iter()
+            .chain(turn())
+            .find(clear)
+            .or(turn().find(allowed));
+        match expected {
+            Some(voxel) => {
+                assert_eq!((voxel_of(place), place[3]), (voxel, 1.0), "slot {slot}");
+                walked += u32::from(voxel != home);
+                far += u32::from((voxel - home).abs().max_element() > 1);
+            }
+            None => {
+                assert_eq!((voxel_of(place), place[3]), (home, 0.0), "slot {slot}");
+                dead += 1;
+            }
+        }
+    }
+    assert!(
+        walked > 50 && far > 10 && dead > 50,
+        "{walked}, {far}, {dead}"
+    );
+}
+
+#[test]
+fn a_probe_walks_only_when_it_has_been_in_stone_for_long() {
+    let gpu = gpu();
+    let parameters = ProbeParameters {
+        relocation: Relocation::Statistical,
+        rays: 8,
+        ..Default::default()
+    };
+    let (field, states) = placed(&gpu, &parameters);
+    let due = ProbeDue::new(&gpu, &field).expect("compiles");
+    let rays = vec![[0.0f32, 0.0, 0.0, -1.0]; volume().slots() as usize * 8];
+    gpu.queue
+        .write_buffer(field.rays(), 0, bytemuck::cast_slice(&rays));
+    let before: Vec<[f32; 4]> = gpu.read_buffer(field.places()).expect("reads back");
+    // 1 − 0.95ⁿ passes a half at n = 14.
+    for frame in 1..=14 {
+        field.begin_frame(&gpu, &parameters, 1, frame);
+        let mut recorder = Recorder::new(&gpu, None);
+        due.record(&mut recorder);
+        states.record_walk(&mut recorder);
+        recorder.submit(&gpu).expect("submits");
+        let places: Vec<[f32; 4]> = gpu.read_buffer(field.places()).expect("reads back");
+        assert_eq!(places == before, frame < 14, "frame {frame}");
     }
 }

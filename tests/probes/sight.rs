@@ -5,7 +5,7 @@ use grotto::{
     gpu::{Gpu, Recorder},
     parameters::{ProbeParameters, Visibility},
     passes::{GpuVoxels, ProbeField, probe_sight::ProbeSight, probe_states::ProbeStates},
-    probes::{Layout as _, Sight, Volume, sampling, sight::Region},
+    probes::{Layout as _, Sight, Volume, sampling},
     reference::march::{Outcome, Ray, march_plain},
     world::{LayoutSpec, voxels::Voxels},
 };
@@ -61,8 +61,9 @@ impl Placed {
         }
     }
 
-    fn run(&self, gpu: &Gpu, parameters: &ProbeParameters) {
+    fn run(&mut self, gpu: &Gpu, parameters: &ProbeParameters) {
         self.field.begin_frame(gpu, parameters, 1, 0);
+        assert!(self.field.take_changed(), "there is something to look at");
         let mut recorder = Recorder::new(gpu, None);
         self.states.record(&mut recorder);
         self.sight.record(&mut recorder);
@@ -83,7 +84,7 @@ fn placed(gpu: &Gpu, voxels: &Voxels) -> Placed {
     let parameters = exact();
     let on_gpu = GpuVoxels::upload(gpu, voxels, ORIGIN).expect("fits");
     let field = ProbeField::new(gpu, volume(), &parameters).expect("fits");
-    let placed = Placed::new(gpu, field, &on_gpu);
+    let mut placed = Placed::new(gpu, field, &on_gpu);
     placed.run(gpu, &parameters);
     placed
 }
@@ -207,32 +208,25 @@ fn after_an_edit_probes_see_as_fresh_ones_do() {
         None => on_gpu,
     };
     let field = ProbeField::new(&gpu, volume(), &parameters).expect("fits");
-    let placed_before = Placed::new(&gpu, field, &on_gpu);
+    let mut placed_before = Placed::new(&gpu, field, &on_gpu);
     placed_before.run(&gpu, &parameters);
     let before = placed_before.bits(&gpu);
     // A hole in the wall between the rooms: no brick is new.
     let edit = voxels.fill_box(IVec3::new(15, 8, 8), IVec3::new(15, 12, 13), 0);
     on_gpu.write(&gpu, &voxels, &edit);
     let (first, last) = edit.region.expect("something changed");
-    let region = Region {
-        first: first.as_ivec3(),
-        last: last.as_ivec3(),
-    };
-    placed_before.field.look_at(&gpu, &region);
+    let field = &mut placed_before.field;
+    field.note_change(first.as_vec3(), last.as_vec3() + 1.0);
     placed_before.run(&gpu, &parameters);
     let fresh = placed(&gpu, &voxels);
     assert_eq!(placed_before.bits(&gpu), fresh.bits(&gpu));
     assert_ne!(before, fresh.bits(&gpu), "the edit must matter");
     assert_eq!(placed_before.places(&gpu), fresh.places(&gpu));
     // A region elsewhere would have missed it.
-    let missed = placed(&gpu, &rooms());
-    missed.field.look_at(
-        &gpu,
-        &Region {
-            first: IVec3::splat(500),
-            last: IVec3::splat(501),
-        },
-    );
+    let mut missed = placed(&gpu, &rooms());
+    missed
+        .field
+        .note_change(Vec3::splat(500.0), Vec3::splat(501.0));
     missed.run(&gpu, &parameters);
     assert_eq!(missed.bits(&gpu), before);
 }

@@ -38,8 +38,8 @@ use crate::{
 
 /// Edge of the picture in parts of the window's where a CPU draws it.
 const SOFTWARE_SCALE: f32 = 0.35;
-/// Frames after which every probe has been traced, or lies in stone.
-const FRAMES_TO_COUNT: u32 = 4;
+/// From frame to frame in which probes are counted: reading the counts back stalls.
+const FRAMES_TO_COUNT: u32 = 64;
 
 pub struct Session {
     window: Arc<Window>,
@@ -58,7 +58,7 @@ pub struct Session {
     captured: bool,
     rate: FrameRate,
     passes: PassMeans,
-    alive: Option<u32>,
+    probes: Option<crate::passes::StateCounts>,
     last_frame: Instant,
     presented: u32,
     hidden: bool,
@@ -141,7 +141,7 @@ impl Session {
             captured: false,
             rate: FrameRate::default(),
             passes: PassMeans::default(),
-            alive: None,
+            probes: None,
             last_frame: Instant::now(),
             presented: 0,
             hidden: false,
@@ -220,8 +220,8 @@ impl Session {
         if std::mem::take(&mut self.screenshot_wanted) {
             self.save_screenshot();
         }
-        if self.alive.is_none() && self.show.frame().frames() >= FRAMES_TO_COUNT {
-            self.alive = Some(self.show.frame().field().alive(&gpu)?);
+        if self.show.frame().frames().is_multiple_of(FRAMES_TO_COUNT) {
+            self.probes = Some(self.show.frame().field().state_counts(&gpu)?);
         }
         self.check()
     }
@@ -241,7 +241,7 @@ impl Session {
             passes: &self.passes,
             camera: &self.camera,
             speed: self.speed,
-            alive: self.alive,
+            probes: self.probes,
         };
         let mut action = None;
         let output = context.run_ui(input, |ui| {
@@ -283,7 +283,7 @@ impl Session {
             self.messages.toast_error(error.to_string());
         }
         // Probes may have come out of stone, or got into it.
-        self.alive = None;
+        self.probes = None;
     }
 
     /// Shows what was chosen: at once if that is no work, else when the mouse is let go.
@@ -314,7 +314,7 @@ impl Session {
 
     /// After work that no frame should be measured by.
     fn remade(&mut self) {
-        self.alive = None;
+        self.probes = None;
         self.rate.clear();
         self.last_frame = Instant::now();
     }

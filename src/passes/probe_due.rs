@@ -1,0 +1,49 @@
+//! Pass `probe_due`: which probes are updated in a frame, and how many workgroups that takes.
+
+use super::ProbeField;
+use crate::{
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
+    probes::Layout as _,
+};
+
+pub struct ProbeDue {
+    list: (Kernel, Bindings),
+    arguments: (Kernel, Bindings),
+    groups: [u32; 2],
+}
+
+impl ProbeDue {
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
+        let mut resources = field.resources().to_vec();
+        resources.extend(field.due_resources());
+        let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
+            let spec = KernelSpec {
+                shader: "passes/probe_due",
+                entry,
+                ..Default::default()
+            };
+            let kernel = Kernel::new(gpu, &spec)?;
+            let bindings = kernel.bind(gpu, &resources);
+            Ok((kernel, bindings))
+        };
+        let list = entry("list")?;
+        let groups = field.volume().slots().div_ceil(list.0.workgroup_size[0]);
+        Ok(Self {
+            list,
+            arguments: entry("arguments")?,
+            groups: rectangle(groups),
+        })
+    }
+
+    /// After pass `probe_states`, before pass `probe_rays`.
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        let (kernel, bindings) = &self.list;
+        recorder.run(kernel, bindings, self.groups);
+        let (kernel, bindings) = &self.arguments;
+        recorder.compute(&kernel.label, |pass| {
+            kernel.dispatch(pass, bindings, [1, 1, 1]);
+        });
+    }
+}

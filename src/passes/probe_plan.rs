@@ -1,0 +1,178 @@
+//! When probes are updated and who asks for them: what passes `probe_due`, `probe_states`,
+//! `probe_rays` and `probe_blend` share.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::{
+    gpu::{Gpu, GpuError, rectangle},
+    parameters::{ProbeParameters, ProbeStates, Relocation, Weights},
+};
+
+/// `ProbePlan` of `shaders/data/plan.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuProbePlan {
+    pub changed_low_gs: [f32; 3],
+    pub frame: u32,
+    pub changed_high_gs: [f32; 3],
+    pub states: u32,
+    pub alive_frames: u32,
+    pub fed_interval: u32,
+    pub asleep_interval: u32,
+    pub rays_rows: u32,
+    pub probe_rows: u32,
+    pub weights: u32,
+    pub relocation: u32,
+    pub stone_hysteresis: f32,
+    pub stone_threshold: f32,
+    pub clearance: f32,
+    pub restless: f32,
+    /// A uniform's size is a multiple of 16 bytes.
+    pub _pad: u32,
+}
+
+/// How many probes are in each state, as pass `probe_due` last judged them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StateCounts {
+    /// Updated in every frame, or now and then because the rays of others need them.
+    pub alive: u32,
+    /// Refreshed now and then.
+    pub sleeping: u32,
+    /// In stone: neither updated nor gathered.
+    pub dead: u32,
+    /// Updated in the last frame.
+    pub due: u32,
+}
+
+/// Threads of a workgroup of pass `probe_rays`.
+const RAY_GROUP: u32 = 64;
+/// Words in front of the list, as `LIST` of `shaders/data/plan.wesl`.
+const LIST: u64 = 4;
+/// Farther than any world reaches (voxels).
+const EVERYWHERE: f32 = 1e9;
+
+/// Buffers of the plan of one probe field.
+pub(super) struct ProbePlan {
+    slots: u32,
+    rays_rows: u32,
+    probe_rows: u32,
+    /// Voxels (grid space) that pass `probe_states` has not looked at yet.
+    changed: Option<(Vec3, Vec3)>,
+    uniform: wgpu::Buffer,
+    work: wgpu::Buffer,
+    dispatch: wgpu::Buffer,
+    walks: wgpu::Buffer,
+}
+
+impl ProbePlan {
+    pub fn new(gpu: &Gpu, slots: u32, rays: u32) -> Result<Self, GpuError> {
+        let all = u64::from(slots);
+        Ok(Self {
+            slots,
+            // The buffer of the rays fits a binding, so that their number fits an u32.
+            rays_rows: rectangle((slots * rays).div_ceil(RAY_GROUP))[1],
+            probe_rows: rectangle(slots)[1],
+            changed: Some((Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE))),
+            uniform: gpu.uniform_buffer("probe_plan", &GpuProbePlan::default()),
+            work: gpu.storage_buffer("probe_work", (LIST + 3 * all) * 4)?,
+            dispatch: gpu.storage_buffer("probe_dispatch", 32)?,
+            walks: gpu.storage_buffer("probe_walks", all * 8)?,
+        })
+    }
+
+    pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, frame: u64) {
+        let (low, high) = self.changed.unwrap_or((Vec3::INFINITY, Vec3::NEG_INFINITY));
+        let plan = GpuProbePlan {
+            changed_low_gs: low.to_array(),
+            frame: frame as u32,
+            changed_high_gs: high.to_array(),
+            states: match (parameters.states, parameters.asking) {
+                (ProbeStates::Off, _) => 0,
+                (ProbeStates::On, false) => 1,
+                (ProbeStates::On, true) => 2,
+            },
+            alive_frames: parameters.alive_frames,
+            fed_interval: parameters.fed_interval,
+            asleep_interval: parameters.asleep_interval,
+            rays_rows: self.rays_rows,
+            probe_rows: self.probe_rows,
+            weights: match parameters.weights {
+                Weights::Continuous => 0,
+                Weights::Adjusted => 1,
+                Weights::Lattice => 2,
+            },
+            relocation: match parameters.relocation {
+                Relocation::Off => 0,
+                Relocation::Exact => 1,
+                Relocation::Statistical => 2,
+            },
+            stone_hysteresis: parameters.stone_hysteresis,
+            stone_threshold: parameters.stone_threshold,
+            clearance: parameters.clearance,
+            restless: parameters.restless,
+            _pad: 0,
+        };
+        gpu.queue
+            .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&plan));
+    }
+
+    /// Adds a box of voxels (grid space, from low to high corner) to what has changed.
+    pub fn change(&mut self, low: Vec3, high: Vec3) {
+        let (known_low, known_high) = self.changed.unwrap_or((low, high));
+        self.changed = Some((known_low.min(low), known_high.max(high)));
+    }
+
+    /// Whether voxels have changed since the last call.
+    pub fn take_changed(&mut self) -> bool {
+        self.changed.take().is_some()
+    }
+
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+        [
+            ("probe_plan", self.uniform.as_entire_binding()),
+            ("probe_work", self.work.as_entire_binding()),
+        ]
+    }
+
+    pub fn walks(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("probe_walks", self.walks.as_entire_binding())
+    }
+
+    pub fn dispatch(&self) -> &wgpu::Buffer {
+        &self.dispatch
+    }
+
+    /// Slots of the probes that were due, in no particular order.
+    pub fn due(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        let words: Vec<u32> = gpu.read_buffer(&self.work)?;
+        let list = words[LIST as usize..].iter().take(words[0] as usize);
+        // The highest bit says whether its rays ask.
+        Ok(list.map(|word| word & (u32::MAX >> 1)).collect())
+    }
+
+    /// Of the probes with these `probe_states`.
+    pub fn count(
+        &self,
+        gpu: &Gpu,
+        states: &wgpu::Buffer,
+        lattice: u32,
+    ) -> Result<StateCounts, GpuError> {
+        let due: Vec<u32> = gpu.read_buffer_range(&self.work, 0, 4)?;
+        let mut counts = StateCounts {
+            due: due[0],
+            ..Default::default()
+        };
+        let states: Vec<[u32; 4]> = gpu.read_buffer(states)?;
+        for (slot, [.., flags]) in (0..self.slots).zip(&states) {
+            // As `CLASS_BITS` and the classes of `shaders/data/plan.wesl`.
+            match flags & 3 {
+                0 | 1 => counts.alive += 1,
+                2 => counts.sleeping += 1,
+                // A slot that no twin has taken is no probe.
+                _ => counts.dead += u32::from(slot < lattice),
+            }
+        }
+        Ok(counts)
+    }
+}
