@@ -9,7 +9,6 @@ use crate::{
     gpu::{AdapterSummary, Gpu, GpuError, PassTimes},
     measure::statistics,
     passes::{MemoryUse, ProbeField},
-    probes::Layout as _,
 };
 
 /// Fields in the order in which they are printed.
@@ -100,7 +99,7 @@ impl ProbeCounts {
     pub fn read(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
         let counts = field.state_counts(gpu)?;
         Ok(Self {
-            total: field.volume().slots(),
+            total: counts.alive + counts.sleeping + counts.dead,
             alive: counts.alive,
             sleeping: counts.sleeping,
             dead: counts.dead,

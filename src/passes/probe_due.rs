@@ -3,7 +3,6 @@
 use super::ProbeField;
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
-    probes::Layout as _,
 };
 
 pub struct ProbeDue {
@@ -29,7 +28,7 @@ impl ProbeDue {
             Ok((kernel, bindings))
         };
         let list = entry("list")?;
-        let groups = field.volume().slots().div_ceil(list.0.workgroup_size[0]);
+        let groups = field.atlas().slots.div_ceil(list.0.workgroup_size[0]);
         Ok(Self {
             list,
             arguments: entry("arguments")?,
