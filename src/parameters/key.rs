@@ -44,12 +44,6 @@ pub enum ParameterError {
         kind: String,
         text: String,
     },
-    #[error("`{key}={text}` is planned, but not yet in this version; `{key}` takes {kind}")]
-    NotYet {
-        key: &'static str,
-        kind: String,
-        text: String,
-    },
 }
 
 fn did_you_mean(near: &[&str]) -> String {
@@ -95,17 +89,8 @@ impl Key {
     /// Reads a value as people write it.
     ///
     /// # Errors
-    /// [`ParameterError::BadValue`], or [`ParameterError::NotYet`] for a word that is to come.
+    /// [`ParameterError::BadValue`].
     pub fn parse(&self, text: &str) -> Result<Value, ParameterError> {
-        if let Kind::Choice { later, .. } = self.kind
-            && later.contains(&text)
-        {
-            return Err(ParameterError::NotYet {
-                key: self.name,
-                kind: self.kind.to_string(),
-                text: text.to_owned(),
-            });
-        }
         let value = self.kind.parse(text);
         value
             .filter(|value| self.kind.holds(value))

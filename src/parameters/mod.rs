@@ -63,12 +63,11 @@ macro_rules! parameters {
     };
 }
 
-/// Declares a choice: an enum whose values are words. Words after `later` are refused as such.
+/// Declares a choice: an enum whose values are words.
 macro_rules! choice {
     (
         $(#[$meta:meta])*
         $Choice:ident { $($(#[$variant_meta:meta])* $Variant:ident = $word:literal,)+ }
-        later: [$($later:literal),*]
     ) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +76,7 @@ macro_rules! choice {
         }
 
         impl $Choice {
-            const KIND: Kind = Kind::Choice { words: &[$($word),+], later: &[$($later),*] };
+            const KIND: Kind = Kind::Choice { words: &[$($word),+] };
         }
 
         impl From<$Choice> for Value {
@@ -109,7 +108,6 @@ choice! {
         /// By marching: kept for every voxel of air beside stone in the probe's cages.
         Exact = "exact",
     }
-    later: []
 }
 
 choice! {
@@ -120,7 +118,6 @@ choice! {
         /// It is left out: the mean is that of what is near.
         Reject = "reject",
     }
-    later: []
 }
 
 choice! {
@@ -134,7 +131,6 @@ choice! {
         /// far enough from surfaces.
         Statistical = "statistical",
     }
-    later: []
 }
 
 choice! {
@@ -147,7 +143,6 @@ choice! {
         /// Trilinear, as if no probe had moved.
         Lattice = "lattice",
     }
-    later: []
 }
 
 choice! {
@@ -158,7 +153,6 @@ choice! {
         /// Those that nobody needs now are refreshed now and then.
         On = "on",
     }
-    later: []
 }
 
 parameters! {
@@ -388,8 +382,10 @@ mod tests {
             ("probes.hysteresis=NaN", ["number from 0 to 0.999", "`NaN`"]),
             ("probes.hysteresis=inf", ["number from 0 to 0.999", "`inf`"]),
             ("probes.hysteresis=1", ["number from 0 to 0.999", "`1`"]),
-            ("probes.visibility=exact", ["not yet", "none, chebyshev"]),
-            ("probes.visibility=some", ["none, chebyshev", "`some`"]),
+            (
+                "probes.visibility=some",
+                ["none, chebyshev, exact", "`some`"],
+            ),
             ("probes.states=maybe", ["off, on", "`maybe`"]),
             (
                 "probes.fed_interval=0",

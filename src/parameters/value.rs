@@ -16,10 +16,9 @@ pub enum Kind {
         min: f32,
         max: f32,
     },
-    /// One of `words`; those in `later` are refused as not yet there.
+    /// One of `words`.
     Choice {
         words: &'static [&'static str],
-        later: &'static [&'static str],
     },
     /// A name that only the world can check.
     Name,

@@ -1,9 +1,7 @@
 //! Pass `probe_due`: which probes are updated in a frame, and how many workgroups that takes.
 
 use super::ProbeField;
-use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
-};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 pub struct ProbeDue {
     list: (Kernel, Bindings),
