@@ -10,6 +10,7 @@ pub mod probe_blend;
 mod probe_changes;
 pub mod probe_due;
 mod probe_field;
+mod probe_info;
 mod probe_plan;
 pub mod probe_rays;
 pub mod probe_sight;
@@ -25,7 +26,8 @@ pub mod voxelise;
 
 pub use lighting::{GpuEmitters, GpuLights, GpuMaterials};
 pub use probe_changes::{GpuChanges, GpuEditSphere};
-pub use probe_field::{GpuProbeInfo, ProbeField, ProbeFieldError};
+pub use probe_field::{ProbeField, ProbeFieldError};
+pub use probe_info::GpuProbeInfo;
 pub use probe_plan::{GpuProbePlan, StateCounts};
 pub use scene::{GpuVoxels, MemoryUse};
 pub use schedule::{Schedule, Slice};
