@@ -9,7 +9,7 @@ use grotto::{
     passes::{
         GpuLights, GpuMaterials, GpuVoxels, ProbeField, View, ViewMode, camera_rays::CameraRays,
         probe_blend::ProbeBlend, probe_due::ProbeDue, probe_rays::ProbeRays,
-        probe_states::ProbeStates, shade::Shade,
+        probe_sight::ProbeSight, probe_states::ProbeStates, shade::Shade,
     },
     probes::{Layout as _, Volume},
     world::{
@@ -118,9 +118,13 @@ impl Stage {
         resources.extend(materials.resources());
         resources.extend(on_gpu.resources());
         let states = ProbeStates::new(&gpu, &field, &resources).expect("compiles");
+        let sight = ProbeSight::new(&gpu, &field, &resources).expect("compiles");
         field.begin_frame(&gpu, &parameters, 3, 0);
         let mut recorder = Recorder::new(&gpu, None);
         states.record(&mut recorder);
+        if field.exact() {
+            sight.record(&mut recorder);
+        }
         recorder.submit(&gpu).expect("submits");
         let due = ProbeDue::new(&gpu, &field).expect("compiles");
         let rays = ProbeRays::new(&gpu, &field, &resources).expect("compiles");

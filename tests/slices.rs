@@ -80,7 +80,9 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
             let labels: Vec<&str> = times.passes_ms.keys().map(|label| &**label).collect();
             let mut passes = vec!["camera_rays", "probe_blend", "probe_due", "probe_rays"];
             // Only for new probes.
-            passes.extend((index == 0).then_some("probe_states"));
+            if index == 0 {
+                passes.extend(["probe_sight", "probe_states"]);
+            }
             passes.extend(["shade", "tonemap"]);
             assert_eq!(labels, passes, "one row a pass, however it went out");
         }

@@ -3,7 +3,7 @@
 use glam::{IVec3, UVec3, Vec3};
 
 use super::Volume;
-use crate::parameters::{ProbeParameters, Visibility};
+use crate::parameters::{ProbeParameters, Relocation, Visibility};
 
 /// Largest box (voxels along an axis): with a border of one voxel its rows fit words of 32 bits.
 const MOST_COUNT: u32 = 30;
@@ -19,12 +19,13 @@ pub struct Sight {
 }
 
 impl Sight {
-    /// `None` where visibility is not to be exact, or where cages are too large for it (more than 14
-    /// voxels along an axis).
+    /// `None` where visibility is not to be exact, where cages are too large for it (more than 14
+    /// voxels along an axis), and where probes walk: what is kept would soon be that of another place.
     pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
         let counts = (2.0 * volume.spacing()).ceil() + 2.0;
         let fits = counts.max_element() <= MOST_COUNT as f32;
-        (parameters.visibility == Visibility::Exact && fits).then(|| Self {
+        let walk = parameters.relocation == Relocation::Statistical;
+        (parameters.visibility == Visibility::Exact && fits && !walk).then(|| Self {
             counts: counts.as_uvec3(),
         })
     }

@@ -64,7 +64,10 @@ fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, ProbeStates) 
 /// XYZ: place, W: whether alive.
 fn places(gpu: &Gpu, parameters: &ProbeParameters) -> Vec<[f32; 4]> {
     let (field, _) = placed(gpu, parameters);
-    gpu.read_buffer(field.places()).expect("reads back")
+    let mut places = gpu.read_buffer(field.places()).expect("reads back");
+    // Their twins are not placed here.
+    places.truncate(volume().slots() as usize);
+    places
 }
 
 /// Squared voxels that a probe has to go, and 4 for each neighbour of stone beyond three.

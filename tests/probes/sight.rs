@@ -238,8 +238,8 @@ fn line_on(face: u8, step: f32, count: u32) -> Vec<(Vec3, Vec3)> {
         .map(|i| {
             let along = step * i as f32;
             match face {
-                // The floor of the first room, past the column.
-                0 => (Vec3::new(5.3 + along, 4.0, 8.2 + 0.7 * along), Vec3::Y),
+                // The floor of the first room, behind the column.
+                0 => (Vec3::new(5.3 + along, 4.0, 14.2 + 0.7 * along), Vec3::Y),
                 // Both sides of the wall between the rooms.
                 1 => (Vec3::new(15.0, 6.1 + along, 5.4 + along), Vec3::NEG_X),
                 _ => (Vec3::new(16.0, 6.1 + along, 5.4 + along), Vec3::X),

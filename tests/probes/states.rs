@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use glam::{IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder},
-    parameters::{ProbeParameters, ProbeStates as Sleep, Relocation},
+    parameters::{ProbeParameters, ProbeStates as Sleep, Relocation, Visibility},
     passes::{
         GpuVoxels, ProbeField, StateCounts, probe_blend::ProbeBlend, probe_due::ProbeDue,
         probe_states::ProbeStates,
@@ -59,6 +59,7 @@ impl Slab {
         .expect("a good layout");
         let parameters = ProbeParameters {
             relocation: Relocation::Off,
+            visibility: Visibility::Chebyshev,
             warmup_frames: 2,
             rays: 8,
             ..parameters
