@@ -8,7 +8,9 @@ pub mod overlay;
 pub mod path_trace;
 pub mod probe_blend;
 mod probe_field;
+mod probe_level;
 pub mod probe_rays;
+pub mod probe_seed;
 pub mod probe_states;
 pub mod ray_bench;
 mod scene;
@@ -21,6 +23,7 @@ pub mod voxelise;
 
 pub use lighting::{GpuEmitters, GpuLights, GpuMaterials};
 pub use probe_field::{GpuProbeInfo, ProbeField, ProbeFieldError};
+pub use probe_level::GpuProbeLevel;
 pub use scene::{GpuVoxels, MemoryUse};
 pub use schedule::{Schedule, Slice};
 pub use view::{GpuView, View, ViewMode};

@@ -1,12 +1,18 @@
 //! The probe field on the GPU: what the passes that trace, blend and gather probes share.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
-    probes::{AtlasLayout, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling},
+    probes::{
+        AtlasLayout, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling,
+        volume::MAX_LEVELS,
+    },
 };
+
+use super::GpuProbeLevel;
 
 /// Why a probe field cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -21,19 +27,18 @@ pub enum ProbeFieldError {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuProbeInfo {
-    pub first_ws: [f32; 3],
-    pub slots: u32,
-    pub spacing: [f32; 3],
-    pub rays: u32,
-    pub inverse_spacing: [f32; 3],
-    pub columns_log2: u32,
+    pub levels: [GpuProbeLevel; LEVELS],
     pub counts: [u32; 3],
+    pub slots: u32,
+    pub level_count: u32,
+    pub level_slots: u32,
+    pub rays: u32,
+    pub columns_log2: u32,
     pub rows_log2: u32,
+    pub irradiance_texels: f32,
     pub irradiance_scale: [f32; 2],
     pub distance_scale: [f32; 2],
-    pub irradiance_texels: f32,
     pub distance_texels: f32,
-    pub longest: f32,
     pub reject_longer: u32,
     pub normal_bias: f32,
     pub view_bias: f32,
@@ -51,12 +56,24 @@ pub struct GpuProbeInfo {
     pub change_deviations: f32,
     pub firefly_clamp: f32,
     pub move_reach: f32,
+    pub place_all: u32,
+    pub _pad: [u32; 3],
 }
+
+/// Room for the levels of a volume.
+const LEVELS: usize = MAX_LEVELS as usize;
 
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
 /// update takes no account of them, and a gather before it finds no light.
 pub struct ProbeField {
     volume: Volume,
+    /// As it was before it moved last.
+    before: Volume,
+    /// Whether pass `probe_states` is to place all probes, and not only those that a move made new.
+    place_all: bool,
+    /// By level, the frame at which most of it was new.
+    births: Vec<u64>,
+    fresh: u32,
     atlas: AtlasLayout,
     memory: ProbeMemory,
     rays_per_probe: u32,
@@ -139,10 +156,51 @@ impl ProbeField {
             }),
             rays_per_probe: parameters.rays,
             distance_sharpness: parameters.distance_sharpness,
+            births: vec![0; volume.levels().len()],
+            fresh: 0,
+            before: volume.clone(),
+            place_all: true,
             volume,
             atlas,
             memory,
         })
+    }
+
+    /// Moves a volume that follows the camera, before frame `frame`. Returns whether that leaves
+    /// nothing of what the probes knew: the next frame is the first one then.
+    pub fn follow(&mut self, eye_ws: Vec3, frame: u64) -> bool {
+        self.before.clone_from(&self.volume);
+        self.volume.follow(eye_ws);
+        self.fresh = self.volume.fresh_since(&self.before);
+        let all_new = self.fresh == self.volume.slots();
+        let levels = self.volume.levels().iter().zip(self.before.levels());
+        for (birth, (now, before)) in self.births.iter_mut().zip(levels) {
+            // What little is left does not carry the light of the rest.
+            if 2 * now.fresh_since(before) > self.volume.level_slots() {
+                *birth = if all_new { 0 } else { frame };
+            }
+        }
+        all_new
+    }
+
+    /// Probes that the last move has made new.
+    pub fn fresh(&self) -> u32 {
+        self.fresh
+    }
+
+    /// What is stone has changed: all probes must be placed again.
+    pub fn misplace(&mut self) {
+        self.place_all = true;
+    }
+
+    /// Whether pass `probe_states` has probes to place.
+    pub fn misplaced(&self) -> bool {
+        self.place_all || self.fresh > 0
+    }
+
+    /// Pass `probe_states` has been recorded.
+    pub fn set_placed(&mut self) {
+        self.place_all = false;
     }
 
     /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
@@ -151,7 +209,7 @@ impl ProbeField {
     /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
     /// time when this one was made.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
-        let info = self.info(parameters);
+        let info = self.info(parameters, frame);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
         let directions: Vec<[f32; 4]> = sampling::directions(self.rays_per_probe, seed, frame)
@@ -161,25 +219,24 @@ impl ProbeField {
             .write_buffer(&self.ray_directions, 0, bytemuck::cast_slice(&directions));
     }
 
-    fn info(&self, parameters: &ProbeParameters) -> GpuProbeInfo {
+    fn info(&self, parameters: &ProbeParameters, frame: u64) -> GpuProbeInfo {
         let scale = |texels: u32| {
             let [width, height, _] = self.atlas.texture_extent(texels);
             [1.0 / width as f32, 1.0 / height as f32]
         };
         GpuProbeInfo {
-            first_ws: self.volume.first().to_array(),
-            slots: self.volume.slots(),
-            spacing: self.volume.spacing().to_array(),
-            rays: self.rays_per_probe,
-            inverse_spacing: self.volume.spacing().recip().to_array(),
-            columns_log2: self.atlas.columns_log2,
+            levels: self.levels(parameters, frame),
             counts: self.volume.counts().to_array(),
+            slots: self.volume.slots(),
+            level_count: self.volume.levels().len() as u32,
+            level_slots: self.volume.level_slots(),
+            rays: self.rays_per_probe,
+            columns_log2: self.atlas.columns_log2,
             rows_log2: self.atlas.rows_log2,
+            irradiance_texels: self.atlas.irradiance_texels as f32,
             irradiance_scale: scale(self.atlas.irradiance_texels),
             distance_scale: scale(self.atlas.distance_texels),
-            irradiance_texels: self.atlas.irradiance_texels as f32,
             distance_texels: self.atlas.distance_texels as f32,
-            longest: parameters.distance_clamp * self.volume.cage_diagonal(),
             reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
             normal_bias: parameters.normal_bias,
             view_bias: parameters.view_bias,
@@ -203,7 +260,25 @@ impl ProbeField {
                 Relocation::Off => 0.0,
                 Relocation::Exact => parameters.move_reach,
             },
+            place_all: u32::from(self.place_all),
+            _pad: [0; 3],
         }
+    }
+
+    fn levels(&self, parameters: &ProbeParameters, frame: u64) -> [GpuProbeLevel; LEVELS] {
+        let mut levels = [GpuProbeLevel::default(); LEVELS];
+        for (index, (gpu_level, level)) in levels.iter_mut().zip(self.volume.levels()).enumerate() {
+            let before = &self.before.levels()[index];
+            *gpu_level = GpuProbeLevel {
+                longest: parameters.distance_clamp * level.cage_diagonal(),
+                fade: self.volume.fade(parameters.cascade_fade),
+                age: frame
+                    .saturating_sub(self.births[index])
+                    .min(u64::from(u32::MAX)) as u32,
+                ..GpuProbeLevel::new(level, before, self.volume.moves())
+            };
+        }
+        levels
     }
 
     /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.
@@ -295,10 +370,19 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn alive(&self, gpu: &Gpu) -> Result<u32, GpuError> {
-        // Updates so far (0 for a probe in stone) and the mean luminance of the rays.
+        let updates = self.updates(gpu)?;
+        Ok(updates.iter().filter(|updates| **updates > 0).count() as u32)
+    }
+
+    /// How often each probe has been updated since it was new; 0 for one in stone.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        // Updates and the mean luminance of the rays.
         let states: Vec<[u32; 2]> = gpu.read_buffer(&self.states)?;
         let probes = states.iter().take(self.volume.slots() as usize);
-        Ok(probes.filter(|[updates, _]| *updates > 0).count() as u32)
+        Ok(probes.map(|[updates, _]| *updates).collect())
     }
 
     /// Bytes of GPU memory.
