@@ -379,10 +379,10 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        // Updates and the mean luminance of the rays.
-        let states: Vec<[u32; 2]> = gpu.read_buffer(&self.states)?;
+        // Updates, and what else passes know of it.
+        let states: Vec<[u32; 4]> = gpu.read_buffer(&self.states)?;
         let probes = states.iter().take(self.volume.slots() as usize);
-        Ok(probes.map(|[updates, _]| *updates).collect())
+        Ok(probes.map(|[updates, ..]| *updates).collect())
     }
 
     /// Bytes of GPU memory.

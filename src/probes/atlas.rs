@@ -26,8 +26,8 @@ const IRRADIANCE_HISTORY_BYTES: u64 = 16;
 const DISTANCE_HISTORY_BYTES: u64 = 8;
 /// Radiance and distance of one ray (f32).
 const RAY_BYTES: u64 = 16;
-/// Updates so far, and the mean luminance.
-const STATE_BYTES: u64 = 8;
+/// Updates so far, the mean luminance, unrest, and flags.
+const STATE_BYTES: u64 = 16;
 /// Where it stands, and whether it gives light.
 const PLACE_BYTES: u64 = 16;
 
@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(memory.distance_atlas, 64 * 324 * 8);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 8 + 16)
+            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 16)
         );
     }
 }
