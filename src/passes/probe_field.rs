@@ -121,6 +121,19 @@ impl ProbeField {
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
         }
+        let what = format!("a layout of {} probes", volume.slots());
+        gpu.making(&what, memory.total(), || {
+            Self::make(gpu, volume, atlas, memory, parameters)
+        })
+    }
+
+    fn make(
+        gpu: &Gpu,
+        volume: Volume,
+        atlas: AtlasLayout,
+        memory: ProbeMemory,
+        parameters: &ProbeParameters,
+    ) -> Result<Self, ProbeFieldError> {
         let texture = |label, texels| {
             let format = wgpu::TextureFormat::Rgba16Float;
             gpu.texture(label, atlas.texture_extent(texels), format)

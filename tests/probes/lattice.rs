@@ -351,4 +351,13 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
         message.contains("probes.") || message.contains("layout"),
         "{message}"
     );
+    // What the adapter's limits allow, and the memory that it shares with the CPU does not.
+    if gpu.summary.is_software() && cfg!(target_os = "linux") {
+        let refused = gpu.check_memory("a layout", u64::MAX);
+        let error = refused.expect_err("16 EiB").to_string();
+        assert!(
+            error.contains("18446744073709551615 bytes") && error.contains("memory available"),
+            "{error}"
+        );
+    }
 }
