@@ -56,16 +56,16 @@ struct Hall {
 }
 
 impl Hall {
-    fn new(rays: u32) -> Self {
+    fn new(rays: u32, counts: [u32; 3], cascades: u32) -> Self {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
         let world = file::parse(HALL, "hall", None, &Default::default()).expect("a sound world");
         let layout = LayoutSpec {
             name: "around".into(),
-            counts: [8, 5, 8].into(),
+            counts: counts.into(),
             spacing: Vec3::splat(2.0),
             centre: Vec3::ZERO,
             follow: true,
-            cascades: 3,
+            cascades,
         };
         let probes = ProbeParameters {
             rays,
@@ -140,7 +140,7 @@ impl Hall {
 /// begins anew.
 #[test]
 fn only_fresh_planes_begin_anew() {
-    let mut hall = Hall::new(16);
+    let mut hall = Hall::new(16, [8, 5, 8], 3);
     let mut place = Vec3::new(-30.0, 0.0, 1.0);
     hall.settle(place, 3);
     for step in [Vec3::X * 2.0, Vec3::new(-1.0, 2.0, 9.0), Vec3::X * 12.0] {
@@ -176,7 +176,7 @@ fn atlas(hall: &Hall) -> Vec<[f16; 4]> {
 #[test]
 fn a_jump_equals_a_start_there() {
     let (here, there) = (Vec3::new(-36.0, 0.0, 1.0), Vec3::new(36.0, -2.0, 0.0));
-    let mut hall = Hall::new(16);
+    let mut hall = Hall::new(16, [8, 5, 8], 3);
     hall.settle(here, 6);
     let before = hall.picture();
     hall.step(there);
@@ -195,12 +195,12 @@ fn a_jump_equals_a_start_there() {
 /// Change of light from frame to frame at 20 m/s and 60 frames a second. `forgetful`: with probes that
 /// begin anew at every tenth frame.
 fn flight(forgetful: bool) -> f64 {
-    let mut hall = Hall::new(128);
+    let mut hall = Hall::new(32, [6, 5, 6], 2);
     let place = |frame: u32| Vec3::new(-16.0 + frame as f32 / 3.0, 0.3, 6.0);
-    hall.settle(place(0), 70);
+    hall.settle(place(0), 45);
     let mut last = hall.picture();
     let mut meter = ChangeMeter::new(0.05 * mean_lit(&last));
-    for frame in 1..=40 {
+    for frame in 1..=24 {
         if forgetful && frame % 10 == 0 {
             hall.frame
                 .replace_probes(&hall.gpu, &hall.layout, &hall.probes)
@@ -213,21 +213,21 @@ fn flight(forgetful: bool) -> f64 {
         last = now;
     }
     eprintln!("{:?}", meter.result());
-    meter.result().p999
+    meter.result().p99
 }
 
 #[test]
 fn nothing_pops_on_the_way() {
     let found = flight(false);
-    assert!(found < 0.03, "{found}");
+    assert!(found < 0.05, "{found}");
     let found = flight(true);
-    assert!(found > 0.1, "a pop would be seen: {found}");
+    assert!(found > 0.15, "a pop would be seen: {found}");
 }
 
 /// Wherever stone comes, the probes of every level leave it.
 #[test]
 fn probes_of_every_level_leave_stone_that_comes() {
-    let mut hall = Hall::new(16);
+    let mut hall = Hall::new(16, [8, 5, 8], 3);
     let eye = Vec3::new(-30.0, 0.0, 1.0);
     hall.settle(eye, 2);
     let mut voxels = hall.frame.stage.read_back(&hall.gpu).expect("reads back");
@@ -259,7 +259,7 @@ fn probes_of_every_level_leave_stone_that_comes() {
 
 #[test]
 fn a_camera_beyond_all_worlds_shows_a_picture() {
-    let mut hall = Hall::new(8);
+    let mut hall = Hall::new(8, [6, 5, 6], 3);
     hall.settle(Vec3::splat(1e7), 2);
     assert!(hall.picture().rgb.iter().flatten().all(|v| v.is_finite()));
     // And comes back.

@@ -6,13 +6,10 @@ use glam::Vec3;
 use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
-    probes::{
-        AtlasLayout, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling,
-        volume::MAX_LEVELS,
-    },
+    probes::{AtlasLayout, Layout as _, Motion, ProbeError, Volume, atlas::ProbeMemory, sampling},
 };
 
-use super::GpuProbeLevel;
+use super::{GpuProbeLevel, probe_level::LEVELS};
 
 /// Why a probe field cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -60,20 +57,13 @@ pub struct GpuProbeInfo {
     pub _pad: [u32; 3],
 }
 
-/// Room for the levels of a volume.
-const LEVELS: usize = MAX_LEVELS as usize;
-
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
 /// update takes no account of them, and a gather before it finds no light.
 pub struct ProbeField {
     volume: Volume,
-    /// As it was before it moved last.
-    before: Volume,
+    motion: Motion,
     /// Whether pass `probe_states` is to place all probes, and not only those that a move made new.
     place_all: bool,
-    /// By level, the frame at which most of it was new.
-    births: Vec<u64>,
-    fresh: u32,
     atlas: AtlasLayout,
     memory: ProbeMemory,
     rays_per_probe: u32,
@@ -169,9 +159,7 @@ impl ProbeField {
             }),
             rays_per_probe: parameters.rays,
             distance_sharpness: parameters.distance_sharpness,
-            births: vec![0; volume.levels().len()],
-            fresh: 0,
-            before: volume.clone(),
+            motion: Motion::new(&volume),
             place_all: true,
             volume,
             atlas,
@@ -182,23 +170,12 @@ impl ProbeField {
     /// Moves a volume that follows the camera, before frame `frame`. Returns whether that leaves
     /// nothing of what the probes knew: the next frame is the first one then.
     pub fn follow(&mut self, eye_ws: Vec3, frame: u64) -> bool {
-        self.before.clone_from(&self.volume);
-        self.volume.follow(eye_ws);
-        self.fresh = self.volume.fresh_since(&self.before);
-        let all_new = self.fresh == self.volume.slots();
-        let levels = self.volume.levels().iter().zip(self.before.levels());
-        for (birth, (now, before)) in self.births.iter_mut().zip(levels) {
-            // What little is left does not carry the light of the rest.
-            if 2 * now.fresh_since(before) > self.volume.level_slots() {
-                *birth = if all_new { 0 } else { frame };
-            }
-        }
-        all_new
+        self.motion.follow(&mut self.volume, eye_ws, frame)
     }
 
     /// Probes that the last move has made new.
     pub fn fresh(&self) -> u32 {
-        self.fresh
+        self.motion.fresh()
     }
 
     /// What is stone has changed: all probes must be placed again.
@@ -208,7 +185,7 @@ impl ProbeField {
 
     /// Whether pass `probe_states` has probes to place.
     pub fn misplaced(&self) -> bool {
-        self.place_all || self.fresh > 0
+        self.place_all || self.fresh() > 0
     }
 
     /// Pass `probe_states` has been recorded.
@@ -238,7 +215,7 @@ impl ProbeField {
             [1.0 / width as f32, 1.0 / height as f32]
         };
         GpuProbeInfo {
-            levels: self.levels(parameters, frame),
+            levels: GpuProbeLevel::all(&self.volume, &self.motion, parameters, frame),
             counts: self.volume.counts().to_array(),
             slots: self.volume.slots(),
             level_count: self.volume.levels().len() as u32,
@@ -276,22 +253,6 @@ impl ProbeField {
             place_all: u32::from(self.place_all),
             _pad: [0; 3],
         }
-    }
-
-    fn levels(&self, parameters: &ProbeParameters, frame: u64) -> [GpuProbeLevel; LEVELS] {
-        let mut levels = [GpuProbeLevel::default(); LEVELS];
-        for (index, (gpu_level, level)) in levels.iter_mut().zip(self.volume.levels()).enumerate() {
-            let before = &self.before.levels()[index];
-            *gpu_level = GpuProbeLevel {
-                longest: parameters.distance_clamp * level.cage_diagonal(),
-                fade: self.volume.fade(parameters.cascade_fade),
-                age: frame
-                    .saturating_sub(self.births[index])
-                    .min(u64::from(u32::MAX)) as u32,
-                ..GpuProbeLevel::new(level, before, self.volume.moves())
-            };
-        }
-        levels
     }
 
     /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.

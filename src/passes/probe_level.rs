@@ -2,7 +2,13 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::probes::Level;
+use crate::{
+    parameters::ProbeParameters,
+    probes::{Level, Motion, Volume, volume::MAX_LEVELS},
+};
+
+/// Room for the levels of a volume.
+pub const LEVELS: usize = MAX_LEVELS as usize;
 
 /// `ProbeLevel` of `shaders/data/probes.wesl`.
 #[repr(C)]
@@ -34,9 +40,29 @@ pub struct GpuProbeLevel {
 const FAR: f32 = 1e30;
 
 impl GpuProbeLevel {
+    /// The levels of a volume in a frame; those that it does not have are 0.
+    pub fn all(
+        volume: &Volume,
+        motion: &Motion,
+        parameters: &ProbeParameters,
+        frame: u64,
+    ) -> [Self; LEVELS] {
+        let mut all = [Self::default(); LEVELS];
+        let levels = volume.levels().iter().zip(motion.before().levels());
+        for (index, (gpu_level, (level, before))) in all.iter_mut().zip(levels).enumerate() {
+            *gpu_level = Self {
+                longest: parameters.distance_clamp * level.cage_diagonal(),
+                fade: volume.fade(parameters.cascade_fade),
+                age: motion.age(index, frame),
+                ..Self::new(level, before, volume.moves())
+            };
+        }
+        all
+    }
+
     /// The place of a level, and where it was `before`; the rest is 0. Of a volume that `moves` where a
     /// probe in stone goes must not depend on where the window is.
-    pub fn new(level: &Level, before: &Level, moves: bool) -> Self {
+    fn new(level: &Level, before: &Level, moves: bool) -> Self {
         Self {
             first_ws: level.first().to_array(),
             first_slot: level.first_slot(),

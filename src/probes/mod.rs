@@ -8,12 +8,14 @@
 
 pub mod atlas;
 mod level;
+mod motion;
 pub mod octahedral;
 pub mod sampling;
 pub mod volume;
 
 pub use atlas::AtlasLayout;
 pub use level::Level;
+pub use motion::Motion;
 pub use volume::Volume;
 
 use glam::Vec3;
