@@ -54,7 +54,8 @@ pub struct GpuProbeInfo {
     pub firefly_clamp: f32,
     pub move_reach: f32,
     pub place_all: u32,
-    pub _pad: [u32; 3],
+    pub moves: u32,
+    pub _pad: [u32; 2],
 }
 
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
@@ -251,7 +252,8 @@ impl ProbeField {
                 Relocation::Exact => parameters.move_reach,
             },
             place_all: u32::from(self.place_all),
-            _pad: [0; 3],
+            moves: u32::from(self.volume.moves()),
+            _pad: [0; 2],
         }
     }
 

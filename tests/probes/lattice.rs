@@ -66,7 +66,8 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         change_deviations,
         firefly_clamp,
         move_reach,
-        place_all
+        place_all,
+        moves
     );
     assert_eq!(*span as usize, size_of::<GpuProbeInfo>());
     assert_eq!(members.len(), expected.len());
