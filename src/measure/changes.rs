@@ -112,9 +112,7 @@ mod tests {
         let mut before = vec![1.0; 2000];
         let mut after = vec![1.01; 2000];
         // Three that pop, one black and one dark pixel.
-        for pixel in 0..3 {
-            after[pixel] = 2.0;
-        }
+        after[..3].fill(2.0);
         (before[3], after[3]) = (0.0, 0.0);
         (before[4], after[4]) = (0.02, 0.08);
         meter
