@@ -54,8 +54,7 @@ pub struct GpuProbeInfo {
     pub firefly_clamp: f32,
     pub move_reach: f32,
     pub place_all: u32,
-    pub moves: u32,
-    pub _pad: [u32; 2],
+    pub _pad: [u32; 3],
 }
 
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
@@ -252,8 +251,7 @@ impl ProbeField {
                 Relocation::Exact => parameters.move_reach,
             },
             place_all: u32::from(self.place_all),
-            moves: u32::from(self.volume.moves()),
-            _pad: [0; 2],
+            _pad: [0; 3],
         }
     }
 

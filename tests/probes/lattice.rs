@@ -66,8 +66,7 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         change_deviations,
         firefly_clamp,
         move_reach,
-        place_all,
-        moves
+        place_all
     );
     assert_eq!(*span as usize, size_of::<GpuProbeInfo>());
     assert_eq!(members.len(), expected.len());
