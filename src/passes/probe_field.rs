@@ -10,9 +10,11 @@ use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
     probes::{
-        AtlasLayout, Changes, Layout as _, ProbeError, Sight, Volume, atlas::ProbeMemory, sampling,
+        AtlasLayout, Changes, Layout as _, Motion, ProbeError, Sight, Volume, atlas::ProbeMemory,
+        sampling,
     },
 };
+
 
 /// Why a probe field cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +33,7 @@ pub struct ProbeField {
     volume: Volume,
     sight: Option<Sight>,
     twins: bool,
+    motion: Motion,
     atlas: AtlasLayout,
     memory: ProbeMemory,
     plan: ProbePlan,
@@ -90,6 +93,20 @@ impl ProbeField {
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
         }
+        let what = format!("a layout of {} probes", volume.slots());
+        gpu.making(&what, memory.total(), || {
+            Self::make(gpu, volume, sight, atlas, memory, parameters)
+        })
+    }
+
+    fn make(
+        gpu: &Gpu,
+        volume: Volume,
+        sight: Option<Sight>,
+        atlas: AtlasLayout,
+        memory: ProbeMemory,
+        parameters: &ProbeParameters,
+    ) -> Result<Self, ProbeFieldError> {
         let texture = |label, texels| {
             let format = wgpu::TextureFormat::Rgba16Float;
             gpu.texture(label, atlas.texture_extent(texels), format)
@@ -105,10 +122,10 @@ impl ProbeField {
             .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
         Ok(Self {
             sight,
-            twins,
-            sight_bits: gpu.storage_buffer("probe_sight", sight_bytes)?,
+            twins: atlas.slots > volume.slots(),
+            sight_bits: gpu.storage_buffer("probe_sight", memory.sight)?,
             changes: Changes::default(),
-            plan: ProbePlan::new(gpu, slots, parameters.rays)?,
+            plan: ProbePlan::new(gpu, atlas.slots, parameters.rays)?,
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
@@ -132,10 +149,22 @@ impl ProbeField {
             }),
             rays_per_probe: parameters.rays,
             distance_sharpness: parameters.distance_sharpness,
+            motion: Motion::new(&volume),
             volume,
             atlas,
             memory,
         })
+    }
+
+    /// Moves a volume that follows the camera, before frame `frame`. Returns whether that leaves
+    /// nothing of what the probes knew: the next frame is the first one then.
+    pub fn follow(&mut self, eye_ws: Vec3, frame: u64) -> bool {
+        self.motion.follow(&mut self.volume, eye_ws, frame)
+    }
+
+    /// Probes that the last move has made new.
+    pub fn fresh(&self) -> u32 {
+        self.motion.fresh()
     }
 
     /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
@@ -147,7 +176,7 @@ impl ProbeField {
         let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
         gpu.queue
             .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));
-        let info = self.info(parameters);
+        let info = self.info(parameters, frame);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
         let directions: Vec<[f32; 4]> = sampling::directions(self.rays_per_probe, seed, frame)
@@ -158,34 +187,24 @@ impl ProbeField {
         self.plan.begin_frame(gpu, parameters, frame);
     }
 
-    fn info(&self, parameters: &ProbeParameters) -> GpuProbeInfo {
+    fn info(&self, parameters: &ProbeParameters, frame: u64) -> GpuProbeInfo {
         let scale = |texels: u32| {
             let [width, height, _] = self.atlas.texture_extent(texels);
             [1.0 / width as f32, 1.0 / height as f32]
         };
-        let move_reach = match parameters.relocation {
-            Relocation::Off => 0.0,
-            Relocation::Exact | Relocation::Statistical => parameters.move_reach,
-        };
         GpuProbeInfo {
-            first_ws: self.volume.first().to_array(),
-            slots: self.atlas.slots,
-            spacing: self.volume.spacing().to_array(),
-            rays: self.rays_per_probe,
-            inverse_spacing: self.volume.spacing().recip().to_array(),
-            columns_log2: self.atlas.columns_log2,
+            levels: GpuProbeLevel::all(&self.volume, &self.motion, parameters, frame),
             counts: self.volume.counts().to_array(),
+            slots: self.atlas.slots,
+            level_count: self.volume.levels().len() as u32,
+            level_slots: self.volume.level_slots(),
+            rays: self.rays_per_probe,
+            columns_log2: self.atlas.columns_log2,
             rows_log2: self.atlas.rows_log2,
+            irradiance_texels: self.atlas.irradiance_texels as f32,
             irradiance_scale: scale(self.atlas.irradiance_texels),
             distance_scale: scale(self.atlas.distance_texels),
-            irradiance_texels: self.atlas.irradiance_texels as f32,
             distance_texels: self.atlas.distance_texels as f32,
-            // As the source rejects: what no cage can ask for, however far its probe has moved.
-            longest: self.volume.cage_diagonal()
-                * match parameters.long_rays {
-                    LongRays::Clamp => parameters.distance_clamp,
-                    LongRays::Reject => 1.0 + move_reach,
-                },
             reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
             normal_bias: parameters.normal_bias,
             view_bias: parameters.view_bias,
@@ -203,7 +222,7 @@ impl ProbeField {
             hysteresis: parameters.hysteresis,
             warmup_frames: parameters.warmup_frames,
             firefly_clamp: parameters.firefly_clamp,
-            move_reach,
+            move_reach: move_reach(parameters),
             sight_counts: self.sight.map_or([0; 3], |sight| sight.counts.to_array()),
             sight_words: self.sight.map_or(0, |sight| sight.words()),
             lattice_slots: self.volume.slots(),
@@ -378,6 +397,14 @@ impl ProbeField {
     /// Bytes of GPU memory.
     pub fn memory(&self) -> ProbeMemory {
         self.memory
+    }
+}
+
+/// Farthest that probes move along an axis, in spacings.
+pub(super) fn move_reach(parameters: &ProbeParameters) -> f32 {
+    match parameters.relocation {
+        Relocation::Off => 0.0,
+        Relocation::Exact | Relocation::Statistical => parameters.move_reach,
     }
 }
 

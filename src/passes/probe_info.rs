@@ -2,23 +2,24 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::{GpuProbeLevel, probe_level::LEVELS};
+
 /// `ProbeInfo` of `shaders/data/probes.wesl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuProbeInfo {
-    pub first_ws: [f32; 3],
-    pub slots: u32,
-    pub spacing: [f32; 3],
-    pub rays: u32,
-    pub inverse_spacing: [f32; 3],
-    pub columns_log2: u32,
+    pub levels: [GpuProbeLevel; LEVELS],
     pub counts: [u32; 3],
+    pub slots: u32,
+    pub level_count: u32,
+    pub level_slots: u32,
+    pub rays: u32,
+    pub columns_log2: u32,
     pub rows_log2: u32,
+    pub irradiance_texels: f32,
     pub irradiance_scale: [f32; 2],
     pub distance_scale: [f32; 2],
-    pub irradiance_texels: f32,
     pub distance_texels: f32,
-    pub longest: f32,
     pub reject_longer: u32,
     pub normal_bias: f32,
     pub view_bias: f32,

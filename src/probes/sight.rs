@@ -20,14 +20,20 @@ pub struct Sight {
 
 impl Sight {
     /// `None` where visibility is not to be exact, where cages are too large for it (more than 14
-    /// voxels along an axis), and where probes walk: what is kept would soon be that of another place.
+    /// voxels along an axis), and where the volume moves, has several levels, or probes walk: what is
+    /// kept would soon be that of another place.
     pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
-        let counts = (2.0 * volume.spacing()).ceil() + 2.0;
+        let [level] = volume.levels() else {
+            return None;
+        };
+        let counts = (2.0 * level.spacing()).ceil() + 2.0;
         let fits = counts.max_element() <= MOST_COUNT as f32;
         let walk = parameters.relocation == Relocation::Statistical;
-        (parameters.visibility == Visibility::Exact && fits && !walk).then(|| Self {
-            counts: counts.as_uvec3(),
-        })
+        (parameters.visibility == Visibility::Exact && fits && !walk && !volume.moves()).then(
+            || Self {
+                counts: counts.as_uvec3(),
+            },
+        )
     }
 
     /// Words of one probe.
@@ -52,6 +58,8 @@ mod tests {
             counts: UVec3::splat(2),
             spacing: Vec3::splat(spacing),
             centre: Vec3::ZERO,
+            follow: false,
+            cascades: 1,
         };
         let parameters = ProbeParameters {
             visibility: Visibility::Exact,

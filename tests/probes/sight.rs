@@ -29,6 +29,8 @@ fn volume() -> Volume {
         counts: UVec3::new(6, 7, 8),
         spacing: SPACING,
         centre: Vec3::new(0.3, -0.4, 0.5),
+        follow: false,
+        cascades: 1,
     })
     .expect("a good layout")
 }
@@ -95,7 +97,7 @@ fn box_of(slot: u32, sight: &Sight) -> impl Iterator<Item = (IVec3, usize, u32)>
     let counts = volume().counts();
     let row = own / counts.x;
     let index = UVec3::new(own % counts.x, row % counts.y, row / counts.y);
-    let lattice = volume().first() + index.as_vec3() * SPACING;
+    let lattice = volume().levels()[0].anchor() + index.as_vec3() * SPACING;
     let corner = Sight::corner(lattice, SPACING) - ORIGIN;
     let (n, words) = (sight.counts, sight.words());
     (0..n.x * n.y * n.z).map(move |i| {

@@ -55,6 +55,8 @@ impl Slab {
             counts: COUNTS,
             spacing: Vec3::splat(SPACING),
             centre: Vec3::new(24.5, 28.5, 28.5),
+            follow: false,
+            cascades: 1,
         })
         .expect("a good layout");
         let parameters = ProbeParameters {
