@@ -1,7 +1,8 @@
 //! The whole frame on one page, as data flow.
 //!
 //! ```text
-//! probe_states (new probes, edits) ─ where probes stand
+//! probe_states (new probes, volumes that move, edits) ─ where probes stand
+//!     └ probe_seed (volumes that move) ─ what new ones show until they have looked
 //! camera_rays ─ surfaces ─────────────────────────────┐
 //! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ─ shade ─ hdr ─ tonemap ─ display
 //!     └────────────── atlas of the last frame ◄────────┘
@@ -20,6 +21,7 @@ use crate::{
         distances::Distances,
         probe_blend::ProbeBlend,
         probe_rays::ProbeRays,
+        probe_seed::ProbeSeed,
         probe_states::ProbeStates,
         shade::Shade,
         shadow_count,
@@ -127,14 +129,13 @@ pub struct Frame {
     /// Of the last frame.
     lights_before: Option<Lights>,
     field: ProbeField,
-    /// Whether voxels or probes are new, so that the probes must be placed.
-    misplaced: bool,
     passes: Passes,
 }
 
 struct Passes {
     camera_rays: CameraRays,
     probe_states: ProbeStates,
+    probe_seed: ProbeSeed,
     probe_rays: ProbeRays,
     probe_blend: ProbeBlend,
     shade: Shade,
@@ -163,7 +164,6 @@ impl Frame {
             lights,
             lights_before: None,
             field,
-            misplaced: true,
             passes,
         })
     }
@@ -182,20 +182,43 @@ impl Frame {
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         self.lights.set(gpu, lights);
+        if self
+            .field
+            .follow(view.camera.position, u64::from(self.frames))
+        {
+            self.frames = 0;
+            self.field.changes.forget_edits();
+        }
         let before = self.lights_before.replace(lights.clone());
         let light_change = before.map_or(0.0, |before| lights.change_since(&before));
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
-        if mem::take(&mut self.misplaced) {
+        if self.field.misplaced() {
             self.passes.probe_states.record(recorder);
+            if self.field.fresh() > 0 {
+                self.passes.probe_seed.record(recorder);
+            }
+            self.field.set_placed();
         }
         self.passes.probe_rays.record(recorder);
         self.passes.probe_blend.record(recorder);
         self.passes.shade.record(recorder);
         self.passes.tonemap.record(recorder);
         self.frames += 1;
+    }
+
+    /// Records the picture of a view by the lights and the probes of the last frame, as they are. The
+    /// view's size must be the frame's.
+    pub fn show(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, view: &View) {
+        debug_assert_eq!(view.size, self.size, "the view's size is the frame's");
+        let uniform = view.to_gpu();
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        self.passes.camera_rays.record(recorder);
+        self.passes.shade.record(recorder);
+        self.passes.tonemap.record(recorder);
     }
 
     /// Frames that the probes have lived through.
@@ -233,7 +256,6 @@ impl Frame {
         let resources = resources(&self.stage, &self.view, &self.lights);
         self.passes = Passes::new(gpu, self.size, &field, &resources)?;
         self.field = field;
-        self.misplaced = true;
         self.frames = 0;
         Ok(())
     }
@@ -256,7 +278,7 @@ impl Frame {
             let [min, max] = [min, max].map(|voxel| voxel.as_ivec3() + origin);
             self.field.changes.edit(min, max, self.frames);
         }
-        self.misplaced = true;
+        self.field.misplace();
         Ok(())
     }
 
@@ -345,6 +367,7 @@ impl Passes {
         Ok(Self {
             tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
             probe_states: ProbeStates::new(gpu, field, resources)?,
+            probe_seed: ProbeSeed::new(gpu, field)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
             camera_rays,

@@ -1,13 +1,18 @@
 //! The probe field on the GPU: what the passes that trace, blend and gather probes share.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 use super::GpuChanges;
 use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
-    probes::{AtlasLayout, Changes, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling},
+    probes::{
+        AtlasLayout, Changes, Layout as _, Motion, ProbeError, Volume, atlas::ProbeMemory, sampling,
+    },
 };
+
+use super::{GpuProbeLevel, probe_level::LEVELS};
 
 /// Why a probe field cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -22,19 +27,18 @@ pub enum ProbeFieldError {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuProbeInfo {
-    pub first_ws: [f32; 3],
-    pub slots: u32,
-    pub spacing: [f32; 3],
-    pub rays: u32,
-    pub inverse_spacing: [f32; 3],
-    pub columns_log2: u32,
+    pub levels: [GpuProbeLevel; LEVELS],
     pub counts: [u32; 3],
+    pub slots: u32,
+    pub level_count: u32,
+    pub level_slots: u32,
+    pub rays: u32,
+    pub columns_log2: u32,
     pub rows_log2: u32,
+    pub irradiance_texels: f32,
     pub irradiance_scale: [f32; 2],
     pub distance_scale: [f32; 2],
-    pub irradiance_texels: f32,
     pub distance_texels: f32,
-    pub longest: f32,
     pub reject_longer: u32,
     pub normal_bias: f32,
     pub view_bias: f32,
@@ -48,6 +52,8 @@ pub struct GpuProbeInfo {
     pub warmup_frames: u32,
     pub firefly_clamp: f32,
     pub move_reach: f32,
+    pub place_all: u32,
+    pub _pad: [u32; 3],
 }
 
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
@@ -56,6 +62,9 @@ pub struct ProbeField {
     /// What its probes are told of changes.
     pub changes: Changes,
     volume: Volume,
+    motion: Motion,
+    /// Whether pass `probe_states` is to place all probes, and not only those that a move made new.
+    place_all: bool,
     atlas: AtlasLayout,
     memory: ProbeMemory,
     rays_per_probe: u32,
@@ -105,6 +114,19 @@ impl ProbeField {
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
         }
+        let what = format!("a layout of {} probes", volume.slots());
+        gpu.making(&what, memory.total(), || {
+            Self::make(gpu, volume, atlas, memory, parameters)
+        })
+    }
+
+    fn make(
+        gpu: &Gpu,
+        volume: Volume,
+        atlas: AtlasLayout,
+        memory: ProbeMemory,
+        parameters: &ProbeParameters,
+    ) -> Result<Self, ProbeFieldError> {
         let texture = |label, texels| {
             let format = wgpu::TextureFormat::Rgba16Float;
             gpu.texture(label, atlas.texture_extent(texels), format)
@@ -143,10 +165,38 @@ impl ProbeField {
             }),
             rays_per_probe: parameters.rays,
             distance_sharpness: parameters.distance_sharpness,
+            motion: Motion::new(&volume),
+            place_all: true,
             volume,
             atlas,
             memory,
         })
+    }
+
+    /// Moves a volume that follows the camera, before frame `frame`. Returns whether that leaves
+    /// nothing of what the probes knew: the next frame is the first one then.
+    pub fn follow(&mut self, eye_ws: Vec3, frame: u64) -> bool {
+        self.motion.follow(&mut self.volume, eye_ws, frame)
+    }
+
+    /// Probes that the last move has made new.
+    pub fn fresh(&self) -> u32 {
+        self.motion.fresh()
+    }
+
+    /// What is stone has changed: all probes must be placed again.
+    pub fn misplace(&mut self) {
+        self.place_all = true;
+    }
+
+    /// Whether pass `probe_states` has probes to place.
+    pub fn misplaced(&self) -> bool {
+        self.place_all || self.fresh() > 0
+    }
+
+    /// Pass `probe_states` has been recorded.
+    pub fn set_placed(&mut self) {
+        self.place_all = false;
     }
 
     /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
@@ -158,7 +208,7 @@ impl ProbeField {
         let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
         gpu.queue
             .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));
-        let info = self.info(parameters);
+        let info = self.info(parameters, frame);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
         let directions: Vec<[f32; 4]> = sampling::directions(self.rays_per_probe, seed, frame)
@@ -168,25 +218,24 @@ impl ProbeField {
             .write_buffer(&self.ray_directions, 0, bytemuck::cast_slice(&directions));
     }
 
-    fn info(&self, parameters: &ProbeParameters) -> GpuProbeInfo {
+    fn info(&self, parameters: &ProbeParameters, frame: u64) -> GpuProbeInfo {
         let scale = |texels: u32| {
             let [width, height, _] = self.atlas.texture_extent(texels);
             [1.0 / width as f32, 1.0 / height as f32]
         };
         GpuProbeInfo {
-            first_ws: self.volume.first().to_array(),
-            slots: self.volume.slots(),
-            spacing: self.volume.spacing().to_array(),
-            rays: self.rays_per_probe,
-            inverse_spacing: self.volume.spacing().recip().to_array(),
-            columns_log2: self.atlas.columns_log2,
+            levels: GpuProbeLevel::all(&self.volume, &self.motion, parameters, frame),
             counts: self.volume.counts().to_array(),
+            slots: self.volume.slots(),
+            level_count: self.volume.levels().len() as u32,
+            level_slots: self.volume.level_slots(),
+            rays: self.rays_per_probe,
+            columns_log2: self.atlas.columns_log2,
             rows_log2: self.atlas.rows_log2,
+            irradiance_texels: self.atlas.irradiance_texels as f32,
             irradiance_scale: scale(self.atlas.irradiance_texels),
             distance_scale: scale(self.atlas.distance_texels),
-            irradiance_texels: self.atlas.irradiance_texels as f32,
             distance_texels: self.atlas.distance_texels as f32,
-            longest: parameters.distance_clamp * self.volume.cage_diagonal(),
             reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
             normal_bias: parameters.normal_bias,
             view_bias: parameters.view_bias,
@@ -206,6 +255,8 @@ impl ProbeField {
                 Relocation::Off => 0.0,
                 Relocation::Exact => parameters.move_reach,
             },
+            place_all: u32::from(self.place_all),
+            _pad: [0; 3],
         }
     }
 
@@ -301,10 +352,19 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn alive(&self, gpu: &Gpu) -> Result<u32, GpuError> {
-        // Updates so far (0 for a probe in stone), and what else passes know of it.
+        let updates = self.updates(gpu)?;
+        Ok(updates.iter().filter(|updates| **updates > 0).count() as u32)
+    }
+
+    /// How often each probe has been updated since it was new; 0 for one in stone.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        // Updates, and what else passes know of it.
         let states: Vec<[u32; 4]> = gpu.read_buffer(&self.states)?;
         let probes = states.iter().take(self.volume.slots() as usize);
-        Ok(probes.filter(|[updates, ..]| *updates > 0).count() as u32)
+        Ok(probes.map(|[updates, ..]| *updates).collect())
     }
 
     /// Bytes of GPU memory.

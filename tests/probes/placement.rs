@@ -37,6 +37,8 @@ fn volume() -> Volume {
         counts: UVec3::new(7, 9, 10),
         spacing: SPACING,
         centre: Vec3::new(0.3, -0.4, 0.5),
+        follow: false,
+        cascades: 1,
     })
     .expect("a good layout")
 }
@@ -170,7 +172,7 @@ import package::probes::volume::{cage_around, cage_slot, corner_share, probe_pla
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x < arrayLength(&points) {
         let point = points[id.x].xyz;
-        let cage = cage_around(point);
+        let cage = cage_around(0u, point);
         for (var corner = 0u; corner < 8u; corner += 1u) {
             let slot = cage_slot(cage, corner);
             let share = corner_share(cage, corner, probe_place(slot), point);
