@@ -194,6 +194,7 @@ impl Frame {
             .follow(view.camera.position, u64::from(self.frames))
         {
             self.frames = 0;
+            self.field.changes.forget_edits();
         }
         self.field.changes.begin_frame(light_change, self.frames);
         self.field

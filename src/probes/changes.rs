@@ -59,6 +59,11 @@ impl Changes {
             .retain(|edit| frame.saturating_sub(edit.frame) < REMEMBERED_FRAMES);
     }
 
+    /// Frames are numbered from 0 again, and no probe remembers any.
+    pub fn forget_edits(&mut self) {
+        self.edits.clear();
+    }
+
     /// How sure it is that light changes now, from 0 to 1.
     pub fn alert(&self) -> f32 {
         self.alert

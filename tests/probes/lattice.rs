@@ -130,7 +130,11 @@ fn levels_lie_in_memory_as_the_shader_reads_them() {
         base,
         wrap,
         base_before,
-        inwards_ws
+        inwards_ws,
+    );
+    assert_eq!(
+        layout_of("ProbeLevel"),
+        (expected, size_of::<GpuProbeLevel>())
     );
     // Words of padding stand in ours where the shader's are not named.
     let (found, size) = layout_of("ProbeLevel");
