@@ -9,32 +9,26 @@
 //!     └────────────── atlas of the last frame ◄────────┘
 //! ```
 
+mod stage;
+
+pub use stage::{BuildReport, Stage};
+
 use std::mem;
 
 use crate::{
-    gpu::{Gpu, GpuError, Recorder, Timing},
+    gpu::{Gpu, GpuError, Recorder},
     lights::Lights,
     measure::picture::Picture,
     parameters::{ProbeParameters, Relocation},
     passes::{
-        GpuLights, GpuMaterials, GpuVoxels, MemoryUse, ProbeField, ProbeFieldError, View,
-        camera_rays::CameraRays,
-        distances::Distances,
-        probe_blend::ProbeBlend,
-        probe_due::ProbeDue,
-        probe_rays::ProbeRays,
-        probe_seed::ProbeSeed,
-        probe_sight::ProbeSight,
-        probe_states::ProbeStates,
-        shade::Shade,
-        shadow_count,
+        GpuLights, MemoryUse, ProbeField, ProbeFieldError, View, camera_rays::CameraRays,
+        probe_blend::ProbeBlend, probe_due::ProbeDue, probe_rays::ProbeRays, probe_seed::ProbeSeed,
+        probe_sight::ProbeSight, probe_states::ProbeStates, shade::Shade, shadow_count,
         tonemap::Tonemap,
-        voxelise::{Voxelise, VoxeliseReport},
     },
     probes::{ProbeError, Volume},
     world::{
-        LayoutSpec, World,
-        materials::MaterialSet,
+        LayoutSpec,
         voxels::{Edit, Voxels},
     },
 };
@@ -55,71 +49,6 @@ impl From<ProbeFieldError> for FrameError {
             ProbeFieldError::Gpu(error) => Self::Gpu(error),
         }
     }
-}
-
-/// A world on the GPU, before anyone looks at it: its voxels and what they are made of.
-pub struct Stage {
-    pub voxels: GpuVoxels,
-    pub materials: GpuMaterials,
-    /// What building it took; `None` for voxels that came from the CPU.
-    pub built: Option<BuildReport>,
-}
-
-/// What it took to build a world's voxels on the GPU.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BuildReport {
-    pub voxelise: VoxeliseReport,
-    /// GPU milliseconds of the distances; `None` where the adapter cannot time them.
-    pub distances_ms: Option<f64>,
-}
-
-impl Stage {
-    /// Voxelises the world and bakes its textures.
-    ///
-    /// # Errors
-    /// [`FrameError::Gpu`] when the adapter cannot hold it.
-    pub fn build(gpu: &Gpu, world: &World) -> Result<Self, FrameError> {
-        let (voxels, voxelise) = Voxelise::new(gpu, world)?.run(gpu, world)?;
-        let distances = Distances::new(gpu)?;
-        let mut timing = Timing::new(gpu)?;
-        let mut recorder = Recorder::new(gpu, Some(&mut timing));
-        distances.record(gpu, &mut recorder, &voxels);
-        recorder.submit(gpu)?;
-        gpu.wait()?;
-        let timed = timing.next_frame().filter(|_| timing.supported());
-        Ok(Self {
-            voxels,
-            materials: bake(gpu, world)?,
-            built: Some(BuildReport {
-                voxelise,
-                distances_ms: timed.map(|times| times.frame_ms),
-            }),
-        })
-    }
-
-    /// From voxels that are already on the CPU; `world` gives the materials and the place.
-    ///
-    /// # Errors
-    /// [`FrameError::Gpu`] when the adapter cannot hold it.
-    pub fn upload(gpu: &Gpu, world: &World, voxels: &Voxels) -> Result<Self, FrameError> {
-        Ok(Self {
-            voxels: GpuVoxels::upload(gpu, voxels, world.origin)?,
-            materials: bake(gpu, world)?,
-            built: None,
-        })
-    }
-
-    /// Reads the voxels back, once, for collision, picking and edits.
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn read_back(&self, gpu: &Gpu) -> Result<Voxels, GpuError> {
-        self.voxels.read_back(gpu)
-    }
-}
-
-fn bake(gpu: &Gpu, world: &World) -> Result<GpuMaterials, GpuError> {
-    GpuMaterials::upload(gpu, &MaterialSet::bake(&world.materials, world.seed))
 }
 
 /// Everything between a [`Stage`] and a picture of one size, lit by one field of probes.

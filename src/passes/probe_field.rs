@@ -8,13 +8,12 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError},
-    parameters::{LongRays, ProbeParameters, Relocation, Visibility},
+    parameters::ProbeParameters,
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, ProbeError, Sight, Volume, atlas::ProbeMemory,
         sampling,
     },
 };
-
 
 /// Why a probe field cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -32,7 +31,6 @@ pub struct ProbeField {
     pub changes: Changes,
     volume: Volume,
     sight: Option<Sight>,
-    twins: bool,
     motion: Motion,
     atlas: AtlasLayout,
     memory: ProbeMemory,
@@ -122,7 +120,6 @@ impl ProbeField {
             .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
         Ok(Self {
             sight,
-            twins: atlas.slots > volume.slots(),
             sight_bits: gpu.storage_buffer("probe_sight", memory.sight)?,
             changes: Changes::default(),
             plan: ProbePlan::new(gpu, atlas.slots, parameters.rays)?,
@@ -176,7 +173,7 @@ impl ProbeField {
         let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
         gpu.queue
             .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));
-        let info = self.info(parameters, frame);
+        let info = GpuProbeInfo::new(self, parameters, frame);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
         let directions: Vec<[f32; 4]> = sampling::directions(self.rays_per_probe, seed, frame)
@@ -185,54 +182,6 @@ impl ProbeField {
         gpu.queue
             .write_buffer(&self.ray_directions, 0, bytemuck::cast_slice(&directions));
         self.plan.begin_frame(gpu, parameters, frame);
-    }
-
-    fn info(&self, parameters: &ProbeParameters, frame: u64) -> GpuProbeInfo {
-        let scale = |texels: u32| {
-            let [width, height, _] = self.atlas.texture_extent(texels);
-            [1.0 / width as f32, 1.0 / height as f32]
-        };
-        GpuProbeInfo {
-            levels: GpuProbeLevel::all(&self.volume, &self.motion, parameters, frame),
-            counts: self.volume.counts().to_array(),
-            slots: self.atlas.slots,
-            level_count: self.volume.levels().len() as u32,
-            level_slots: self.volume.level_slots(),
-            rays: self.rays_per_probe,
-            columns_log2: self.atlas.columns_log2,
-            rows_log2: self.atlas.rows_log2,
-            irradiance_texels: self.atlas.irradiance_texels as f32,
-            irradiance_scale: scale(self.atlas.irradiance_texels),
-            distance_scale: scale(self.atlas.distance_texels),
-            distance_texels: self.atlas.distance_texels as f32,
-            reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
-            normal_bias: parameters.normal_bias,
-            view_bias: parameters.view_bias,
-            wrap_offset: parameters.wrap_offset,
-            crush: parameters.crush,
-            visibility: match parameters.visibility {
-                Visibility::None => 0,
-                Visibility::Chebyshev => 1,
-                Visibility::Exact if self.sight.is_some() => 2,
-                Visibility::Exact => 1,
-            },
-            chebyshev_power: parameters.chebyshev_power,
-            chebyshev_floor: parameters.chebyshev_floor,
-            least_weight: parameters.least_weight,
-            hysteresis: parameters.hysteresis,
-            warmup_frames: parameters.warmup_frames,
-            firefly_clamp: parameters.firefly_clamp,
-            move_reach: move_reach(parameters),
-            sight_counts: self.sight.map_or([0; 3], |sight| sight.counts.to_array()),
-            sight_words: self.sight.map_or(0, |sight| sight.words()),
-            lattice_slots: self.volume.slots(),
-            twin_share: if self.twins {
-                parameters.twin_share
-            } else {
-                1.0
-            },
-            pad: [0; 2],
-        }
     }
 
     /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.
@@ -355,6 +304,10 @@ impl ProbeField {
         &self.volume
     }
 
+    pub(super) fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
     pub fn atlas(&self) -> &AtlasLayout {
         &self.atlas
     }
@@ -394,17 +347,19 @@ impl ProbeField {
         self.plan.count(gpu, &self.states, self.volume.slots())
     }
 
+    /// How often each probe has been updated since it was new; 0 for one in stone.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        let states: Vec<[u32; 4]> = gpu.read_buffer(&self.states)?;
+        let probes = states.iter().take(self.volume.slots() as usize);
+        Ok(probes.map(|[updates, ..]| *updates).collect())
+    }
+
     /// Bytes of GPU memory.
     pub fn memory(&self) -> ProbeMemory {
         self.memory
-    }
-}
-
-/// Farthest that probes move along an axis, in spacings.
-pub(super) fn move_reach(parameters: &ProbeParameters) -> f32 {
-    match parameters.relocation {
-        Relocation::Off => 0.0,
-        Relocation::Exact | Relocation::Statistical => parameters.move_reach,
     }
 }
 

@@ -2,7 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{GpuProbeLevel, probe_level::LEVELS};
+use super::{GpuProbeLevel, ProbeField, probe_level::LEVELS};
+use crate::{
+    parameters::{LongRays, ProbeParameters, Relocation, Visibility},
+    probes::Layout as _,
+};
 
 /// `ProbeInfo` of `shaders/data/probes.wesl`.
 #[repr(C)]
@@ -38,4 +42,65 @@ pub struct GpuProbeInfo {
     pub lattice_slots: u32,
     pub twin_share: f32,
     pub pad: [u32; 2],
+}
+
+impl GpuProbeInfo {
+    /// Of a field in a frame.
+    pub(super) fn new(field: &ProbeField, parameters: &ProbeParameters, frame: u64) -> Self {
+        let (volume, atlas) = (field.volume(), field.atlas());
+        let sight = field.sight().map(|(sight, _)| sight);
+        let scale = |texels: u32| {
+            let [width, height, _] = atlas.texture_extent(texels);
+            [1.0 / width as f32, 1.0 / height as f32]
+        };
+        Self {
+            levels: GpuProbeLevel::all(volume, field.motion(), parameters, frame),
+            counts: volume.counts().to_array(),
+            slots: atlas.slots,
+            level_count: volume.levels().len() as u32,
+            level_slots: volume.level_slots(),
+            rays: field.rays_per_probe(),
+            columns_log2: atlas.columns_log2,
+            rows_log2: atlas.rows_log2,
+            irradiance_texels: atlas.irradiance_texels as f32,
+            irradiance_scale: scale(atlas.irradiance_texels),
+            distance_scale: scale(atlas.distance_texels),
+            distance_texels: atlas.distance_texels as f32,
+            reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
+            normal_bias: parameters.normal_bias,
+            view_bias: parameters.view_bias,
+            wrap_offset: parameters.wrap_offset,
+            crush: parameters.crush,
+            visibility: match parameters.visibility {
+                Visibility::None => 0,
+                Visibility::Chebyshev => 1,
+                Visibility::Exact if sight.is_some() => 2,
+                Visibility::Exact => 1,
+            },
+            chebyshev_power: parameters.chebyshev_power,
+            chebyshev_floor: parameters.chebyshev_floor,
+            least_weight: parameters.least_weight,
+            hysteresis: parameters.hysteresis,
+            warmup_frames: parameters.warmup_frames,
+            firefly_clamp: parameters.firefly_clamp,
+            move_reach: move_reach(parameters),
+            sight_counts: sight.map_or([0; 3], |sight| sight.counts.to_array()),
+            sight_words: sight.map_or(0, |sight| sight.words()),
+            lattice_slots: volume.slots(),
+            twin_share: if atlas.slots > volume.slots() {
+                parameters.twin_share
+            } else {
+                1.0
+            },
+            pad: [0; 2],
+        }
+    }
+}
+
+/// Farthest that probes move along an axis, in spacings.
+pub(super) fn move_reach(parameters: &ProbeParameters) -> f32 {
+    match parameters.relocation {
+        Relocation::Off => 0.0,
+        Relocation::Exact | Relocation::Statistical => parameters.move_reach,
+    }
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::probe_field::move_reach;
+use super::probe_info::move_reach;
 use crate::{
     parameters::{LongRays, ProbeParameters},
     probes::{Level, Motion, Volume, volume::MAX_LEVELS},

@@ -14,7 +14,7 @@ use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks},
     parameters::{ProbeParameters, ProbeStates, Visibility},
     passes::{ProbeField, probe_blend::ProbeBlend, probe_due::ProbeDue},
-    probes::{Layout as _, Volume, sampling},
+    probes::{Volume, sampling},
     world::LayoutSpec,
 };
 use half::f16;
