@@ -1,7 +1,9 @@
 //! The whole frame on one page, as data flow.
 //!
 //! ```text
-//! probe_states (new probes, edits) ─ where probes stand ─ probe_due ─ which are updated
+//! probe_states (new probes, volumes that move, edits) ─ where probes stand
+//!     └ probe_seed (volumes that move) ─ what new ones show until they have looked
+//! probe_due ─ which probes are updated
 //! camera_rays ─ surfaces ─────────────────────────────┐
 //! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ─ shade ─ hdr ─ tonemap ─ display
 //!     └────────────── atlas of the last frame ◄────────┘
@@ -21,6 +23,7 @@ use crate::{
         probe_blend::ProbeBlend,
         probe_due::ProbeDue,
         probe_rays::ProbeRays,
+        probe_seed::ProbeSeed,
         probe_states::ProbeStates,
         shade::Shade,
         shadow_count,
@@ -133,6 +136,7 @@ struct Passes {
     camera_rays: CameraRays,
     probe_states: ProbeStates,
     probe_due: ProbeDue,
+    probe_seed: ProbeSeed,
     probe_rays: ProbeRays,
     probe_blend: ProbeBlend,
     shade: Shade,
@@ -178,11 +182,21 @@ impl Frame {
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         self.lights.set(gpu, lights);
+        if self
+            .field
+            .follow(view.camera.position, u64::from(self.frames))
+        {
+            self.frames = 0;
+        }
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
-        if self.field.take_changed() {
+        if self.field.misplaced() {
             self.passes.probe_states.record(recorder);
+            if self.field.fresh() > 0 {
+                self.passes.probe_seed.record(recorder);
+            }
+            self.field.set_placed();
         }
         self.passes.probe_due.record(recorder);
         self.passes.probe_rays.record(recorder);
@@ -193,6 +207,18 @@ impl Frame {
         self.passes.shade.record(recorder);
         self.passes.tonemap.record(recorder);
         self.frames += 1;
+    }
+
+    /// Records the picture of a view by the lights and the probes of the last frame, as they are. The
+    /// view's size must be the frame's.
+    pub fn show(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, view: &View) {
+        debug_assert_eq!(view.size, self.size, "the view's size is the frame's");
+        let uniform = view.to_gpu();
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        self.passes.camera_rays.record(recorder);
+        self.passes.shade.record(recorder);
+        self.passes.tonemap.record(recorder);
     }
 
     /// Frames that the probes have lived through.
@@ -339,6 +365,7 @@ impl Passes {
             tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
             probe_states: ProbeStates::new(gpu, field, resources)?,
             probe_due: ProbeDue::new(gpu, field)?,
+            probe_seed: ProbeSeed::new(gpu, field)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
             camera_rays,

@@ -316,6 +316,8 @@ impl Shown {
             counts: UVec3::splat(3),
             spacing: Vec3::splat(6.0),
             centre: Vec3::new(0.0, 8.0, 0.0),
+            follow: false,
+            cascades: 1,
         };
         let frame = Frame::new(gpu, stage.expect("fits"), &layout, &parameters, [48, 32]);
         Self {

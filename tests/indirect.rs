@@ -107,6 +107,8 @@ impl Stage {
             counts: UVec3::splat(4),
             spacing: Vec3::splat(6.0),
             centre: Vec3::ZERO,
+            follow: false,
+            cascades: 1,
         })
         .expect("a good layout");
         let voxels = GpuVoxels::upload(&gpu, voxels, ORIGIN).expect("fits");

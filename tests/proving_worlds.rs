@@ -158,10 +158,10 @@ fn closed_worlds_see_no_sky_and_their_probes_enclose_them() {
         }
         for layout in &built.world.layouts {
             let volume = built.volume(&layout.name);
-            let first = volume.first();
-            let last = first + (volume.counts() - 1).as_vec3() * volume.spacing();
-            let enclosed =
-                first.cmple(low - volume.spacing()) & last.cmpge(high + volume.spacing());
+            let coarsest = volume.levels().last().expect("a volume has a level");
+            let (first, spacing) = (coarsest.first(), coarsest.spacing());
+            let last = first + (volume.counts() - 1).as_vec3() * spacing;
+            let enclosed = first.cmple(low - spacing) & last.cmpge(high + spacing);
             assert!(
                 enclosed.all(),
                 "{name}, layout {}: probes from {first} to {last}, air from {low} to {high}",

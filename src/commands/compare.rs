@@ -38,6 +38,10 @@ pub struct Arguments {
     /// Measure only where this picture has a channel above one half
     #[arg(long, value_name = "FILE", conflicts_with = "region")]
     mask: Option<PathBuf>,
+    /// With --mask: measure only where its red channel lies between LOW and HIGH. In a view of depth d
+    /// voxels show as 2^(-d/32)
+    #[arg(long, value_name = "LOW,HIGH", requires = "mask", value_parser = band, allow_hyphen_values = true)]
+    mask_band: Option<[f32; 2]>,
     /// Measure only this rectangle, counted in pixels from the top left
     #[arg(long, value_name = "X,Y,WxH", value_parser = region, allow_hyphen_values = true)]
     region: Option<[u32; 4]>,
@@ -90,6 +94,16 @@ fn region(text: &str) -> Result<[u32; 4], String> {
         Some([number(x)?, number(y)?, number(width)?, number(height)?])
     };
     parse().ok_or_else(|| "write X,Y,WIDTHxHEIGHT, as in 100,50,320x180".to_owned())
+}
+
+fn band(text: &str) -> Result<[f32; 2], String> {
+    let parse = || {
+        let (low, high) = text.split_once(',')?;
+        Some([low.trim().parse().ok()?, high.trim().parse().ok()?])
+    };
+    let band: Option<[f32; 2]> = parse();
+    band.filter(|[low, high]| low <= high)
+        .ok_or_else(|| "write LOW,HIGH, as in 0.1,0.2".to_owned())
 }
 
 fn exposure(text: &str) -> Result<f32, String> {
@@ -171,8 +185,11 @@ fn selection(arguments: &Arguments, size: [u32; 2]) -> Result<Selection, Failure
     match (&arguments.mask, arguments.region) {
         (Some(path), _) => {
             let (mask, _) = read(path)?;
-            Selection::mask(size, &mask)
-                .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))
+            let selection = match arguments.mask_band {
+                Some(band) => Selection::band(size, &mask, band),
+                None => Selection::mask(size, &mask),
+            };
+            selection.map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))
         }
         (None, Some(region)) => Selection::region(size, region)
             .map_err(|error| Failure::bad_input(format!("--region: {error}"))),

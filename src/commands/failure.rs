@@ -77,7 +77,9 @@ impl From<GpuError> for Failure {
     fn from(error: GpuError) -> Self {
         let exit_code = match error {
             GpuError::NoAdapter { .. } => EXIT_NO_GPU,
-            GpuError::AdapterNotFound { .. } | GpuError::TooLarge { .. } => EXIT_BAD_INPUT,
+            GpuError::AdapterNotFound { .. }
+            | GpuError::TooLarge { .. }
+            | GpuError::OutOfMemory { .. } => EXIT_BAD_INPUT,
             GpuError::Shader { .. } | GpuError::Device(_) => EXIT_FAULT,
         };
         Self::new(exit_code, error)

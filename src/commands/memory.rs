@@ -1,12 +1,13 @@
 //! Refuses work that this machine's memory cannot hold, before any of it is allocated.
 
 use super::{Failure, info::bytes};
+use crate::gpu::available_memory;
 
 /// # Errors
 /// When `what` needs more bytes than the system says are available. Systems that do not say
 /// (anything but Linux) are trusted.
 pub fn check(what: &str, needed: u64) -> Result<(), Failure> {
-    match available() {
+    match available_memory() {
         Some(available) if needed > available => Err(Failure::bad_input(format!(
             "{what} needs {} of memory, and {} are available; choose a smaller one",
             bytes(needed),
@@ -14,16 +15,6 @@ pub fn check(what: &str, needed: u64) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
-}
-
-/// `MemAvailable` of Linux, in bytes.
-fn available() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text
-        .lines()
-        .find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kib: u64 = line.trim().strip_suffix(" kB")?.trim().parse().ok()?;
-    Some(kib * 1024)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 mod buffers;
 mod device;
 mod kernel;
+mod memory;
 mod reflect;
 mod shader;
 mod slices;
@@ -13,6 +14,7 @@ mod timing;
 pub use buffers::Structured;
 pub use device::{AdapterReport, AdapterSummary, Gpu, ShaderChecks, adapters, instance};
 pub use kernel::{Bindings, Kernel, KernelSpec};
+pub use memory::available_memory;
 pub use shader::{Composed, ShaderLibrary};
 pub use slices::rectangle;
 pub use timing::{PassTimes, Recorder, Timing};
@@ -38,6 +40,15 @@ pub enum GpuError {
         limit: u64,
         limit_name: &'static str,
         remedy: &'static str,
+    },
+    #[error(
+        "{what} needs {bytes} bytes, and adapter `{adapter}` has not that much memory left. Choose a \
+         smaller layout or world, or close other programs."
+    )]
+    OutOfMemory {
+        what: String,
+        bytes: u64,
+        adapter: String,
     },
     #[error("shader `{name}` does not compile:\n{message}")]
     Shader { name: String, message: String },

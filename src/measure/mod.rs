@@ -1,6 +1,7 @@
 //! Pictures and statistics. Knows no world.
 
 pub mod base64;
+pub mod changes;
 pub mod comparison;
 pub mod flip;
 pub mod magma;

@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::picture::Picture;
 
 /// Why a selection is none.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 pub enum SelectionError {
     #[error(
         "the region {},{},{}x{} reaches beyond the picture of {}×{} pixels",
@@ -21,6 +21,8 @@ pub enum SelectionError {
         "the mask marks no pixel: it counts pixels of which a channel is above one half, and there are none"
     )]
     MaskEmpty,
+    #[error("the mask marks no pixel: the red channel of none is between {} and {}", .band[0], .band[1])]
+    BandEmpty { band: [f32; 2] },
 }
 
 /// The pixels that are measured; at least one, unless the picture itself has none.
@@ -58,6 +60,26 @@ impl Selection {
     /// # Errors
     /// [`SelectionError`] for a mask of another size, and for one that marks no pixel.
     pub fn mask(size: [u32; 2], mask: &Picture) -> Result<Self, SelectionError> {
+        let marked = |rgb: &[f32; 3]| rgb.iter().any(|&value| value > 0.5);
+        Self::marked(size, mask, marked)?.ok_or(SelectionError::MaskEmpty)
+    }
+
+    /// The pixels whose red channel in the mask lies between two values, both included: of a picture
+    /// of depth, those at some distance.
+    ///
+    /// # Errors
+    /// [`SelectionError`] for a mask of another size, and for one that marks no pixel.
+    pub fn band(size: [u32; 2], mask: &Picture, band: [f32; 2]) -> Result<Self, SelectionError> {
+        let marked = |rgb: &[f32; 3]| rgb[0] >= band[0] && rgb[0] <= band[1];
+        Self::marked(size, mask, marked)?.ok_or(SelectionError::BandEmpty { band })
+    }
+
+    /// `None` when no pixel is marked.
+    fn marked(
+        size: [u32; 2],
+        mask: &Picture,
+        marked: impl Fn(&[f32; 3]) -> bool,
+    ) -> Result<Option<Self>, SelectionError> {
         let mask_size = [mask.width, mask.height];
         if mask_size != size {
             return Err(SelectionError::MaskSize {
@@ -65,15 +87,11 @@ impl Selection {
                 size,
             });
         }
-        let marked = |rgb: &[f32; 3]| rgb.iter().any(|&value| value > 0.5);
         let chosen: Vec<bool> = mask.rgb.iter().map(marked).collect();
-        if chosen.iter().any(|&marked| marked) {
-            Ok(Self {
-                chosen: Some(chosen),
-            })
-        } else {
-            Err(SelectionError::MaskEmpty)
-        }
+        let any = chosen.iter().any(|&marked| marked);
+        Ok(any.then_some(Self {
+            chosen: Some(chosen),
+        }))
     }
 
     /// Whether a pixel, counted row by row, is measured.
@@ -107,6 +125,16 @@ mod tests {
     fn counting(width: u32, height: u32) -> Picture {
         let rgb = (0..width * height).map(|i| [i as f32; 3]).collect();
         Picture { width, height, rgb }
+    }
+
+    #[test]
+    fn a_band_takes_what_lies_in_it() {
+        let picture = counting(4, 1);
+        let chosen = Selection::band([4, 1], &picture, [1.0, 2.0]).expect("marks two");
+        assert_eq!(chosen.of(&[10, 11, 12, 13]), [11, 12]);
+        let nothing = Selection::band([4, 1], &picture, [1.2, 1.8]);
+        assert_eq!(nothing, Err(SelectionError::BandEmpty { band: [1.2, 1.8] }));
+        assert!(Selection::band([1, 4], &picture, [0.0, 9.0]).is_err());
     }
 
     #[test]

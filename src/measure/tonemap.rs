@@ -68,6 +68,11 @@ const LOOK_POWER: f64 = 1.15;
 /// Luminance weights of linear Rec. 709.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
+/// Luminance of linear Rec. 709.
+pub fn luminance([r, g, b]: [f32; 3]) -> f64 {
+    LUMINANCE.dot(DVec3::new(r.into(), g.into(), b.into()))
+}
+
 /// Rec. 709 to the inset primaries; each row sums to 1, so greys stay grey.
 const INSET: DMat3 = DMat3::from_cols(
     DVec3::new(0.842_401_071, 0.042_401_071, 0.042_401_071),

@@ -232,7 +232,9 @@ parameters! {
         chebyshev_floor: f32 = 0.0, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "Weight of a whole cage below which its light fades to none; more leaks less into sealed rooms, less keeps light in tight corners."]
         least_weight: f32 = 1e-4, Kind::Number { min: 1e-9, max: 1.0 }, Nothing;
-        #[doc = "Updates in which a fresh probe's history is replaced, one bounce each, before they are averaged; more carry bright surfaces farther, fewer settle sooner."]
+        #[doc = "Cells at the edge of a cascade over which the next one takes over; more hides the seam better, less uses the finer probes farther out."]
+        cascade_fade: f32 = 1.0, Kind::Number { min: 0.25, max: 8.0 }, Nothing;
+        #[doc = "Frames of a fresh field in which history is replaced, one bounce each, before it is averaged; more carry bright surfaces farther, fewer settle sooner."]
         warmup_frames: u32 = 40, Kind::Count { min: 0, max: 1000 }, Nothing;
         #[doc = "Change of a texel, relative to the brighter, that lowers its hysteresis; less reacts sooner, more boils less."]
         change_small: f32 = 0.25, Kind::Number { min: 0.0, max: 1.0 }, Nothing;

@@ -1,13 +1,15 @@
 //! The probe field on the GPU: what the passes that trace, blend and gather probes share.
 
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::probe_plan::{ProbePlan, StateCounts};
+use super::{
+    GpuProbeInfo, GpuProbeLevel,
+    probe_plan::{ProbePlan, StateCounts},
+};
 use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
-    probes::{AtlasLayout, Layout as _, ProbeError, Volume, atlas::ProbeMemory, sampling},
+    probes::{AtlasLayout, Layout as _, Motion, ProbeError, Volume, atlas::ProbeMemory, sampling},
 };
 
 /// Why a probe field cannot be made.
@@ -19,46 +21,11 @@ pub enum ProbeFieldError {
     Gpu(#[from] GpuError),
 }
 
-/// `ProbeInfo` of `shaders/data/probes.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuProbeInfo {
-    pub first_ws: [f32; 3],
-    pub slots: u32,
-    pub spacing: [f32; 3],
-    pub rays: u32,
-    pub inverse_spacing: [f32; 3],
-    pub columns_log2: u32,
-    pub counts: [u32; 3],
-    pub rows_log2: u32,
-    pub irradiance_scale: [f32; 2],
-    pub distance_scale: [f32; 2],
-    pub irradiance_texels: f32,
-    pub distance_texels: f32,
-    pub longest: f32,
-    pub reject_longer: u32,
-    pub normal_bias: f32,
-    pub view_bias: f32,
-    pub wrap_offset: f32,
-    pub crush: f32,
-    pub visibility: u32,
-    pub chebyshev_power: f32,
-    pub chebyshev_floor: f32,
-    pub least_weight: f32,
-    pub hysteresis: f32,
-    pub warmup_frames: u32,
-    pub change_small: f32,
-    pub change_step: f32,
-    pub change_large: f32,
-    pub change_deviations: f32,
-    pub firefly_clamp: f32,
-    pub move_reach: f32,
-}
-
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
 /// update takes no account of them, and a gather before it finds no light.
 pub struct ProbeField {
     volume: Volume,
+    motion: Motion,
     atlas: AtlasLayout,
     memory: ProbeMemory,
     plan: ProbePlan,
@@ -107,6 +74,19 @@ impl ProbeField {
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
         }
+        let what = format!("a layout of {} probes", volume.slots());
+        gpu.making(&what, memory.total(), || {
+            Self::make(gpu, volume, atlas, memory, parameters)
+        })
+    }
+
+    fn make(
+        gpu: &Gpu,
+        volume: Volume,
+        atlas: AtlasLayout,
+        memory: ProbeMemory,
+        parameters: &ProbeParameters,
+    ) -> Result<Self, ProbeFieldError> {
         let texture = |label, texels| {
             let format = wgpu::TextureFormat::Rgba16Float;
             gpu.texture(label, atlas.texture_extent(texels), format)
@@ -143,10 +123,38 @@ impl ProbeField {
             }),
             rays_per_probe: parameters.rays,
             distance_sharpness: parameters.distance_sharpness,
+            motion: Motion::new(&volume),
             volume,
             atlas,
             memory,
         })
+    }
+
+    /// Moves a volume that follows the camera, before frame `frame`. Returns whether that leaves
+    /// nothing of what the probes knew: the next frame is the first one then.
+    pub fn follow(&mut self, eye_ws: Vec3, frame: u64) -> bool {
+        self.motion.follow(&mut self.volume, eye_ws, frame)
+    }
+
+    /// Probes that the last move has made new.
+    pub fn fresh(&self) -> u32 {
+        self.motion.fresh()
+    }
+
+    /// Voxels of a box (grid space, from low to high corner) have changed: pass `probe_states` looks
+    /// there before the probes' next update.
+    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
+        self.plan.change(low_gs, high_gs);
+    }
+
+    /// Whether pass `probe_states` has probes to place.
+    pub fn misplaced(&self) -> bool {
+        self.plan.has_changed() || self.fresh() > 0
+    }
+
+    /// Pass `probe_states` has been recorded.
+    pub fn set_placed(&mut self) {
+        self.plan.forget_changes();
     }
 
     /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
@@ -155,7 +163,7 @@ impl ProbeField {
     /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
     /// time when this one was made.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
-        let info = self.info(parameters);
+        let info = self.info(parameters, frame);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
         let directions: Vec<[f32; 4]> = sampling::directions(self.rays_per_probe, seed, frame)
@@ -166,7 +174,7 @@ impl ProbeField {
         self.plan.begin_frame(gpu, parameters, frame);
     }
 
-    fn info(&self, parameters: &ProbeParameters) -> GpuProbeInfo {
+    fn info(&self, parameters: &ProbeParameters, frame: u64) -> GpuProbeInfo {
         let scale = |texels: u32| {
             let [width, height, _] = self.atlas.texture_extent(texels);
             [1.0 / width as f32, 1.0 / height as f32]
@@ -176,24 +184,18 @@ impl ProbeField {
             Relocation::Exact | Relocation::Statistical => parameters.move_reach,
         };
         GpuProbeInfo {
-            first_ws: self.volume.first().to_array(),
-            slots: self.volume.slots(),
-            spacing: self.volume.spacing().to_array(),
-            rays: self.rays_per_probe,
-            inverse_spacing: self.volume.spacing().recip().to_array(),
-            columns_log2: self.atlas.columns_log2,
+            levels: GpuProbeLevel::all(&self.volume, &self.motion, parameters, frame),
             counts: self.volume.counts().to_array(),
+            slots: self.volume.slots(),
+            level_count: self.volume.levels().len() as u32,
+            level_slots: self.volume.level_slots(),
+            rays: self.rays_per_probe,
+            columns_log2: self.atlas.columns_log2,
             rows_log2: self.atlas.rows_log2,
+            irradiance_texels: self.atlas.irradiance_texels as f32,
             irradiance_scale: scale(self.atlas.irradiance_texels),
             distance_scale: scale(self.atlas.distance_texels),
-            irradiance_texels: self.atlas.irradiance_texels as f32,
             distance_texels: self.atlas.distance_texels as f32,
-            // As the source rejects: what no cage can ask for, however far its probe has moved.
-            longest: self.volume.cage_diagonal()
-                * match parameters.long_rays {
-                    LongRays::Clamp => parameters.distance_clamp,
-                    LongRays::Reject => 1.0 + move_reach,
-                },
             reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
             normal_bias: parameters.normal_bias,
             view_bias: parameters.view_bias,
@@ -214,6 +216,8 @@ impl ProbeField {
             change_deviations: parameters.change_deviations,
             firefly_clamp: parameters.firefly_clamp,
             move_reach,
+            moves: u32::from(self.volume.moves()),
+            _pad: [0; 3],
         }
     }
 
@@ -291,18 +295,6 @@ impl ProbeField {
     /// Byte in [`Self::dispatch`].
     pub const PROBES_OFFSET: u64 = 16;
 
-    /// Voxels of a box (grid space, from low to high corner) have changed: pass `probe_states` is to
-    /// run before the probes' next update, and looks there.
-    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
-        self.plan.change(low_gs, high_gs);
-    }
-
-    /// Whether pass `probe_states` is to run in this frame: once for a new field, and once after
-    /// changes. After [`Self::begin_frame`].
-    pub fn take_changed(&mut self) -> bool {
-        self.plan.take_changed()
-    }
-
     /// Slots that the last update was for, in no particular order.
     ///
     /// # Errors
@@ -358,6 +350,17 @@ impl ProbeField {
     /// [`GpuError::Device`] when the device is lost.
     pub fn state_counts(&self, gpu: &Gpu) -> Result<StateCounts, GpuError> {
         self.plan.count(gpu, &self.states)
+    }
+
+    /// How often each probe has been updated since it was new; 0 for one in stone.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        // Updates, and what else passes know of it.
+        let states: Vec<[u32; 4]> = gpu.read_buffer(&self.states)?;
+        let probes = states.iter().take(self.volume.slots() as usize);
+        Ok(probes.map(|[updates, ..]| *updates).collect())
     }
 
     /// Bytes of GPU memory.

@@ -7,11 +7,15 @@
 //! radiance reflected by a diffuse surface is therefore albedo × texel. Distances are in voxels.
 
 pub mod atlas;
+mod level;
+mod motion;
 pub mod octahedral;
 pub mod sampling;
 pub mod volume;
 
 pub use atlas::AtlasLayout;
+pub use level::Level;
+pub use motion::Motion;
 pub use volume::Volume;
 
 use glam::Vec3;
@@ -27,7 +31,7 @@ pub trait Layout {
 
     /// The probes that light a point, and their weights: each in [0, 1], together 1. A slot may
     /// occur more than once; its weights then add up.
-    fn cage(&self, point_ws: Vec3) -> [(u32, f32); 8];
+    fn cage(&self, point_ws: Vec3) -> Vec<(u32, f32)>;
 }
 
 /// Why a probe layout cannot be used.
@@ -35,10 +39,40 @@ pub trait Layout {
 pub enum ProbeError {
     #[error("probe layout `{layout}`: counts must be at least 1 on every axis, not {counts}")]
     NoProbes { layout: String, counts: String },
+    #[error("probe layout `{layout}`: `cascades` must be between 1 and {most}, not {cascades}")]
+    Cascades {
+        layout: String,
+        cascades: u32,
+        most: u32,
+    },
     #[error(
-        "probe layout `{layout}`: spacing must be finite and above 0 on every axis, not {spacing}"
+        "probe layout `{layout}`: counts must be at least {least} on every axis, not {counts}, where \
+         cascades fade into each other or the volume follows the camera"
     )]
-    Spacing { layout: String, spacing: String },
+    TooFew {
+        layout: String,
+        counts: String,
+        least: u32,
+    },
+    #[error(
+        "probe layout `{layout}`: spacing must be between {least} and {most} voxels on every axis, not \
+         {spacing}"
+    )]
+    Spacing {
+        layout: String,
+        spacing: String,
+        least: f32,
+        most: f32,
+    },
+    #[error(
+        "probe layout `{layout}` reaches {reach:.0} voxels from the origin; {most} are possible. Choose a \
+         narrower spacing, or fewer probes or cascades."
+    )]
+    TooFar {
+        layout: String,
+        reach: f64,
+        most: f32,
+    },
     #[error("probe layout `{layout}`: centre must be finite, not {centre}")]
     Centre { layout: String, centre: String },
     #[error("probe layout `{layout}` has {slots} probes; at most {most} are possible")]

@@ -8,6 +8,18 @@ pub const MAX_LAMPS: usize = 64;
 /// Most probes of one layout (8 kB of maps and history each).
 pub const MAX_PROBES: u32 = 1 << 20;
 
+/// Most cascades of one layout.
+pub const MAX_CASCADES: u32 = 6;
+
+/// Least probes along an axis where light fades from one cascade to the next.
+pub const LEAST_COUNT: u32 = 4;
+
+/// Least voxels between probes: nearer ones would share their voxels.
+pub const LEAST_SPACING: f32 = 0.25;
+
+/// Coordinates lie within ± this many voxels, so that f32 still tells voxels apart.
+pub const FARTHEST: f32 = 1_048_576.0;
+
 /// A lamp as the file gives it; `lights` evaluates its motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lamp {
@@ -101,11 +113,19 @@ pub struct Camera {
     pub fov_deg: f32,
 }
 
-/// A uniform probe volume: position(index) = (index − (count−1)/2)·spacing + centre.
+/// Volumes of probes, nested in each other; each next one has twice the spacing. In a single one that
+/// stays, position(index) = (index − (count−1)/2)·spacing + centre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayoutSpec {
     pub name: String,
+    /// Probes of each volume along each axis.
     pub counts: UVec3,
+    /// Voxels between the probes of the finest volume.
     pub spacing: Vec3,
+    /// World space; of volumes that follow the camera, their middle as seen from it.
     pub centre: Vec3,
+    /// Whether the volumes move with the camera.
+    pub follow: bool,
+    /// How many volumes there are, 1 … [`MAX_CASCADES`].
+    pub cascades: u32,
 }

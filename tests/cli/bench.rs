@@ -53,3 +53,46 @@ fn bench_traversal_measures_rows_and_writes_them() {
         &["file"],
     );
 }
+
+#[test]
+fn bench_flight_flies_jumps_and_says_what_is_in_the_way() {
+    let folder = folder();
+    let flight = |cameras: &[&str]| {
+        let mut command = grotto();
+        command.args(["bench", "flight", "worlds/house.ron", "--layout", "around"]);
+        for camera in cameras {
+            command.args(["--camera", camera]);
+        }
+        command.args(["--metres", "3", "--frames", "2", "--size", "32x18"]);
+        command.args(["--rays", "8", "--json"]);
+        command
+    };
+    let ended = end(flight(&["inside"]).arg("--out").arg(folder.path()));
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let record = ended.json();
+    let written = fs::read_to_string(folder.path().join("flight.json")).expect("the record");
+    let written: Value = serde_json::from_str(&written).expect("JSON");
+    assert_eq!(written, record);
+    let row = &record["rows"][0];
+    assert_eq!(
+        row["frames"], 9,
+        "three metres at 20 m/s, 60 frames a second"
+    );
+    assert!(
+        row["scroll"]["frames"]
+            .as_u64()
+            .is_some_and(|frames| frames > 0)
+    );
+    assert!(
+        row["change"]["count"]
+            .as_u64()
+            .is_some_and(|count| count > 1000)
+    );
+    assert_eq!(row["teleport"]["camera"], "outside");
+    refused(
+        &mut flight(&["inside", "outside"]),
+        2,
+        &["stone is in the way", "`inside`", "`outside`"],
+    );
+    refused(flight(&["inside"]).args(["--speed", "0"]), 2, &["above 0"]);
+}

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Kernel, KernelSpec, Recorder},
     parameters::ProbeParameters,
-    passes::{GpuProbeInfo, GpuProbePlan, ProbeField},
+    passes::{GpuProbeInfo, GpuProbeLevel, GpuProbePlan, ProbeField},
     probes::{Layout as _, Volume, octahedral, sampling},
     world::LayoutSpec,
 };
@@ -44,19 +44,18 @@ macro_rules! offsets {
 fn probe_info_lies_in_memory_as_the_shader_reads_it() {
     let expected = offsets!(
         GpuProbeInfo:
-        first_ws,
-        slots,
-        spacing,
-        rays,
-        inverse_spacing,
-        columns_log2,
+        levels,
         counts,
+        slots,
+        level_count,
+        level_slots,
+        rays,
+        columns_log2,
         rows_log2,
+        irradiance_texels,
         irradiance_scale,
         distance_scale,
-        irradiance_texels,
         distance_texels,
-        longest,
         reject_longer,
         normal_bias,
         view_bias,
@@ -73,11 +72,37 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         change_large,
         change_deviations,
         firefly_clamp,
-        move_reach
+        move_reach,
+        moves
     );
     assert_eq!(
         members_of("ProbeInfo"),
         (expected, size_of::<GpuProbeInfo>())
+    );
+}
+
+#[test]
+fn levels_lie_in_memory_as_the_shader_reads_them() {
+    let expected = offsets!(
+        GpuProbeLevel:
+        first_ws,
+        first_slot,
+        spacing,
+        longest,
+        inverse_spacing,
+        fade,
+        middle_ws,
+        age,
+        reach,
+        anchor_ws,
+        base,
+        wrap,
+        base_before,
+        inwards_ws
+    );
+    assert_eq!(
+        members_of("ProbeLevel"),
+        (expected, size_of::<GpuProbeLevel>())
     );
 }
 
@@ -177,96 +202,133 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-/// Positions and cages of the GPU's volume are those of the CPU's.
+/// Positions and cages of the GPU's volumes are those of the CPU's, wherever they have moved.
 #[test]
 fn the_gpu_places_probes_and_cages_as_the_cpu() {
-    for counts in [[5, 3, 4], [1, 2, 1]] {
-        let spec = LayoutSpec {
+    for (counts, cascades, eyes) in [
+        ([5, 3, 4], 1, &[][..]),
+        ([1, 2, 1], 1, &[]),
+        ([4, 5, 6], 3, &[]),
+        ([5, 4, 6], 1, &[Vec3::new(-40.0, 1.0, 17.0)]),
+        (
+            [6, 5, 4],
+            3,
+            &[
+                Vec3::ZERO,
+                Vec3::new(13.0, -9.0, 4.0),
+                Vec3::splat(-50_000.0),
+            ],
+        ),
+    ] {
+        let mut volume = Volume::new(&LayoutSpec {
             name: "test".into(),
             counts: counts.into(),
             spacing: Vec3::new(7.0, 3.5, 11.0),
             centre: Vec3::new(-0.2, 1.0, 3.4),
-        };
-        let volume = Volume::new(&spec).expect("a good layout");
-        let rig = Rig::new(volume.clone(), ProbeParameters::default());
-        rig.field.begin_frame(&rig.gpu, &rig.parameters, SEED, 0);
-        let points: Vec<[f32; 4]> = (0..300)
-            .map(|i| sampling::rotation(4, i).xyz().as_vec3() * 40.0)
-            .map(|point| point.extend(0.0).to_array())
-            .collect();
-        let kernel = Kernel::new(
-            &rig.gpu,
-            &KernelSpec {
-                shader: "generated/cages",
-                generated: &[("cages", CAGES)],
-                ..Default::default()
-            },
-        )
-        .expect("compiles");
-        let slots = volume.slots();
-        let input = rig.gpu.storage_buffer_of("points", &points).expect("fits");
-        let positions = rig
-            .gpu
-            .storage_buffer("positions", u64::from(slots) * 16)
-            .expect("fits");
-        let corners = rig
-            .gpu
-            .storage_buffer("corners", points.len() as u64 * 64)
-            .expect("fits");
-        let mut resources = rig.field.resources().to_vec();
-        resources.push(("points", input.as_entire_binding()));
-        resources.push(("positions", positions.as_entire_binding()));
-        resources.push(("corners", corners.as_entire_binding()));
-        let bindings = kernel.bind(&rig.gpu, &resources);
-        let mut recorder = Recorder::new(&rig.gpu, None);
-        recorder.compute("cages", |pass| {
-            kernel.dispatch_threads(pass, &bindings, [points.len() as u32, 1, 1]);
-        });
-        recorder.submit(&rig.gpu).expect("submits");
-        let positions = rig.gpu.read_buffer::<[f32; 4]>(&positions).expect("reads");
-        for slot in 0..slots {
-            let [x, y, z, _] = positions[slot as usize];
-            assert_eq!(Vec3::new(x, y, z), volume.position(slot), "slot {slot}");
+            follow: !eyes.is_empty(),
+            cascades,
+        })
+        .expect("a good layout");
+        let mut rig = Rig::new(volume.clone(), ProbeParameters::default());
+        compare_cages(&rig, &volume, Vec3::ZERO);
+        for eye in eyes {
+            volume.follow(*eye);
+            rig.field.follow(*eye, 0);
+            compare_cages(&rig, &volume, *eye);
         }
-        let corners = rig
-            .gpu
-            .read_buffer::<[[f32; 2]; 8]>(&corners)
-            .expect("reads");
-        for (point, found) in points.iter().zip(&corners) {
-            let mut difference = vec![0.0; slots as usize];
-            for (slot, weight) in volume.cage(Vec3::new(point[0], point[1], point[2])) {
-                difference[slot as usize] += weight;
-            }
-            for [slot, weight] in found {
-                // Corners beyond a single layer have no weight, and may name any slot.
-                if *weight > 0.0 {
-                    difference[*slot as usize] -= weight;
-                }
-            }
-            for (slot, off) in difference.iter().enumerate() {
-                assert!(off.abs() < 1e-5, "slot {slot} at {point:?} is off by {off}");
-            }
+    }
+}
+
+fn compare_cages(rig: &Rig, volume: &Volume, around: Vec3) {
+    rig.field.begin_frame(&rig.gpu, &rig.parameters, SEED, 0);
+    let points: Vec<[f32; 4]> = (0..300)
+        .map(|i| around + sampling::rotation(4, i).xyz().as_vec3() * 90.0)
+        .map(|point| point.extend(0.0).to_array())
+        .collect();
+    let kernel = Kernel::new(
+        &rig.gpu,
+        &KernelSpec {
+            shader: "generated/cages",
+            generated: &[("cages", CAGES)],
+            ..Default::default()
+        },
+    )
+    .expect("compiles");
+    let slots = volume.slots();
+    let levels = volume.levels().len();
+    let input = rig.gpu.storage_buffer_of("points", &points).expect("fits");
+    let positions = rig
+        .gpu
+        .storage_buffer("positions", u64::from(slots) * 16)
+        .expect("fits");
+    let corners = rig
+        .gpu
+        .storage_buffer("corners", (points.len() * levels * 64) as u64)
+        .expect("fits");
+    let mut resources = rig.field.resources().to_vec();
+    resources.push(("points", input.as_entire_binding()));
+    resources.push(("positions", positions.as_entire_binding()));
+    resources.push(("corners", corners.as_entire_binding()));
+    let bindings = kernel.bind(&rig.gpu, &resources);
+    let mut recorder = Recorder::new(&rig.gpu, None);
+    recorder.compute("cages", |pass| {
+        kernel.dispatch_threads(
+            pass,
+            &bindings,
+            [points.len().max(slots as usize) as u32, 1, 1],
+        );
+    });
+    recorder.submit(&rig.gpu).expect("submits");
+    let positions = rig.gpu.read_buffer::<[f32; 4]>(&positions).expect("reads");
+    for slot in 0..slots {
+        let [x, y, z, _] = positions[slot as usize];
+        assert_eq!(Vec3::new(x, y, z), volume.position(slot), "slot {slot}");
+    }
+    let corners = rig.gpu.read_buffer::<[f32; 2]>(&corners).expect("reads");
+    for (point, found) in points.iter().zip(corners.chunks_exact(8 * levels)) {
+        let mut difference = vec![0.0; slots as usize];
+        for (slot, weight) in volume.cage(Vec3::new(point[0], point[1], point[2])) {
+            difference[slot as usize] += weight;
+        }
+        for [slot, weight] in found {
+            difference[*slot as usize] -= weight;
+        }
+        for (slot, off) in difference.iter().enumerate() {
+            // Far out f32 knows the place in a cell less well.
+            assert!(off.abs() < 5e-3, "slot {slot} at {point:?} is off by {off}");
         }
     }
 }
 
 const CAGES: &str = "
 import package::data::probes::probe_info;
-import package::probes::volume::{lattice_index, lattice_position, cage_around, cage_slot, lattice_weights};
+import package::probes::volume::{
+    lattice_point, lattice_position, level_of, level_share, point_within, cage_around, cage_slot,
+    lattice_weights,
+};
 @group(3) @binding(0) var<storage, read> points: array<vec4f>;
 @group(3) @binding(1) var<storage, read_write> positions: array<vec4f>;
 @group(3) @binding(2) var<storage, read_write> corners: array<vec2f>;
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x < probe_info.slots {
-        positions[id.x] = vec4f(lattice_position(lattice_index(id.x)), 0.0);
+        positions[id.x] = vec4f(lattice_position(level_of(id.x), lattice_point(id.x)), 0.0);
     }
-    if id.x < arrayLength(&points) {
-        let cage = cage_around(points[id.x].xyz);
+    if id.x >= arrayLength(&points) {
+        return;
+    }
+    let point = points[id.x].xyz;
+    var left = 1.0;
+    for (var level = 0u; level < probe_info.level_count; level += 1u) {
+        let coarsest = level + 1u == probe_info.level_count;
+        let share = left * select(level_share(level, point), 1.0, coarsest);
+        left -= share;
+        let cage = cage_around(level, point_within(level, point));
         for (var corner = 0u; corner < 8u; corner += 1u) {
             let weights = lattice_weights(cage, corner);
-            corners[id.x * 8u + corner] =
-                vec2f(f32(cage_slot(cage, corner)), weights.x * weights.y * weights.z);
+            corners[(id.x * probe_info.level_count + level) * 8u + corner] = vec2f(
+                f32(cage_slot(cage, corner)), share * weights.x * weights.y * weights.z,
+            );
         }
     }
 }
@@ -285,6 +347,8 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
         counts: UVec3::splat(100),
         spacing: Vec3::ONE,
         centre: Vec3::ZERO,
+        follow: false,
+        cascades: 1,
     })
     .expect("a good layout");
     let error = ProbeField::new(&gpu, huge, &parameters)
@@ -295,4 +359,13 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
         message.contains("probes.") || message.contains("layout"),
         "{message}"
     );
+    // What the adapter's limits allow, and the memory that it shares with the CPU does not.
+    if gpu.summary.is_software() && cfg!(target_os = "linux") {
+        let refused = gpu.check_memory("a layout", u64::MAX);
+        let error = refused.expect_err("16 EiB").to_string();
+        assert!(
+            error.contains("18446744073709551615 bytes") && error.contains("memory available"),
+            "{error}"
+        );
+    }
 }

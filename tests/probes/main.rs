@@ -1,5 +1,6 @@
 //! Probe maps and gather on the GPU against closed forms and the CPU's mathematics.
 
+mod cascades;
 mod gather;
 mod history;
 mod lattice;
@@ -27,6 +28,8 @@ fn volume(counts: [u32; 3], spacing: f32) -> Volume {
         counts: counts.into(),
         spacing: Vec3::splat(spacing),
         centre: Vec3::splat(0.5),
+        follow: false,
+        cascades: 1,
     })
     .expect("a good layout")
 }

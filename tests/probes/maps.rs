@@ -19,7 +19,7 @@ fn a_constant_field_is_its_own_average() {
             ..Default::default()
         };
         let mut rig = Rig::new(volume([2, 1, 1], 4.0), parameters);
-        let longest = 1.5 * f64::from(rig.field.volume().cage_diagonal());
+        let longest = 1.5 * f64::from(rig.field.volume().levels()[0].cage_diagonal());
         for _ in 0..3 {
             rig.update(|slot, _| [0.5, 2.0, 8.0, 3.0 + slot as f32]);
         }

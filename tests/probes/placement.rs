@@ -37,6 +37,8 @@ fn volume() -> Volume {
         counts: UVec3::new(7, 9, 10),
         spacing: SPACING,
         centre: Vec3::new(0.3, -0.4, 0.5),
+        follow: false,
+        cascades: 1,
     })
     .expect("a good layout")
 }
@@ -176,7 +178,7 @@ import package::probes::volume::{cage_around, cage_slot, corner_share, probe_pla
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x < arrayLength(&points) {
         let point = points[id.x].xyz;
-        let cage = cage_around(point);
+        let cage = cage_around(0u, point);
         for (var corner = 0u; corner < 8u; corner += 1u) {
             let slot = cage_slot(cage, corner);
             let share = corner_share(cage, corner, probe_place(slot), point);
@@ -269,12 +271,11 @@ fn adjusted_weights_are_shares_with_steps_between_cages() {
 fn lattice_and_adjusted_weights_are_their_closed_forms() {
     for kind in [Weights::Lattice, Weights::Adjusted] {
         let moved = Moved::new(kind);
-        let spacing = volume().spacing();
+        let (spacing, low) = (SPACING, volume().levels()[0].first());
         for (found, point) in moved.weights(&moved.points).iter().zip(&moved.points) {
             let mut expected = vec![0.0; found.len()];
             for (slot, lattice) in volume().cage(*point) {
                 let home = volume().position(slot);
-                let low = volume().first();
                 let index = ((home - low) / spacing).round();
                 let along = (point - low) / spacing;
                 // Where the point lies in the cage, seen from this corner: 1 − along or along.
@@ -293,7 +294,7 @@ fn lattice_and_adjusted_weights_are_their_closed_forms() {
                 };
             }
             // On a plane between cages either of them may be meant.
-            let fraction = ((point - volume().first()) / spacing).fract();
+            let fraction = ((point - low) / spacing).fract();
             let on_plane = (fraction - 0.5).abs().max_element() > 0.4999;
             let total: f32 = expected.iter().sum();
             for (slot, (found, expected)) in found.iter().zip(&expected).enumerate() {

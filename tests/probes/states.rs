@@ -55,6 +55,8 @@ impl Slab {
             counts: COUNTS,
             spacing: Vec3::splat(SPACING),
             centre: Vec3::new(24.5, 28.5, 28.5),
+            follow: false,
+            cascades: 1,
         })
         .expect("a good layout");
         let parameters = ProbeParameters {
@@ -95,8 +97,9 @@ impl Slab {
         self.field
             .begin_frame(&self.gpu, &self.parameters, 1, self.frame);
         let mut recorder = Recorder::new(&self.gpu, None);
-        if self.field.take_changed() {
+        if self.field.misplaced() {
             self.states.record(&mut recorder);
+            self.field.set_placed();
         }
         self.due.record(&mut recorder);
         self.blend.record(&mut recorder);

@@ -75,7 +75,7 @@ fn line_ends_and_marks_of_other_editors_do_not_matter() {
         fs::write(&path, text).expect("written");
         let world = load(&path).unwrap_or_else(|report| panic!("{report:?}"));
         assert_eq!(world.name, "world");
-        assert_eq!(world.layouts.len(), 2);
+        assert_eq!(world.layouts.len(), 3);
     }
 }
 

@@ -59,6 +59,9 @@ fn every_part_of_the_schema_is_read() {
     assert_eq!(world.lamp_presets[1].lamps.len(), 7);
     assert_eq!(world.layouts[1].spacing, Vec3::new(7.0, 6.0, 7.0));
     assert_eq!(world.layouts[0].centre, Vec3::ZERO);
+    assert!(!world.layouts[0].follow && world.layouts[0].cascades == 1);
+    assert!(world.layouts[2].follow && world.layouts[2].cascades == 3);
+    assert_eq!(world.layouts[2].centre, Vec3::ZERO, "where the camera is");
     assert!(world.cameras[0].pitch_deg < 0.0 && world.cameras[0].yaw_deg.abs() < 1e-5);
     let tiny_at_first_place = &world.features[..2];
     assert_eq!(tiny_at_first_place[0].min.to_array(), [-1, 6, -1]);

@@ -1,5 +1,7 @@
 //! `grotto bench SUITE`: one file a suite.
 
+mod flight;
+mod flight_path;
 mod response;
 mod stability;
 pub mod traversal;
@@ -30,6 +32,7 @@ enum Suite {
     Traversal(Traversal),
     Stability(stability::Arguments),
     Response(response::Arguments),
+    Flight(flight::Arguments),
 }
 
 /// March camera, shadow and probe rays, against plain DDA in the same run
@@ -67,6 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Suite::Traversal(arguments) => run_traversal(arguments),
         Suite::Stability(arguments) => stability::run(arguments),
         Suite::Response(arguments) => response::run(arguments),
+        Suite::Flight(arguments) => flight::run(arguments),
     }
 }
 
@@ -140,15 +144,19 @@ fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {
     }
 }
 
-/// The worlds of suites about light, at their first camera and layout unless others are named; the
-/// Cornell box when none is.
+/// The worlds of suites about light, at their first camera and layout unless others are named;
+/// `otherwise` when none is.
 ///
 /// # Errors
 /// For a world that cannot be read, and for cameras and layouts that no world has.
-fn subjects(options: &SubjectOptions, run: &RunOptions) -> Result<Vec<Subject>, Failure> {
-    let cornell = [PathBuf::from("worlds/cornell.ron")];
+fn subjects(
+    options: &SubjectOptions,
+    run: &RunOptions,
+    otherwise: &str,
+) -> Result<Vec<Subject>, Failure> {
+    let otherwise = [PathBuf::from(otherwise)];
     let paths = match &options.worlds[..] {
-        [] => &cornell[..],
+        [] => &otherwise[..],
         given => given,
     };
     let mut subjects = Vec::new();

@@ -61,7 +61,7 @@ struct Row {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (options, run) = (&arguments.subjects, &arguments.run);
-    let subjects = super::subjects(options, run)?;
+    let subjects = super::subjects(options, run, "worlds/cornell.ron")?;
     let file = arguments.out.as_deref();
     let file = file.map(|folder| OutFile::new(folder, "response.json"));
     let file = file.transpose()?;

@@ -62,7 +62,7 @@ const RAYS: [u32; 6] = [8, 16, 32, 64, 128, 256];
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (options, run) = (&arguments.subjects, &arguments.run);
-    let subjects = super::subjects(options, run)?;
+    let subjects = super::subjects(options, run, "worlds/cornell.ron")?;
     let file = arguments.out.as_deref();
     let file = file.map(|folder| OutFile::new(folder, "stability.json"));
     let file = file.transpose()?;

@@ -6,7 +6,7 @@ use super::leaf::OneOrThree;
 use super::resolve::Reader;
 use super::schema;
 use super::values::{Read, or};
-use crate::world::scenery::MAX_PROBES;
+use crate::world::scenery::{FARTHEST, LEAST_COUNT, LEAST_SPACING, MAX_CASCADES, MAX_PROBES};
 use crate::world::sdf::Shape;
 use crate::world::{Camera, LayoutSpec, Sky, Sun};
 
@@ -108,35 +108,13 @@ impl Reader<'_> {
     }
 
     pub(super) fn layouts(&self, layouts: &[schema::Layout]) -> Read<Vec<LayoutSpec>> {
-        let source = self.source;
         let (low, high) = self.world_box();
         let mut names = Vec::new();
         let mut resolved = Vec::new();
         for layout in layouts {
-            let name = source.name(&layout.name, "layout", &names)?;
-            names.push(name.clone());
-            let [x, y, z] = layout.counts.leaves();
-            let count = |leaf| source.count(leaf, "counts", 1..=MAX_PROBES);
-            let counts = UVec3::new(count(x)?, count(y)?, count(z)?);
-            let probes: u64 = counts.to_array().map(u64::from).iter().product();
-            if probes > u64::from(MAX_PROBES) {
-                return Err(source.at_vector(
-                    &layout.counts,
-                    format!("layout `{name}` has {probes} probes"),
-                    format!("a layout may have {MAX_PROBES}; widen the spacing"),
-                ));
-            }
-            let spacing = match &layout.spacing {
-                OneOrThree::One(leaf) => Vec3::splat(source.positive(leaf, "spacing")?),
-                OneOrThree::Three(v) => source.positive3(v, "spacing")?,
-            };
-            let middle = (low + high) / 2.0;
-            resolved.push(LayoutSpec {
-                name,
-                counts,
-                spacing,
-                centre: or(&layout.centre, middle, |v| source.point(v, "centre"))?,
-            });
+            let layout = self.layout(layout, &names)?;
+            names.push(layout.name.clone());
+            resolved.push(layout);
         }
         if resolved.is_empty() {
             let size = high - low;
@@ -146,9 +124,71 @@ impl Reader<'_> {
                 counts: (size / spacing).ceil().as_uvec3().max(UVec3::splat(2)),
                 spacing: Vec3::splat(spacing),
                 centre: (low + high) / 2.0,
+                follow: false,
+                cascades: 1,
             });
         }
         Ok(resolved)
+    }
+
+    fn layout(&self, layout: &schema::Layout, names: &[String]) -> Read<LayoutSpec> {
+        let source = self.source;
+        let name = source.name(&layout.name, "layout", names)?;
+        let [x, y, z] = layout.counts.leaves();
+        let count = |leaf| source.count(leaf, "counts", 1..=MAX_PROBES);
+        let counts = UVec3::new(count(x)?, count(y)?, count(z)?);
+        let cascades = or(&layout.cascades, 1, |leaf| {
+            source.count(leaf, "cascades", 1..=MAX_CASCADES)
+        })?;
+        let each = counts.to_array().map(u64::from);
+        let probes = each.iter().fold(u64::from(cascades), |a, b| a * b);
+        if probes > u64::from(MAX_PROBES) {
+            return Err(source.at_vector(
+                &layout.counts,
+                format!("layout `{name}` has {probes} probes"),
+                format!("a layout may have {MAX_PROBES}; widen the spacing"),
+            ));
+        }
+        if (layout.follow || cascades > 1) && counts.min_element() < LEAST_COUNT {
+            return Err(source.at_vector(
+                &layout.counts,
+                format!("layout `{name}` is too thin for light to fade at its edges"),
+                format!("with `follow` or `cascades`, write counts of at least {LEAST_COUNT}"),
+            ));
+        }
+        let apart = |leaf| -> Read<f32> {
+            let range = f64::from(LEAST_SPACING)..=f64::from(FARTHEST);
+            Ok(source.number_in(leaf, "spacing", range)? as f32)
+        };
+        let spacing = match &layout.spacing {
+            OneOrThree::One(leaf) => Vec3::splat(apart(leaf)?),
+            OneOrThree::Three(v) => Vec3::new(apart(&v.0)?, apart(&v.1)?, apart(&v.2)?),
+        };
+        let (low, high) = self.world_box();
+        let middle = if layout.follow {
+            Vec3::ZERO
+        } else {
+            (low + high) / 2.0
+        };
+        let centre = or(&layout.centre, middle, |v| source.point(v, "centre"))?;
+        let coarsest = spacing.as_dvec3() * f64::from(1u32 << (cascades - 1));
+        let reach = centre.as_dvec3().abs() + (counts - 1).as_dvec3() * 0.5 * coarsest;
+        let reach = reach.max_element();
+        if reach > f64::from(FARTHEST) {
+            return Err(source.at_vector(
+                &layout.counts,
+                format!("layout `{name}` reaches {reach:.0} voxels from the origin"),
+                format!("{FARTHEST} are possible; narrow the spacing, or use fewer cascades"),
+            ));
+        }
+        Ok(LayoutSpec {
+            name,
+            counts,
+            spacing,
+            centre,
+            follow: layout.follow,
+            cascades,
+        })
     }
 }
 

@@ -558,7 +558,7 @@ pub struct Camera {
     pub fov_deg: Option<Leaf>,
 }
 
-/// A uniform volume of probes: `(name: "layout1", counts: (7, 5, 5), spacing: 18)`.
+/// Volumes of probes: `(name: "layout1", counts: (7, 5, 5), spacing: 18)`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Layout {
@@ -567,6 +567,11 @@ pub struct Layout {
     pub counts: Vector,
     /// Voxels between probes: one number, or one for each axis.
     pub spacing: OneOrThree,
-    /// Default: the middle of the world's box.
+    /// Default: the middle of the world's box, or the camera.
     pub centre: Option<Vector>,
+    /// Whether the camera takes the volume along. Default no.
+    #[serde(default)]
+    pub follow: bool,
+    /// 1 … 6, default 1.
+    pub cascades: Option<Leaf>,
 }

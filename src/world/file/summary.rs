@@ -43,10 +43,9 @@ impl Summary {
             cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),
             layouts: layouts
                 .map(|l| {
-                    (
-                        l.name.clone(),
-                        l.counts.to_array().map(u64::from).iter().product(),
-                    )
+                    let each = l.counts.to_array().map(u64::from);
+                    let probes = each.iter().fold(u64::from(l.cascades), |a, b| a * b);
+                    (l.name.clone(), probes)
                 })
                 .collect(),
             grid_bytes: cells.iter().product::<u64>() * size_of::<u32>() as u64,

@@ -8,12 +8,13 @@ use super::diagnostics::{Problem, Source};
 use super::explain::suggest;
 use super::leaf::{Leaf, OneOrThree};
 use super::schema::Vector;
+use crate::world::scenery;
 
 /// A value of the file, or what is wrong with it.
 pub type Read<T> = Result<T, Box<Problem>>;
 
-/// Coordinates lie within ± this many voxels, so that f32 still tells voxels apart.
-pub const FARTHEST: f64 = 1_048_576.0;
+/// Coordinates lie within ± this many voxels.
+const FARTHEST: f64 = scenery::FARTHEST as f64;
 
 /// Most noises, kinds of features, presets, cameras or layouts of a world.
 const MAX_NAMES: usize = 1024;

@@ -1,0 +1,368 @@
+//! `grotto bench flight`: what moving costs and shows, and what a jump leaves behind.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use super::{
+    super::{
+        Failure,
+        options::RunOptions,
+        out_file::OutFile,
+        output,
+        subject::{Subject, SubjectOptions},
+    },
+    flight_path::Path,
+};
+use crate::{
+    frame::{Frame, Stage},
+    gpu::{AdapterSummary, Gpu, Recorder, Timing},
+    measure::{
+        changes::{ChangeMeter, Changes, mean_lit},
+        picture::Picture,
+        statistics,
+    },
+    parameters::ProbeParameters,
+    passes::{View, ViewMode},
+    probes::Layout as _,
+    world::{Camera, LayoutSpec},
+};
+
+/// Light while the camera flies and after it has jumped, and what probes that come cost
+///
+/// Flies along the first camera's view, to and fro before the wall ahead, or through several cameras
+/// (`--camera A --camera B`). After each frame the surfaces of the frame before are lit again: the change of
+/// their indirect irradiance, relative to the brighter of the two, is what pops. Pixels below 5 % of the
+/// mean are left out. Then the camera jumps to the world's camera that is farthest away, and what it sees
+/// after the settling frames is compared with probes that began there. Without WORLD the cavern is flown
+/// through.
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    subjects: SubjectOptions,
+    /// How far to fly
+    #[arg(long, value_name = "M", default_value_t = 200.0, value_parser = positive, allow_negative_numbers = true)]
+    metres: f32,
+    /// Metres per second
+    #[arg(long, value_name = "V", default_value_t = 20.0, value_parser = positive, allow_negative_numbers = true)]
+    speed: f32,
+    /// Frames per second of flight
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rate: u32,
+    /// Also write flight.json into this folder, made if need be
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    run: RunOptions,
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok();
+    let value = value.filter(|value: &f32| *value > 0.0 && *value <= 1e6);
+    value.ok_or_else(|| "write a number above 0, at most 1e6".to_owned())
+}
+
+#[derive(Serialize)]
+struct Record<'a> {
+    suite: &'static str,
+    adapter: &'a AdapterSummary,
+    /// Width and height in pixels.
+    size: [u32; 2],
+    rows: Vec<Row>,
+}
+
+#[derive(Serialize)]
+struct Row {
+    world: String,
+    cameras: Vec<String>,
+    layout: String,
+    probes: u32,
+    rays: u32,
+    metres: f32,
+    /// Metres per second.
+    speed: f32,
+    /// Frames before the flight, and after the jump.
+    settling: u32,
+    /// Frames of the flight.
+    frames: u32,
+    /// From frame to frame in flight.
+    change: Changes,
+    /// As many frames before it, with the camera at rest.
+    change_at_rest: Changes,
+    scroll: Scroll,
+    teleport: Teleport,
+}
+
+/// Frames in which probes came, against those of the same flight in which none did.
+#[derive(Serialize)]
+struct Scroll {
+    frames: u32,
+    /// Most probes that came in one frame.
+    most_fresh: u32,
+    /// Median milliseconds; `null` where there are no such frames, or no times.
+    scrolling_ms: Option<f64>,
+    still_ms: Option<f64>,
+    /// Their ratio.
+    ratio: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Teleport {
+    /// The camera that it went to.
+    camera: String,
+    /// Probes that the jump made new.
+    fresh: u32,
+    /// Against a run that started there.
+    difference: Changes,
+}
+
+/// Pixels below this share of the mean say nothing about pops.
+const FLOOR: f64 = 0.05;
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let (options, run) = (&arguments.subjects, &arguments.run);
+    let subjects = super::subjects(options, run, "worlds/cavern.ron")?;
+    let file = arguments.out.as_deref();
+    let file = file.map(|folder| OutFile::new(folder, "flight.json"));
+    let file = file.transpose()?;
+    let gpu = output::open_gpu(run)?;
+    let mut rows = Vec::new();
+    for subject in &subjects {
+        rows.extend(measure(&gpu, subject, arguments)?);
+    }
+    let record = Record {
+        suite: "flight",
+        adapter: &gpu.summary,
+        size: options.size,
+        rows,
+    };
+    if let Some(file) = file {
+        file.write_json(&record)?;
+    }
+    if run.json {
+        output::print_json(&record)
+    } else {
+        let rows: String = record.rows.iter().map(lines).collect();
+        output::print(&format!("{}\n{rows}", gpu.summary.name))
+    }
+}
+
+fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Row>, Failure> {
+    let options = &arguments.subjects;
+    let mut rows = Vec::new();
+    for layout in &subject.layouts {
+        for &rays in &subject.rays {
+            let probes = subject.with_rays(rays).probes;
+            let frames = (arguments.metres / arguments.speed * arguments.rate as f32).ceil() as u32;
+            let rest = u64::from(frames.min(options.frames));
+            let length = 3 * u64::from(options.frames) + u64::from(frames) + rest + 2;
+            let bar = output::progress(&arguments.run, "frames", length);
+            let mut flyer = Flyer::new(gpu, subject, layout, &probes, &bar)?;
+            let row = flyer.fly(subject, arguments, frames)?;
+            bar.finish_and_clear();
+            rows.push(row);
+        }
+    }
+    Ok(rows)
+}
+
+/// A frame with all that it takes to record the next one and look at the last one again.
+struct Flyer<'a> {
+    gpu: &'a Gpu,
+    frame: Frame,
+    timing: Timing,
+    view: View,
+    subject: &'a Subject,
+    layout: &'a LayoutSpec,
+    probes: &'a ProbeParameters,
+    bar: &'a ProgressBar,
+}
+
+impl<'a> Flyer<'a> {
+    fn new(
+        gpu: &'a Gpu,
+        subject: &'a Subject,
+        layout: &'a LayoutSpec,
+        probes: &'a ProbeParameters,
+        bar: &'a ProgressBar,
+    ) -> Result<Self, Failure> {
+        let mut view = subject.view(&subject.cameras[0]);
+        view.mode = ViewMode::Irradiance;
+        let stage = Stage::build(gpu, &subject.world)?;
+        Ok(Self {
+            gpu,
+            frame: Frame::new(gpu, stage, layout, probes, view.size)?,
+            timing: Timing::new(gpu)?,
+            view,
+            subject,
+            layout,
+            probes,
+            bar,
+        })
+    }
+
+    /// The next frame; gives its milliseconds, where they are known.
+    fn step(&mut self, camera: &Camera) -> Result<Option<f64>, Failure> {
+        self.view.camera = camera.clone();
+        self.view.frame = self.frame.frames();
+        let mut recorder = Recorder::new(self.gpu, Some(&mut self.timing));
+        let lights = &self.subject.lights;
+        self.frame
+            .record(self.gpu, &mut recorder, &self.view, lights, self.probes);
+        recorder.submit(self.gpu)?;
+        self.gpu.wait()?;
+        self.bar.inc(1);
+        let times = self.timing.next_frame();
+        let known = times.filter(|_| self.timing.supported());
+        Ok(known.map(|times| times.frame_ms))
+    }
+
+    fn settle(&mut self, camera: &Camera, frames: u32) -> Result<Picture, Failure> {
+        for _ in 0..frames.max(1) {
+            self.step(camera)?;
+        }
+        Ok(self.frame.read_radiance(self.gpu)?)
+    }
+
+    /// What a camera sees by the probes as they are.
+    fn look(&mut self, camera: &Camera) -> Result<Picture, Failure> {
+        let mut view = self.view.clone();
+        view.camera = camera.clone();
+        let mut recorder = Recorder::new(self.gpu, None);
+        self.frame.show(self.gpu, &mut recorder, &view);
+        recorder.submit(self.gpu)?;
+        Ok(self.frame.read_radiance(self.gpu)?)
+    }
+
+    fn fly(
+        &mut self,
+        subject: &Subject,
+        arguments: &Arguments,
+        frames: u32,
+    ) -> Result<Row, Failure> {
+        let settling = arguments.subjects.frames;
+        let voxels = self.frame.stage.read_back(self.gpu)?;
+        let per_metre = 1.0 / subject.world.voxel_m;
+        let length = arguments.metres * per_metre;
+        let path = Path::new(&subject.world, &voxels, &subject.cameras, length)?;
+        let start = path.at(0.0);
+        let mut last = self.settle(&start, settling)?;
+        let floor = FLOOR * mean_lit(&last);
+
+        let mut at_rest = ChangeMeter::new(floor);
+        for _ in 0..frames.min(settling) {
+            self.step(&start)?;
+            let now = self.frame.read_radiance(self.gpu)?;
+            at_rest.add(&last, &now).map_err(Failure::fault)?;
+            last = now;
+        }
+
+        let mut change = ChangeMeter::new(floor);
+        let (mut scrolling, mut still) = (Vec::new(), Vec::new());
+        let (mut scrolls, mut most_fresh) = (0, 0);
+        let mut before = start;
+        for index in 1..=frames {
+            let flown = arguments.speed * per_metre * index as f32 / arguments.rate as f32;
+            let camera = path.at(flown.min(length));
+            let ms = self.step(&camera)?;
+            let now = self.frame.read_radiance(self.gpu)?;
+            let again = self.look(&before)?;
+            change.add(&last, &again).map_err(Failure::fault)?;
+            let fresh = self.frame.field().fresh();
+            if fresh > 0 {
+                (scrolls, most_fresh) = (scrolls + 1, most_fresh.max(fresh));
+                scrolling.extend(ms);
+            } else {
+                still.extend(ms);
+            }
+            (last, before) = (now, camera);
+        }
+
+        let teleport = self.teleport(&before, settling, floor)?;
+        let scrolling_ms = statistics::median(&scrolling);
+        let still_ms = statistics::median(&still);
+        Ok(Row {
+            world: subject.world.name.clone(),
+            cameras: subject.cameras.iter().map(|c| c.name.clone()).collect(),
+            layout: self.layout.name.clone(),
+            probes: self.frame.field().volume().slots(),
+            rays: self.probes.rays,
+            metres: arguments.metres,
+            speed: arguments.speed,
+            settling,
+            frames,
+            change: change.result(),
+            change_at_rest: at_rest.result(),
+            scroll: Scroll {
+                frames: scrolls,
+                most_fresh,
+                scrolling_ms,
+                still_ms,
+                ratio: scrolling_ms.zip(still_ms).map(|(a, b)| a / b),
+            },
+            teleport,
+        })
+    }
+
+    /// Jumps to the camera that is farthest from `here`.
+    fn teleport(&mut self, here: &Camera, settling: u32, floor: f64) -> Result<Teleport, Failure> {
+        let distance = |camera: &&Camera| camera.position.distance_squared(here.position);
+        let cameras = self.subject.world.cameras.iter();
+        let there = cameras.max_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let there = there.expect("a world has a camera").clone();
+        self.step(&there)?;
+        let fresh = self.frame.field().fresh();
+        let jumped = self.settle(&there, settling)?;
+        self.frame
+            .replace_probes(self.gpu, self.layout, self.probes)?;
+        self.step(&there)?;
+        let started = self.settle(&there, settling)?;
+        let mut difference = ChangeMeter::new(floor);
+        difference.add(&started, &jumped).map_err(Failure::fault)?;
+        Ok(Teleport {
+            camera: there.name,
+            fresh,
+            difference: difference.result(),
+        })
+    }
+}
+
+fn lines(row: &Row) -> String {
+    let cameras = row.cameras.join(" – ");
+    let percent = |changes: &Changes| {
+        let [median, p99, p999, max] =
+            [changes.median, changes.p99, changes.p999, changes.max].map(|share| 100.0 * share);
+        format!("median {median:.2} %  p99 {p99:.2} %  p99.9 {p999:.2} %  max {max:.1} %")
+    };
+    let ms = |ms: Option<f64>| ms.map_or("?".to_owned(), |ms| format!("{ms:.3} ms"));
+    let scroll = &row.scroll;
+    let ratio = scroll.ratio.map_or(String::new(), |ratio| {
+        format!(", {:+.1} %", 100.0 * (ratio - 1.0))
+    });
+    format!(
+        "{} · {cameras} · {} ({} probes, {} rays), {} m at {} m/s in {} frames\n\
+         \x20 change in flight   {}\n\
+         \x20 change at rest     {}\n\
+         \x20 frames with new probes: {} (at most {} probes), {}; others {}{ratio}\n\
+         \x20 after a jump to `{}` ({} of {} probes new), against a start there: {}\n",
+        row.world,
+        row.layout,
+        row.probes,
+        row.rays,
+        row.metres,
+        row.speed,
+        row.frames,
+        percent(&row.change),
+        percent(&row.change_at_rest),
+        scroll.frames,
+        scroll.most_fresh,
+        ms(scroll.scrolling_ms),
+        ms(scroll.still_ms),
+        row.teleport.camera,
+        row.teleport.fresh,
+        row.probes,
+        percent(&row.teleport.difference),
+    )
+}

@@ -1,0 +1,137 @@
+//! How much light changes from one picture to the next of the same surfaces.
+
+use serde::Serialize;
+
+use super::{
+    metrics::{MetricError, comparable},
+    picture::Picture,
+    tonemap::luminance,
+};
+
+/// Changes of luminance relative to the greater of the two, in [0, 1].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Changes {
+    pub median: f64,
+    pub p99: f64,
+    /// 999 of 1000 changes are at most this.
+    pub p999: f64,
+    pub max: f64,
+    /// How many were measured.
+    pub count: u64,
+}
+
+/// Collects changes, however many. Pixels that are darker than the floor before and after are left
+/// out: they show no surface, or one too dark to tell.
+#[derive(Clone, Debug)]
+pub struct ChangeMeter {
+    floor: f64,
+    max: f64,
+    /// By size, in steps of 1/[`STEPS`].
+    counts: Vec<u64>,
+}
+
+/// Resolution of the percentiles.
+const STEPS: f64 = 10_000.0;
+
+impl ChangeMeter {
+    /// `floor`: least luminance that counts.
+    pub fn new(floor: f64) -> Self {
+        Self {
+            floor,
+            max: 0.0,
+            counts: vec![0; STEPS as usize + 1],
+        }
+    }
+
+    /// Adds the changes between two pictures of the same surfaces in linear light.
+    ///
+    /// # Errors
+    /// [`MetricError`] for pictures of different sizes, and for values that are not finite.
+    pub fn add(&mut self, before: &Picture, after: &Picture) -> Result<(), MetricError> {
+        comparable(before, after)?;
+        for (before, after) in before.rgb.iter().zip(&after.rgb) {
+            let (before, after) = (luminance(*before), luminance(*after));
+            let brighter = before.max(after);
+            if brighter > self.floor {
+                let change = (before - after).abs() / brighter;
+                self.max = self.max.max(change);
+                self.counts[(change * STEPS).ceil().min(STEPS) as usize] += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// What was seen so far.
+    pub fn result(&self) -> Changes {
+        let count = self.counts.iter().sum();
+        let quantile = |share: f64| {
+            let within = (count as f64 * share).ceil() as u64;
+            let mut seen = 0;
+            let step = self.counts.iter().position(|one| {
+                seen += one;
+                seen >= within
+            });
+            step.unwrap_or_default() as f64 / STEPS
+        };
+        Changes {
+            median: quantile(0.5),
+            p99: quantile(0.99),
+            p999: quantile(0.999),
+            max: self.max,
+            count,
+        }
+    }
+}
+
+/// Mean luminance of the pixels that are not black; 0 when all are.
+pub fn mean_lit(picture: &Picture) -> f64 {
+    let lit: Vec<f64> = picture
+        .rgb
+        .iter()
+        .map(|rgb| luminance(*rgb))
+        .filter(|luminance| *luminance > 0.0)
+        .collect();
+    lit.iter().sum::<f64>() / lit.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grey(values: &[f32]) -> Picture {
+        Picture {
+            width: values.len() as u32,
+            height: 1,
+            rgb: values.iter().map(|value| [*value; 3]).collect(),
+        }
+    }
+
+    #[test]
+    fn changes_are_shares_of_the_brighter_and_what_is_dark_is_left_out() {
+        let mut meter = ChangeMeter::new(0.1);
+        let mut before = vec![1.0; 2000];
+        let mut after = vec![1.01; 2000];
+        // Three that pop, one black and one dark pixel.
+        after[..3].fill(2.0);
+        (before[3], after[3]) = (0.0, 0.0);
+        (before[4], after[4]) = (0.02, 0.08);
+        meter
+            .add(&grey(&before), &grey(&after))
+            .expect("comparable");
+        let found = meter.result();
+        assert_eq!(found.count, 1998);
+        assert!((found.median - 0.01).abs() < 2e-4, "{found:?}");
+        assert!((found.p99 - 0.01).abs() < 2e-4, "{found:?}");
+        assert!((found.p999 - 0.5).abs() < 2e-4, "{found:?}");
+        assert!((found.max - 0.5).abs() < 1e-6, "{found:?}");
+        let other = grey(&[1.0]);
+        assert!(meter.add(&grey(&before), &other).is_err());
+    }
+
+    #[test]
+    fn the_mean_of_what_is_lit_knows_no_sky() {
+        assert!((mean_lit(&grey(&[0.0, 2.0, 4.0])) - 3.0).abs() < 1e-6);
+        assert_eq!(mean_lit(&grey(&[0.0])), 0.0);
+        assert_eq!(ChangeMeter::new(0.0).result(), Changes::default());
+    }
+}

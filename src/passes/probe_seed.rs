@@ -1,0 +1,44 @@
+//! Pass `probe_seed`: what probes of a volume that has moved show until they have looked.
+
+use super::ProbeField;
+use crate::{
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
+    probes::Layout as _,
+};
+
+pub struct ProbeSeed {
+    kernel: Kernel,
+    bindings: Bindings,
+    groups: [u32; 2],
+}
+
+impl ProbeSeed {
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
+        let atlas = field.atlas();
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "passes/probe_seed",
+                overrides: &[
+                    ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
+                    ("DISTANCE_TEXELS", f64::from(atlas.distance_texels)),
+                ],
+                ..Default::default()
+            },
+        )?;
+        let mut all = field.update_resources().to_vec();
+        all.push(("probe_places", field.places().as_entire_binding()));
+        Ok(Self {
+            bindings: kernel.bind(gpu, &all),
+            kernel,
+            groups: rectangle(field.volume().slots()),
+        })
+    }
+
+    /// After pass `probe_states`, before pass `probe_rays`.
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        recorder.run(&self.kernel, &self.bindings, self.groups);
+    }
+}

@@ -1,0 +1,268 @@
+//! Volumes that move with the camera: what is new after a move and what stays, jumps, edits, and how
+//! much light changes on the way.
+
+use glam::{IVec3, Vec3};
+use grotto::{
+    frame::{Frame, Stage},
+    gpu::{Gpu, Recorder, ShaderChecks},
+    lights::Lights,
+    measure::{
+        changes::{ChangeMeter, mean_lit},
+        picture::Picture,
+    },
+    parameters::ProbeParameters,
+    passes::{View, ViewMode},
+    probes::{Layout as _, Volume},
+    world::{Camera, LayoutSpec, World, file},
+};
+use half::f16;
+
+/// A hall with pillars under a lamp at either end.
+const HALL: &str = "(
+    title: \"A hall to fly through.\",
+    size: (96, 32, 64),
+    origin: (-48, -16, -32),
+    shape: Union([
+        Subtraction([Box(half: (48, 16, 32)), Box(half: (44, 9, 20))]),
+        Repeat(period: (16, 0, 16), of: Box(half: (1, 12, 1))),
+    ]),
+    materials: {\"plaster\": (a: Flat(0.7, 0.6, 0.5))},
+    lamps: [(name: \"two\", lamps: [
+        (position: (-30, 6, 3), power: 3000),
+        (position: (30, 6, -3), power: 3000, colour: (0.4, 0.7, 1)),
+    ])],
+    sky: (zenith: (0, 0, 0)),
+)";
+
+const SIZE: [u32; 2] = [48, 32];
+
+fn camera(position: Vec3) -> Camera {
+    Camera {
+        name: "flying".into(),
+        position,
+        yaw_deg: -90.0,
+        pitch_deg: -5.0,
+        fov_deg: 80.0,
+    }
+}
+
+struct Hall {
+    gpu: Gpu,
+    frame: Frame,
+    layout: LayoutSpec,
+    probes: ProbeParameters,
+    lights: Lights,
+    world: World,
+}
+
+impl Hall {
+    fn new(rays: u32, counts: [u32; 3], cascades: u32) -> Self {
+        let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
+        let world = file::parse(HALL, "hall", None, &Default::default()).expect("a sound world");
+        let layout = LayoutSpec {
+            name: "around".into(),
+            counts: counts.into(),
+            spacing: Vec3::splat(2.0),
+            centre: Vec3::ZERO,
+            follow: true,
+            cascades,
+        };
+        let probes = ProbeParameters {
+            rays,
+            ..Default::default()
+        };
+        let stage = Stage::build(&gpu, &world).expect("fits");
+        Self {
+            frame: Frame::new(&gpu, stage, &layout, &probes, SIZE).expect("fits"),
+            lights: Lights::at(&world, &world.lamp_presets[0], 0.0),
+            gpu,
+            layout,
+            probes,
+            world,
+        }
+    }
+
+    fn view(&self, position: Vec3) -> View {
+        View {
+            camera: camera(position),
+            size: SIZE,
+            frame: self.frame.frames(),
+            seed: 5,
+            exposure_ev: 0.0,
+            mode: ViewMode::Irradiance,
+            time_s: 0.0,
+            textures: true,
+        }
+    }
+
+    fn step(&mut self, position: Vec3) {
+        let view = self.view(position);
+        let mut recorder = Recorder::new(&self.gpu, None);
+        self.frame
+            .record(&self.gpu, &mut recorder, &view, &self.lights, &self.probes);
+        recorder.submit(&self.gpu).expect("submits");
+    }
+
+    fn settle(&mut self, position: Vec3, frames: u32) {
+        for _ in 0..frames {
+            self.step(position);
+        }
+    }
+
+    fn picture(&self) -> Picture {
+        self.frame.read_radiance(&self.gpu).expect("reads back")
+    }
+
+    /// The picture from another place by the probes as they are.
+    fn look(&mut self, position: Vec3) -> Picture {
+        let view = self.view(position);
+        let mut recorder = Recorder::new(&self.gpu, None);
+        self.frame.show(&self.gpu, &mut recorder, &view);
+        recorder.submit(&self.gpu).expect("submits");
+        self.picture()
+    }
+
+    fn volume(&self) -> Volume {
+        self.frame.field().volume().clone()
+    }
+
+    fn updates(&self) -> Vec<u32> {
+        self.frame.field().updates(&self.gpu).expect("reads back")
+    }
+
+    fn places(&self) -> Vec<[f32; 4]> {
+        let places = self.gpu.read_buffer(self.frame.field().places());
+        places.expect("reads back")
+    }
+}
+
+/// By one cell, by several, along one axis and all: what has stayed keeps its history, what has come
+/// begins anew.
+#[test]
+fn only_fresh_planes_begin_anew() {
+    let mut hall = Hall::new(16, [8, 5, 8], 3);
+    let mut place = Vec3::new(-30.0, 0.0, 1.0);
+    hall.settle(place, 3);
+    for step in [Vec3::X * 2.0, Vec3::new(-1.0, 2.0, 9.0), Vec3::X * 12.0] {
+        let (before, updates) = (hall.volume(), hall.updates());
+        place += step;
+        hall.step(place);
+        let volume = hall.volume();
+        let mut fresh = 0;
+        for (slot, (now, then)) in (0..).zip(hall.updates().into_iter().zip(updates)) {
+            let level = volume.level_of(slot);
+            let stays = before.level_of(slot).contains(level.point(slot));
+            if stays {
+                assert_eq!(now, then + u32::from(then > 0), "slot {slot} stays");
+            } else {
+                assert!(now <= 1, "slot {slot} is new, and {now} updates old");
+                fresh += 1;
+            }
+        }
+        assert!(fresh > 0 && fresh < volume.slots(), "{fresh}");
+        assert_eq!(hall.frame.field().fresh(), fresh);
+        hall.settle(place, 2);
+    }
+    hall.step(place);
+    assert_eq!(hall.frame.field().fresh(), 0, "nothing moves");
+}
+
+fn atlas(hall: &Hall) -> Vec<[f16; 4]> {
+    let atlas = hall.frame.field().irradiance_atlas();
+    hall.gpu.read_texture(atlas).expect("reads back")
+}
+
+/// A jump that leaves nothing leaves nothing: the very bytes of a run that started there.
+#[test]
+fn a_jump_equals_a_start_there() {
+    let (here, there) = (Vec3::new(-36.0, 0.0, 1.0), Vec3::new(36.0, -2.0, 0.0));
+    let mut hall = Hall::new(16, [8, 5, 8], 3);
+    hall.settle(here, 6);
+    let before = hall.picture();
+    hall.step(there);
+    assert_eq!(hall.frame.field().fresh(), hall.volume().slots());
+    hall.settle(there, 4);
+    let jumped = (hall.picture(), atlas(&hall));
+    assert_ne!(before, jumped.0);
+    hall.frame
+        .replace_probes(&hall.gpu, &hall.layout, &hall.probes)
+        .expect("fits");
+    hall.settle(there, 5);
+    assert!(mean_lit(&jumped.0) > 1e-3, "there is light to compare");
+    assert!((hall.picture(), atlas(&hall)) == jumped);
+}
+
+/// Change of light from frame to frame at 20 m/s and 60 frames a second. `forgetful`: with probes that
+/// begin anew at every tenth frame.
+fn flight(forgetful: bool) -> f64 {
+    let mut hall = Hall::new(32, [6, 5, 6], 2);
+    let place = |frame: u32| Vec3::new(-16.0 + frame as f32 / 3.0, 0.3, 6.0);
+    hall.settle(place(0), 45);
+    let mut last = hall.picture();
+    let mut meter = ChangeMeter::new(0.05 * mean_lit(&last));
+    for frame in 1..=24 {
+        if forgetful && frame % 10 == 0 {
+            hall.frame
+                .replace_probes(&hall.gpu, &hall.layout, &hall.probes)
+                .expect("fits");
+        }
+        hall.step(place(frame));
+        let now = hall.picture();
+        let again = hall.look(place(frame - 1));
+        meter.add(&last, &again).expect("comparable");
+        last = now;
+    }
+    eprintln!("{:?}", meter.result());
+    meter.result().p99
+}
+
+#[test]
+fn nothing_pops_on_the_way() {
+    let found = flight(false);
+    assert!(found < 0.05, "{found}");
+    let found = flight(true);
+    assert!(found > 0.15, "a pop would be seen: {found}");
+}
+
+/// Wherever stone comes, the probes of every level leave it.
+#[test]
+fn probes_of_every_level_leave_stone_that_comes() {
+    let mut hall = Hall::new(16, [8, 5, 8], 3);
+    let eye = Vec3::new(-30.0, 0.0, 1.0);
+    hall.settle(eye, 2);
+    let mut voxels = hall.frame.stage.read_back(&hall.gpu).expect("reads back");
+    let origin = hall.world.origin;
+    let is_stone = |voxels: &grotto::world::voxels::Voxels, place: [f32; 4]| {
+        let voxel = Vec3::new(place[0], place[1], place[2]).floor().as_ivec3() - origin;
+        voxels.material(voxel) != 0
+    };
+    let low = IVec3::new(-34, -8, -4) - origin;
+    let edit = voxels.fill_box(low, low + IVec3::new(9, 12, 9), 1);
+    let level_slots = hall.volume().level_slots() as usize;
+    for (level, places) in hall.places().chunks(level_slots).enumerate() {
+        let caught = |place: &&[f32; 4]| place[3] != 0.0 && is_stone(&voxels, **place);
+        let caught = places.iter().filter(caught).count();
+        assert!(caught > 0, "the edit reaches level {level}");
+    }
+    hall.frame
+        .apply(&hall.gpu, &voxels, &edit)
+        .expect("the bricks fit");
+    hall.step(eye);
+    assert_eq!(hall.frame.field().fresh(), 0, "an edit moves no volume");
+    for (slot, place) in hall.places().iter().enumerate() {
+        assert!(
+            place[3] == 0.0 || !is_stone(&voxels, *place),
+            "slot {slot} is alive in stone at {place:?}"
+        );
+    }
+}
+
+#[test]
+fn a_camera_beyond_all_worlds_shows_a_picture() {
+    let mut hall = Hall::new(8, [6, 5, 6], 3);
+    hall.settle(Vec3::splat(1e7), 2);
+    assert!(hall.picture().rgb.iter().flatten().all(|v| v.is_finite()));
+    // And comes back.
+    hall.settle(Vec3::new(-30.0, 0.0, 1.0), 45);
+    assert!(mean_lit(&hall.picture()) > 1e-3);
+}
