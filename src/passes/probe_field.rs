@@ -216,8 +216,6 @@ impl ProbeField {
             change_deviations: parameters.change_deviations,
             firefly_clamp: parameters.firefly_clamp,
             move_reach,
-            moves: u32::from(self.volume.moves()),
-            _pad: [0; 3],
         }
     }
 

@@ -37,6 +37,4 @@ pub struct GpuProbeInfo {
     pub change_deviations: f32,
     pub firefly_clamp: f32,
     pub move_reach: f32,
-    pub moves: u32,
-    pub _pad: [u32; 3],
 }

@@ -67,7 +67,7 @@ fn levels_share_a_point_as_the_cpu_says() {
             let off = (found[0] - expected).abs();
             assert!(off < 0.01 * expected, "{point}: {} of {expected}", found[0]);
         }
-        assert!(mixed > 10, "some points lie where levels fade: {mixed}");
+        assert!(mixed > 3, "some points lie where levels fade: {mixed}");
     }
 }
 

@@ -72,8 +72,7 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         change_large,
         change_deviations,
         firefly_clamp,
-        move_reach,
-        moves
+        move_reach
     );
     assert_eq!(
         members_of("ProbeInfo"),
