@@ -128,6 +128,8 @@ pub struct Frame {
     frames: u32,
     view: wgpu::Buffer,
     lights: GpuLights,
+    /// Of the last frame.
+    lights_before: Option<Lights>,
     field: ProbeField,
     passes: Passes,
 }
@@ -163,6 +165,7 @@ impl Frame {
             frames: 0,
             view,
             lights,
+            lights_before: None,
             field,
             passes,
         })
@@ -187,7 +190,11 @@ impl Frame {
             .follow(view.camera.position, u64::from(self.frames))
         {
             self.frames = 0;
+            self.field.changes.forget_edits();
         }
+        let before = self.lights_before.replace(lights.clone());
+        let light_change = before.map_or(0.0, |before| lights.change_since(&before));
+        self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
@@ -275,6 +282,9 @@ impl Frame {
         self.stage.voxels.write(gpu, voxels, edit);
         if let Some((low, high)) = edit.region {
             self.field.note_change(low.as_vec3(), high.as_vec3() + 1.0);
+            let origin = self.stage.voxels.origin;
+            let [low, high] = [low, high].map(|voxel| voxel.as_ivec3() + origin);
+            self.field.changes.edit(low, high, self.frames);
         }
         Ok(())
     }

@@ -310,8 +310,7 @@ fn more_hysteresis_responds_later() {
     let respond = |hysteresis: &str| {
         let set = [
             "probes.warmup_frames=0",
-            "probes.change_step=0",
-            "probes.change_large=1",
+            "probes.change_deviations=1000",
             hysteresis,
         ];
         let set: Vec<&str> = set.iter().flat_map(|key| ["--set", key]).collect();
@@ -339,4 +338,22 @@ fn more_hysteresis_responds_later() {
     // One bounce alone takes ln 0.1 / ln h frames: 3.3 and 21.9. More bounces take longer.
     assert!((3.0..12.0).contains(&quick), "{quick}");
     assert!((18.0..60.0).contains(&slow), "{slow}");
+}
+
+/// Four frames to nine tenths of all bounces, and nothing of that is paid for with a shorter history.
+#[test]
+fn a_lamp_that_is_switched_is_seen_at_once() {
+    let frames = ["--frames", "12", "--response-frames", "64"];
+    let small = ["--size", "16x9", "--layout", "layout1", "--rays", "128"];
+    let set = ["--set", "probes.warmup_frames=10", "--json"];
+    let output = grotto(&[&["bench", "response", CORNELL], &frames[..], &small, &set].concat());
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let json: Value = serde_json::from_str(&text(&output.stdout)).expect("one JSON object");
+    let response = &json["rows"][0]["response"];
+    assert_eq!(json["rows"][0]["hysteresis"].as_f64(), Some(0.97));
+    // A plain average takes more than a hundred for either.
+    for (change, most) in [("lamp_on", 4.0), ("lamp_off", 10.0)] {
+        let frames = number(response, &format!("{change}.to_90"));
+        assert!(frames <= most, "{change}: {response}");
+    }
 }

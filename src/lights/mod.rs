@@ -4,6 +4,7 @@
 //! the CPU in f64, [`table`] uploads what it gives, and the CPU path tracer reads the very same
 //! values. Lamps are summed: adding one never darkens anything.
 
+pub mod change;
 pub mod emitters;
 pub mod lamp;
 pub mod motion;

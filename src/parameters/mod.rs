@@ -236,14 +236,10 @@ parameters! {
         cascade_fade: f32 = 1.0, Kind::Number { min: 0.25, max: 8.0 }, Nothing;
         #[doc = "Frames of a fresh field in which history is replaced, one bounce each, before it is averaged; more carry bright surfaces farther, fewer settle sooner."]
         warmup_frames: u32 = 40, Kind::Count { min: 0, max: 1000 }, Nothing;
-        #[doc = "Change of a texel, relative to the brighter, that lowers its hysteresis; less reacts sooner, more boils less."]
-        change_small: f32 = 0.25, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "How much a small change lowers the hysteresis; more reacts sooner, less boils less."]
-        change_step: f32 = 0.15, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Change of a texel, relative to the brighter, that drops its history; less reacts at once, more boils less."]
-        change_large: f32 = 0.8, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Standard deviations of its own noise that a texel's change must exceed to count; more boils less at few rays, 0 takes noise for change."]
-        change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 100.0 }, Nothing;
+        #[doc = "Standard deviations of its own noise beyond which a probe's light counts as changed and its history is shortened; less reacts sooner, more boils less, and 1000 never reacts."]
+        change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;
+        #[doc = "Share of its unrest that a probe keeps per update after a change; more lets late bounces in sooner, less is steady again sooner."]
+        change_unrest: f32 = 0.9, Kind::Number { min: 0.0, max: 0.99 }, Nothing;
         #[doc = "Most luminance of a probe ray in multiples of the probe's mean; less is steadier but loses the light of small bright things, 0 limits nothing."]
         firefly_clamp: f32 = 0.0, Kind::Number { min: 0.0, max: 65504.0 }, Nothing;
     }

@@ -7,6 +7,7 @@ mod lighting;
 pub mod overlay;
 pub mod path_trace;
 pub mod probe_blend;
+mod probe_changes;
 pub mod probe_due;
 mod probe_field;
 mod probe_info;
@@ -25,6 +26,7 @@ mod view;
 pub mod voxelise;
 
 pub use lighting::{GpuEmitters, GpuLights, GpuMaterials};
+pub use probe_changes::{GpuChanges, GpuEditSphere};
 pub use probe_field::{ProbeField, ProbeFieldError};
 pub use probe_info::GpuProbeInfo;
 pub use probe_level::GpuProbeLevel;

@@ -3,13 +3,15 @@
 use glam::Vec3;
 
 use super::{
-    GpuProbeInfo, GpuProbeLevel,
+    GpuChanges, GpuProbeInfo, GpuProbeLevel,
     probe_plan::{ProbePlan, StateCounts},
 };
 use crate::{
     gpu::{Gpu, GpuError},
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
-    probes::{AtlasLayout, Layout as _, Motion, ProbeError, Volume, atlas::ProbeMemory, sampling},
+    probes::{
+        AtlasLayout, Changes, Layout as _, Motion, ProbeError, Volume, atlas::ProbeMemory, sampling,
+    },
 };
 
 /// Why a probe field cannot be made.
@@ -24,6 +26,8 @@ pub enum ProbeFieldError {
 /// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
 /// update takes no account of them, and a gather before it finds no light.
 pub struct ProbeField {
+    /// What its probes are told of changes.
+    pub changes: Changes,
     volume: Volume,
     motion: Motion,
     atlas: AtlasLayout,
@@ -37,6 +41,8 @@ pub struct ProbeField {
     irradiance_history: wgpu::Buffer,
     distance_history: wgpu::Buffer,
     states: wgpu::Buffer,
+    trends: wgpu::Buffer,
+    changes_info: wgpu::Buffer,
     places: wgpu::Buffer,
     irradiance_atlas: wgpu::Texture,
     distance_atlas: wgpu::Texture,
@@ -101,6 +107,7 @@ impl ProbeField {
         gpu.queue
             .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
         Ok(Self {
+            changes: Changes::default(),
             plan: ProbePlan::new(gpu, volume.slots(), parameters.rays)?,
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
@@ -111,6 +118,8 @@ impl ProbeField {
                 .storage_buffer("irradiance_history", memory.irradiance_history)?,
             distance_history: gpu.storage_buffer("distance_history", memory.distance_history)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
+            trends: gpu.storage_buffer("probe_trends", memory.trends)?,
+            changes_info: gpu.uniform_buffer("changes", &GpuChanges::default()),
             irradiance_view: layers_of(&irradiance_atlas),
             distance_view: layers_of(&distance_atlas),
             irradiance_atlas,
@@ -163,6 +172,9 @@ impl ProbeField {
     /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
     /// time when this one was made.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
+        let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
+        gpu.queue
+            .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));
         let info = self.info(parameters, frame);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
@@ -210,10 +222,6 @@ impl ProbeField {
             least_weight: parameters.least_weight,
             hysteresis: parameters.hysteresis,
             warmup_frames: parameters.warmup_frames,
-            change_small: parameters.change_small,
-            change_step: parameters.change_step,
-            change_large: parameters.change_large,
-            change_deviations: parameters.change_deviations,
             firefly_clamp: parameters.firefly_clamp,
             move_reach,
         }
@@ -236,7 +244,7 @@ impl ProbeField {
     }
 
     /// What is written when the field is updated: rays, histories, states, and the atlas.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 10] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
         use wgpu::BindingResource::TextureView;
         let [plan, work] = self.plan.resources();
         [
@@ -254,6 +262,9 @@ impl ProbeField {
                 self.distance_history.as_entire_binding(),
             ),
             ("probe_states", self.states.as_entire_binding()),
+            ("probe_trends", self.trends.as_entire_binding()),
+            ("probe_places", self.places.as_entire_binding()),
+            ("changes", self.changes_info.as_entire_binding()),
             ("irradiance_out", TextureView(&self.irradiance_view)),
             ("distance_out", TextureView(&self.distance_view)),
         ]

@@ -31,10 +31,6 @@ pub struct GpuProbeInfo {
     pub least_weight: f32,
     pub hysteresis: f32,
     pub warmup_frames: u32,
-    pub change_small: f32,
-    pub change_step: f32,
-    pub change_large: f32,
-    pub change_deviations: f32,
     pub firefly_clamp: f32,
     pub move_reach: f32,
 }

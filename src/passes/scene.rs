@@ -44,6 +44,8 @@ pub struct MemoryUse {
 #[derive(Clone)]
 pub struct GpuVoxels {
     pub size: UVec3,
+    /// World space of the grid's first corner.
+    pub origin: IVec3,
     pub info: wgpu::Buffer,
     pub grid: wgpu::Buffer,
     pub masks: wgpu::Buffer,
@@ -64,6 +66,7 @@ impl GpuVoxels {
         let info = GpuGridInfo::new(voxels.size(), origin);
         Ok(Self {
             size: voxels.size(),
+            origin,
             info: gpu.uniform_buffer("grid_info", &info),
             grid: gpu.storage_buffer_of("grid", grid)?,
             masks: gpu.storage_buffer_of("masks", masks)?,

@@ -233,6 +233,7 @@ impl Voxelise {
         };
         let voxels = GpuVoxels {
             size: world.size,
+            origin: world.origin,
             info,
             grid,
             masks,

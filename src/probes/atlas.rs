@@ -21,13 +21,15 @@ pub struct AtlasLayout {
 
 /// Bytes of one texel of both textures (rgba16float).
 const TEXEL_BYTES: u64 = 8;
-/// History: irradiance (f32) and what is known of its noise; mean distance and mean of squares (f32).
+/// History: irradiance (f32); mean distance and mean of squares (f32).
 const IRRADIANCE_HISTORY_BYTES: u64 = 16;
 const DISTANCE_HISTORY_BYTES: u64 = 8;
 /// Radiance and distance of one ray (f32).
 const RAY_BYTES: u64 = 16;
 /// Updates so far, the mean luminance, unrest, and flags.
 const STATE_BYTES: u64 = 16;
+/// Six means by which changes are told from noise, and what they have in common.
+const TREND_BYTES: u64 = 7 * 16;
 /// Where it stands, and whether it gives light.
 const PLACE_BYTES: u64 = 16;
 /// The list of the due, who asked when, and how far it has walked.
@@ -42,6 +44,7 @@ pub struct ProbeMemory {
     pub distance_history: u64,
     pub rays: u64,
     pub states: u64,
+    pub trends: u64,
     pub places: u64,
     pub plan: u64,
 }
@@ -54,6 +57,7 @@ impl ProbeMemory {
             + self.distance_history
             + self.rays
             + self.states
+            + self.trends
             + self.places
             + self.plan
     }
@@ -130,6 +134,7 @@ impl AtlasLayout {
             distance_history: slots * square(self.distance_texels) * DISTANCE_HISTORY_BYTES,
             rays: slots * u64::from(rays) * RAY_BYTES,
             states: slots * STATE_BYTES,
+            trends: slots * TREND_BYTES,
             places: slots * PLACE_BYTES,
             plan: slots * PLAN_BYTES,
         }
@@ -194,7 +199,7 @@ mod tests {
         assert_eq!(memory.distance_atlas, 64 * 324 * 8);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 16 + 20)
+            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 112 + 16 + 20)
         );
     }
 }

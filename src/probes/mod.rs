@@ -7,6 +7,7 @@
 //! radiance reflected by a diffuse surface is therefore albedo × texel. Distances are in voxels.
 
 pub mod atlas;
+pub mod changes;
 mod level;
 mod motion;
 pub mod octahedral;
@@ -14,6 +15,7 @@ pub mod sampling;
 pub mod volume;
 
 pub use atlas::AtlasLayout;
+pub use changes::Changes;
 pub use level::Level;
 pub use motion::Motion;
 pub use volume::Volume;

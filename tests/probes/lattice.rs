@@ -4,46 +4,44 @@ use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Kernel, KernelSpec, Recorder},
     parameters::ProbeParameters,
-    passes::{GpuProbeInfo, GpuProbeLevel, GpuProbePlan, ProbeField},
+    passes::{GpuChanges, GpuEditSphere, GpuProbeInfo, GpuProbeLevel, GpuProbePlan, ProbeField},
     probes::{Layout as _, Volume, octahedral, sampling},
     world::LayoutSpec,
 };
 
 use crate::{Rig, SEED, gpu};
 
-/// Names and offsets of the members of a shader's struct, and its size.
-fn members_of(name: &str) -> (Vec<(String, usize)>, usize) {
-    let composed = gpu()
-        .shaders
-        .compose("passes/probe_blend", &[])
-        .expect("composes");
+/// The members of a struct of pass `probe_blend`, with their offsets, and its size.
+fn layout_of(name: &str) -> (Vec<(String, usize)>, usize) {
+    let gpu = gpu();
+    let composed = gpu.shaders.compose("passes/probe_blend", &[]);
+    let module = composed.expect("composes").module;
     let named = |ty: &naga::Type| {
         ty.name
             .as_deref()
-            .is_some_and(|known| known.starts_with(name))
+            .is_some_and(|full| full.starts_with(name))
     };
-    let mut types = composed.module.types.iter().map(|(_, ty)| ty);
-    let info = types.find(|ty| named(ty)).expect("declared");
+    let (_, info) = module.types.iter().find(|(_, ty)| named(ty)).expect(name);
     let naga::TypeInner::Struct { members, span } = &info.inner else {
-        panic!("a struct");
+        panic!("{name} is a struct");
     };
-    let member = |member: &naga::StructMember| {
+    let members = members.iter().map(|member| {
         let name = member.name.clone().expect("a name");
         (name, member.offset as usize)
-    };
-    (members.iter().map(member).collect(), *span as usize)
+    });
+    (members.collect(), *span as usize)
 }
 
+/// By name, the offsets of a struct's fields.
 macro_rules! offsets {
-    ($Struct:ident: $($field:ident),+) => {
+    ($Struct:ident: $($field:ident),+ $(,)?) => {
         vec![$((stringify!($field).to_owned(), std::mem::offset_of!($Struct, $field))),+]
     };
 }
 
 #[test]
 fn probe_info_lies_in_memory_as_the_shader_reads_it() {
-    let expected = offsets!(
-        GpuProbeInfo:
+    let expected = offsets!(GpuProbeInfo:
         levels,
         counts,
         slots,
@@ -67,23 +65,29 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         least_weight,
         hysteresis,
         warmup_frames,
-        change_small,
-        change_step,
-        change_large,
-        change_deviations,
         firefly_clamp,
-        move_reach
+        move_reach,
     );
     assert_eq!(
-        members_of("ProbeInfo"),
+        layout_of("ProbeInfo"),
         (expected, size_of::<GpuProbeInfo>())
     );
 }
 
 #[test]
+fn changes_lie_in_memory_as_the_shader_reads_them() {
+    let expected = offsets!(GpuChanges: alert, deviations, unrest_kept, frame, edit_count, edits);
+    assert_eq!(layout_of("Changes"), (expected, size_of::<GpuChanges>()));
+    let expected = offsets!(GpuEditSphere: centre_ws, radius, frame);
+    assert_eq!(
+        layout_of("EditSphere"),
+        (expected, size_of::<GpuEditSphere>())
+    );
+}
+
+#[test]
 fn levels_lie_in_memory_as_the_shader_reads_them() {
-    let expected = offsets!(
-        GpuProbeLevel:
+    let expected = offsets!(GpuProbeLevel:
         first_ws,
         first_slot,
         spacing,
@@ -97,18 +101,17 @@ fn levels_lie_in_memory_as_the_shader_reads_them() {
         base,
         wrap,
         base_before,
-        inwards_ws
+        inwards_ws,
     );
     assert_eq!(
-        members_of("ProbeLevel"),
+        layout_of("ProbeLevel"),
         (expected, size_of::<GpuProbeLevel>())
     );
 }
 
 #[test]
 fn the_plan_lies_in_memory_as_the_shader_reads_it() {
-    let expected = offsets!(
-        GpuProbePlan:
+    let expected = offsets!(GpuProbePlan:
         changed_low_gs,
         frame,
         changed_high_gs,
@@ -123,10 +126,10 @@ fn the_plan_lies_in_memory_as_the_shader_reads_it() {
         stone_hysteresis,
         stone_threshold,
         clearance,
-        restless
+        restless,
     );
     assert_eq!(
-        members_of("ProbePlan"),
+        layout_of("ProbePlan"),
         (expected, size_of::<GpuProbePlan>())
     );
 }

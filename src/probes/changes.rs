@@ -1,0 +1,179 @@
+//! What probes are told of changes: lamps and voxels change on the CPU, so that they are known at once
+//! and without noise. Where their light arrives, and when, each probe finds out itself.
+
+use glam::{IVec3, Vec3};
+
+/// Edits that are told apart; more are taken together.
+pub const EDITS: usize = 8;
+/// Share of an alert that is left after a frame: bounces take their time, and sleeping probes look
+/// every tenth frame only.
+const ALERT_KEPT: f32 = 0.95;
+/// Alerts below this are none.
+const LEAST_ALERT: f32 = 0.002;
+/// Frames after which an edit is forgotten: more than any history is long.
+const REMEMBERED_FRAMES: u32 = 2048;
+
+/// A sphere (world space, voxels) within which voxels have changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EditSphere {
+    pub centre_ws: Vec3,
+    pub radius: f32,
+    /// The first frame that shows it.
+    pub frame: u32,
+}
+
+/// What has changed of late.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Changes {
+    alert: f32,
+    edits: Vec<EditSphere>,
+    /// Whether an edit is new.
+    edited: bool,
+}
+
+impl Changes {
+    /// Voxels (world space, both ends inclusive) may have changed; `frame` is the next one.
+    pub fn edit(&mut self, min: IVec3, max: IVec3, frame: u32) {
+        let (low, high) = (min.as_vec3(), max.as_vec3() + 1.0);
+        self.edited = true;
+        self.edits.push(EditSphere {
+            centre_ws: (low + high) / 2.0,
+            radius: low.distance(high) / 2.0,
+            frame,
+        });
+        while self.edits.len() > EDITS {
+            self.join_nearest();
+        }
+    }
+
+    /// Begins a frame in which the lights differ by this much from the frame before
+    /// ([`crate::lights::Lights::change_since`]).
+    pub fn begin_frame(&mut self, light_change: f32, frame: u32) {
+        let faded = self.alert * ALERT_KEPT;
+        let sure = f32::from(u8::from(std::mem::take(&mut self.edited)));
+        self.alert = sure.max(light_change.clamp(0.0, 1.0)).max(faded);
+        if self.alert < LEAST_ALERT {
+            self.alert = 0.0;
+        }
+        self.edits
+            .retain(|edit| frame.saturating_sub(edit.frame) < REMEMBERED_FRAMES);
+    }
+
+    /// Frames are numbered from 0 again, and no probe remembers any.
+    pub fn forget_edits(&mut self) {
+        self.edits.clear();
+    }
+
+    /// How sure it is that light changes now, from 0 to 1.
+    pub fn alert(&self) -> f32 {
+        self.alert
+    }
+
+    /// At most [`EDITS`].
+    pub fn edits(&self) -> &[EditSphere] {
+        &self.edits
+    }
+
+    /// Takes the two edits together whose common sphere is smallest.
+    fn join_nearest(&mut self) {
+        let count = self.edits.len();
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
+        let joined = pairs.map(|(a, b)| (a, b, self.edits[a].joined(&self.edits[b])));
+        if let Some((a, b, sphere)) = joined.min_by(|x, y| x.2.radius.total_cmp(&y.2.radius)) {
+            self.edits.remove(b);
+            self.edits[a] = sphere;
+        }
+    }
+}
+
+impl EditSphere {
+    /// The smallest sphere around both, as new as the newer.
+    fn joined(&self, other: &Self) -> Self {
+        let frame = self.frame.max(other.frame);
+        let (large, small) = if self.radius >= other.radius {
+            (self, other)
+        } else {
+            (other, self)
+        };
+        let offset = small.centre_ws - large.centre_ws;
+        let apart = offset.length();
+        if apart + small.radius <= large.radius {
+            return Self { frame, ..*large };
+        }
+        let radius = (apart + large.radius + small.radius) / 2.0;
+        Self {
+            centre_ws: large.centre_ws + offset * ((radius - large.radius) / apart),
+            radius,
+            frame,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn an_alert_is_there_at_once_and_fades() {
+        let mut changes = Changes::default();
+        changes.begin_frame(0.0, 0);
+        assert_eq!(changes.alert(), 0.0);
+        changes.begin_frame(0.8, 1);
+        assert_eq!(changes.alert(), 0.8);
+        changes.begin_frame(0.1, 2);
+        assert!((changes.alert() - 0.76).abs() < 1e-6, "{}", changes.alert());
+        for frame in 3..200 {
+            changes.begin_frame(0.0, frame);
+        }
+        assert_eq!(changes.alert(), 0.0);
+    }
+
+    #[test]
+    fn an_edit_alerts_the_next_frame_and_is_remembered_for_a_while() {
+        let mut changes = Changes::default();
+        changes.edit(IVec3::splat(2), IVec3::splat(3), 5);
+        changes.begin_frame(0.0, 5);
+        assert_eq!(changes.alert(), 1.0);
+        let edit = changes.edits()[0];
+        assert_eq!(edit.centre_ws, Vec3::splat(3.0));
+        assert!((edit.radius - 3f32.sqrt()).abs() < 1e-6);
+        changes.begin_frame(0.0, 6);
+        assert!(changes.alert() < 1.0 && changes.edits().len() == 1);
+        changes.begin_frame(0.0, 5 + REMEMBERED_FRAMES);
+        assert!(changes.edits().is_empty());
+    }
+
+    #[test]
+    fn a_lamp_that_wanders_keeps_the_alert_low() {
+        let mut changes = Changes::default();
+        for frame in 0..1000 {
+            changes.begin_frame(0.02, frame);
+        }
+        assert_eq!(changes.alert(), 0.02);
+    }
+
+    proptest! {
+        #[test]
+        fn edits_that_are_taken_together_cover_all_of_them(
+            places in prop::collection::vec((-50..50i32, -50..50i32, 1..6i32), 1..40),
+        ) {
+            let mut changes = Changes::default();
+            for (frame, &(x, y, edge)) in places.iter().enumerate() {
+                let min = IVec3::new(x, y, x - y);
+                changes.edit(min, min + edge, frame as u32);
+            }
+            prop_assert!(changes.edits().len() <= EDITS);
+            for (frame, &(x, y, edge)) in places.iter().enumerate() {
+                let min = IVec3::new(x, y, x - y).as_vec3();
+                let corners = [min, min + edge as f32 + 1.0];
+                let covers = |edit: &EditSphere| {
+                    corners.iter().all(|c| c.distance(edit.centre_ws) <= edit.radius + 1e-2)
+                        && edit.frame >= frame as u32
+                };
+                prop_assert!(changes.edits().iter().any(covers));
+            }
+        }
+    }
+}
