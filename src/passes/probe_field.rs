@@ -274,18 +274,6 @@ impl ProbeField {
     /// Byte in [`Self::dispatch`].
     pub const PROBES_OFFSET: u64 = 16;
 
-    /// Voxels of a box (grid space, from low to high corner) have changed: pass `probe_states` is to
-    /// run before the probes' next update, and looks there.
-    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
-        self.plan.change(low_gs, high_gs);
-    }
-
-    /// Whether pass `probe_states` is to run in this frame: once for a new field, and once after
-    /// changes. After [`Self::begin_frame`].
-    pub fn take_changed(&mut self) -> bool {
-        self.plan.take_changed()
-    }
-
     /// Slots that the last update was for, in no particular order.
     ///
     /// # Errors

@@ -48,6 +48,12 @@ impl GpuProbeLevel {
         parameters: &ProbeParameters,
         frame: u64,
     ) -> [Self; LEVELS] {
+        // As the source rejects: what no cage can ask for, however far its probe has moved.
+        let longest = match (parameters.long_rays, parameters.relocation) {
+            (LongRays::Clamp, _) => parameters.distance_clamp,
+            (LongRays::Reject, Relocation::Off) => 1.0,
+            (LongRays::Reject, _) => 1.0 + parameters.move_reach,
+        };
         let mut all = [Self::default(); LEVELS];
         let levels = volume.levels().iter().zip(motion.before().levels());
         for (index, (gpu_level, (level, before))) in all.iter_mut().zip(levels).enumerate() {

@@ -115,6 +115,12 @@ impl ProbePlan {
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&plan));
+        if frame == 0 {
+            // The probes begin anew, and nobody has asked for them yet.
+            let none = vec![0u32; LIST as usize + 3 * self.slots as usize];
+            gpu.queue
+                .write_buffer(&self.work, 0, bytemuck::cast_slice(&none));
+        }
     }
 
     /// Adds a box of voxels (grid space, from low to high corner) to what has changed.
@@ -123,9 +129,13 @@ impl ProbePlan {
         self.changed = Some((known_low.min(low), known_high.max(high)));
     }
 
-    /// Whether voxels have changed since the last call.
-    pub fn take_changed(&mut self) -> bool {
-        self.changed.take().is_some()
+    /// Whether there is something that pass `probe_states` has not looked at.
+    pub fn has_changed(&self) -> bool {
+        self.changed.is_some()
+    }
+
+    pub fn forget_changes(&mut self) {
+        self.changed = None;
     }
 
     pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {

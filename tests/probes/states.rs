@@ -98,8 +98,9 @@ impl Slab {
         self.field
             .begin_frame(&self.gpu, &self.parameters, 1, self.frame);
         let mut recorder = Recorder::new(&self.gpu, None);
-        if self.field.take_changed() {
+        if self.field.misplaced() {
             self.states.record(&mut recorder);
+            self.field.set_placed();
         }
         self.due.record(&mut recorder);
         self.blend.record(&mut recorder);
@@ -186,9 +187,11 @@ fn turn(slots: &BTreeSet<u32>, frame: u64, interval: u64) -> BTreeSet<u32> {
     slots.iter().filter(is_turn).copied().collect()
 }
 
+/// With states, and no heed to unrest: new probes have some.
 fn on() -> ProbeParameters {
     ProbeParameters {
         states: Sleep::On,
+        restless: 1.0,
         ..Default::default()
     }
 }
@@ -252,6 +255,19 @@ fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
     }
     slab.update();
     assert_eq!(slab.update(), turn(&all, 11, 10), "asleep again");
+}
+
+#[test]
+fn restless_probes_before_surfaces_are_due_in_every_frame() {
+    let mut slab = Slab::new(ProbeParameters {
+        restless: 0.1,
+        ..on()
+    });
+    for _ in 0..2 {
+        slab.update();
+    }
+    // New probes are: nobody asks, but those before the wall do not sleep yet.
+    assert_eq!(slab.update(), &columns(2..3) | &turn(&columns(3..6), 2, 10));
 }
 
 #[test]
