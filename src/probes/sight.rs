@@ -88,6 +88,5 @@ mod tests {
     fn large_cages_have_none() {
         assert!(sight(14.0).is_some());
         assert_eq!(sight(14.6), None);
-        assert_eq!(sight(1e30), None);
     }
 }
