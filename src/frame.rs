@@ -129,7 +129,7 @@ impl Frame {
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         self.passes.camera_rays.record(recorder);
-        if self.field.take_changed() || self.field.fresh() > 0 {
+        if self.field.misplaced() {
             self.passes.probe_states.record(recorder);
             if self.field.exact() {
                 self.passes.probe_sight.record(recorder);
@@ -137,6 +137,7 @@ impl Frame {
             if self.field.fresh() > 0 {
                 self.passes.probe_seed.record(recorder);
             }
+            self.field.set_placed();
         }
         self.passes.probe_due.record(recorder);
         self.passes.probe_rays.record(recorder);

@@ -164,6 +164,22 @@ impl ProbeField {
         self.motion.fresh()
     }
 
+    /// Voxels of a box (grid space, from low to high corner) have changed: the passes `probe_states` and
+    /// `probe_sight` look there before the probes' next update.
+    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
+        self.plan.change(low_gs, high_gs);
+    }
+
+    /// Whether those passes have probes to place.
+    pub fn misplaced(&self) -> bool {
+        self.plan.has_changed() || self.fresh() > 0
+    }
+
+    /// They have been recorded.
+    pub fn set_placed(&mut self) {
+        self.plan.forget_changes();
+    }
+
     /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
     /// the probes: the writes take effect at its start.
     ///

@@ -83,7 +83,10 @@ impl GpuProbeInfo {
             hysteresis: parameters.hysteresis,
             warmup_frames: parameters.warmup_frames,
             firefly_clamp: parameters.firefly_clamp,
-            move_reach: move_reach(parameters),
+            move_reach: match parameters.relocation {
+                Relocation::Off => 0.0,
+                Relocation::Exact | Relocation::Statistical => parameters.move_reach,
+            },
             sight_counts: sight.map_or([0; 3], |sight| sight.counts.to_array()),
             sight_words: sight.map_or(0, |sight| sight.words()),
             lattice_slots: volume.slots(),
@@ -94,13 +97,5 @@ impl GpuProbeInfo {
             },
             pad: [0; 2],
         }
-    }
-}
-
-/// Farthest that probes move along an axis, in spacings.
-pub(super) fn move_reach(parameters: &ProbeParameters) -> f32 {
-    match parameters.relocation {
-        Relocation::Off => 0.0,
-        Relocation::Exact | Relocation::Statistical => parameters.move_reach,
     }
 }

@@ -2,9 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::probe_info::move_reach;
 use crate::{
-    parameters::{LongRays, ProbeParameters},
+    parameters::{LongRays, ProbeParameters, Relocation},
     probes::{Level, Motion, Volume, volume::MAX_LEVELS},
 };
 
@@ -58,12 +57,7 @@ impl GpuProbeLevel {
         let levels = volume.levels().iter().zip(motion.before().levels());
         for (index, (gpu_level, (level, before))) in all.iter_mut().zip(levels).enumerate() {
             *gpu_level = Self {
-                // As the source rejects: what no cage can ask for, however far its probe has moved.
-                longest: level.cage_diagonal()
-                    * match parameters.long_rays {
-                        LongRays::Clamp => parameters.distance_clamp,
-                        LongRays::Reject => 1.0 + move_reach(parameters),
-                    },
+                longest: longest * level.cage_diagonal(),
                 fade: volume.fade(parameters.cascade_fade),
                 age: motion.age(index, frame),
                 ..Self::new(level, before, volume.moves())

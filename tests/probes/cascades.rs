@@ -100,7 +100,7 @@ fn probes_that_come_show_what_the_coarser_level_knows() {
     let voxels = GpuVoxels::upload(&rig.gpu, &voxels, IVec3::ZERO).expect("fits");
     let level_slots = rig.field.volume().level_slots();
     rig.field.follow(Vec3::ZERO, 0);
-    rig.field.take_changed();
+    rig.field.set_placed();
     let light = |slot: u32| RADIANCE[(slot / level_slots) as usize];
     rig.update(|slot, _| [light(slot), light(slot), light(slot), 1000.0]);
     let before = rig.field.volume().clone();

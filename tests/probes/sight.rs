@@ -65,7 +65,8 @@ impl Placed {
 
     fn run(&mut self, gpu: &Gpu, parameters: &ProbeParameters) {
         self.field.begin_frame(gpu, parameters, 1, 0);
-        assert!(self.field.take_changed(), "there is something to look at");
+        assert!(self.field.misplaced(), "there is something to look at");
+        self.field.set_placed();
         let mut recorder = Recorder::new(gpu, None);
         self.states.record(&mut recorder);
         self.sight.record(&mut recorder);
