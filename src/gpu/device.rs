@@ -109,9 +109,9 @@ pub fn adapters() -> Vec<AdapterReport> {
         .collect()
 }
 
-/// Compute with 8 storage buffers is the least that any pass needs.
+/// Pass `probe_rays` binds nine storage buffers: no pass needs more.
 fn is_usable(adapter: &wgpu::Adapter) -> bool {
-    adapter.limits().max_storage_buffers_per_shader_stage >= 8
+    adapter.limits().max_storage_buffers_per_shader_stage >= 9
 }
 
 /// Ranks adapters: the lowest is the fastest.
