@@ -74,7 +74,7 @@ impl GpuProbeInfo {
             visibility: match parameters.visibility {
                 Visibility::None => 0,
                 Visibility::Chebyshev => 1,
-                Visibility::Exact if sight.is_some() => 2,
+                // Where it cannot be exact.
                 Visibility::Exact => 1,
             },
             chebyshev_power: parameters.chebyshev_power,

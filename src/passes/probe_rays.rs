@@ -24,7 +24,10 @@ impl ProbeRays {
             gpu,
             &KernelSpec {
                 shader: "passes/probe_rays",
-                overrides: &[("COHERENT", 0.0)],
+                overrides: &[
+                    ("COHERENT", 0.0),
+                    ("EXACT", f64::from(u8::from(field.exact()))),
+                ],
                 ..Default::default()
             },
         )?;

@@ -30,6 +30,7 @@ impl Shade {
             gpu,
             &KernelSpec {
                 shader: "passes/shade",
+                overrides: &[("EXACT", f64::from(u8::from(field.exact())))],
                 ..Default::default()
             },
         )?;

@@ -133,6 +133,7 @@ impl Rig {
             &self.gpu,
             &KernelSpec {
                 shader: "generated/gather",
+                overrides: &[("EXACT", f64::from(u8::from(self.field.exact())))],
                 generated: &[("gather", GATHER)],
                 ..Default::default()
             },
