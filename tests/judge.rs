@@ -144,6 +144,7 @@ fn a_sealed_room_shows_what_leaks_in() {
     );
     assert!(leaking > 0.02, "{leaking}");
     assert!(kept < leaking / 10.0, "{kept} {leaking}");
+    assert_eq!(leak("probes.visibility=exact"), 0.0);
 }
 
 #[test]

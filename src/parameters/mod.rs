@@ -200,7 +200,7 @@ parameters! {
         stone_threshold: f32 = 0.5, Kind::Number { min: 0.0, max: 0.99 }, Nothing;
         #[doc = "Statistical relocation: voxels that a moved probe should be from surfaces; more avoids pits, less stays nearer to its lattice point."]
         clearance: f32 = 1.0, Kind::Number { min: 0.0, max: 31.0 }, Nothing;
-        #[doc = "What moved probes weigh: continuous by where they stand, adjusted as the trilinear cage moved along, lattice as if unmoved; lattice is fastest, continuous shows no cages."]
+        #[doc = "What moved probes weigh: continuous by where they stand, adjusted as the trilinear cage moved along, lattice as if unmoved; lattice is fastest, continuous shows no cages; exact visibility takes continuous."]
         weights: Weights = Weights::Continuous, Weights::KIND, Nothing;
         #[doc = "Farthest that a probe in stone moves along an axis, in spacings (and 31 voxels); more reaches more walls, for more probes to trace."]
         move_reach: f32 = 0.95, Kind::Number { min: 0.0, max: 0.95 }, Probes;
@@ -208,9 +208,9 @@ parameters! {
         twin_share: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Probes;
         #[doc = "Edge of a probe's irradiance map; more resolves sharper bounced light, for memory and blend time by its square."]
         irradiance_texels: u32 = 8, Kind::Count { min: 4, max: 32 }, Probes;
-        #[doc = "Edge of a probe's distance map; more leaks less at thin walls, for memory and blend time by its square."]
+        #[doc = "Edge of a probe's distance map, which chebyshev reads; more leaks less at thin walls, for memory and blend time by its square."]
         distance_texels: u32 = 16, Kind::Count { min: 4, max: 64 }, Probes;
-        #[doc = "Power of the cosine that blends distances; higher separates walls better, lower is less noisy at few rays."]
+        #[doc = "Power of the cosine that blends the distances of chebyshev; higher separates walls better, lower is less noisy at few rays."]
         distance_sharpness: u32 = 50, Kind::Count { min: 1, max: 255 }, Probes;
         #[doc = "Longest distance a probe keeps, in diagonals of its cage; more keeps far walls apart, less keeps more precision near."]
         distance_clamp: f32 = 1.5, Kind::Number { min: 1.0, max: 16.0 }, Nothing;
@@ -222,13 +222,13 @@ parameters! {
         view_bias: f32 = 0.0, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
         #[doc = "Added to the squared wrap weight of a probe; 0.2 keeps probes at grazing angles (smoother), 0 drops them (sharper)."]
         wrap_offset: f32 = 0.2, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Visibility weights below this are crushed to their cube; more leaks less, 0 crushes none and is smoother."]
+        #[doc = "Chebyshev weights below this are crushed to their cube; more leaks less, 0 crushes none and is smoother."]
         crush: f32 = 0.2, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "Power of the chebyshev bound; more leaks less, less shadows softer."]
         chebyshev_power: f32 = 3.0, Kind::Number { min: 1.0, max: 20.0 }, Nothing;
         #[doc = "Least chebyshev weight; more never goes black, less leaks less."]
         chebyshev_floor: f32 = 0.0, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Weight of a whole cage below which its light fades to none; more leaks less into sealed rooms, less keeps light in tight corners."]
+        #[doc = "Weight of a whole cage below which its light fades to none under chebyshev; more leaks less into sealed rooms, less keeps light in tight corners."]
         least_weight: f32 = 1e-4, Kind::Number { min: 1e-9, max: 1.0 }, Nothing;
         #[doc = "Cells at the edge of a cascade over which the next one takes over; more hides the seam better, less uses the finer probes farther out."]
         cascade_fade: f32 = 1.0, Kind::Number { min: 0.25, max: 8.0 }, Nothing;

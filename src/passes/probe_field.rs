@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError},
-    parameters::ProbeParameters,
+    parameters::{ProbeParameters, Relocation},
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, ProbeError, Sight, Volume, atlas::ProbeMemory,
         sampling,
@@ -63,7 +63,9 @@ impl ProbeField {
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
         let sight = Sight::new(&volume, parameters);
-        let twins = sight.is_some() && parameters.twin_share < 1.0;
+        // Where probes keep to the lattice, twins have nowhere to go.
+        let moves = parameters.relocation == Relocation::Exact && parameters.move_reach > 0.0;
+        let twins = sight.is_some() && moves && parameters.twin_share < 1.0;
         let slots = volume.slots() * if twins { 2 } else { 1 };
         let atlas = AtlasLayout::new(
             slots,
@@ -298,7 +300,8 @@ impl ProbeField {
         self.plan.due(gpu)
     }
 
-    /// Where each probe stands (world space; XYZ), and whether it gives light (W: 1 or 0): four f32
+    /// Where each probe stands (world space; XYZ), and whether it gives light (W: 0 if not, 2
+    /// if it has a twin, else 1): four f32
     /// each.
     pub fn places(&self) -> &wgpu::Buffer {
         &self.places

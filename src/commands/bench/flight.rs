@@ -10,15 +10,15 @@ use super::{
     super::{
         Failure,
         options::RunOptions,
-        out_file::OutFile,
         output,
         subject::{Subject, SubjectOptions},
     },
     flight_path::Path,
+    suite::LightSuite,
 };
 use crate::{
     frame::{Frame, Stage},
-    gpu::{AdapterSummary, Gpu, Recorder, Timing},
+    gpu::{Gpu, Recorder, Timing},
     measure::{
         changes::{ChangeMeter, Changes, mean_lit},
         picture::Picture,
@@ -62,15 +62,6 @@ fn positive(text: &str) -> Result<f32, String> {
     let value = text.parse().ok();
     let value = value.filter(|value: &f32| *value > 0.0 && *value <= 1e6);
     value.ok_or_else(|| "write a number above 0, at most 1e6".to_owned())
-}
-
-#[derive(Serialize)]
-struct Record<'a> {
-    suite: &'static str,
-    adapter: &'a AdapterSummary,
-    /// Width and height in pixels.
-    size: [u32; 2],
-    rows: Vec<Row>,
 }
 
 #[derive(Serialize)]
@@ -122,31 +113,22 @@ struct Teleport {
 const FLOOR: f64 = 0.05;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (options, run) = (&arguments.subjects, &arguments.run);
-    let subjects = super::subjects(options, run, "worlds/cavern.ron")?;
-    let file = arguments.out.as_deref();
-    let file = file.map(|folder| OutFile::new(folder, "flight.json"));
-    let file = file.transpose()?;
-    let gpu = output::open_gpu(run)?;
-    let mut rows = Vec::new();
-    for subject in &subjects {
-        rows.extend(measure(&gpu, subject, arguments)?);
-    }
-    let record = Record {
-        suite: "flight",
-        adapter: &gpu.summary,
-        size: options.size,
-        rows,
+    let options = &arguments.subjects;
+    let suite = LightSuite {
+        name: "flight",
+        subjects: options,
+        run: &arguments.run,
+        out: arguments.out.as_deref(),
+        otherwise: "worlds/cavern.ron",
+        size: Some(options.size),
     };
-    if let Some(file) = file {
-        file.write_json(&record)?;
-    }
-    if run.json {
-        output::print_json(&record)
-    } else {
-        let rows: String = record.rows.iter().map(lines).collect();
-        output::print(&format!("{}\n{rows}", gpu.summary.name))
-    }
+    suite.run(
+        |gpu, subject| measure(gpu, subject, arguments),
+        |adapter, rows| {
+            let rows: String = rows.iter().map(lines).collect();
+            format!("{adapter}\n{rows}")
+        },
+    )
 }
 
 fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Row>, Failure> {

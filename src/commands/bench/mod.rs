@@ -4,6 +4,7 @@ mod flight;
 mod flight_path;
 mod response;
 mod stability;
+mod suite;
 pub mod traversal;
 
 use std::path::PathBuf;
@@ -16,7 +17,6 @@ use super::{
     options::{RunOptions, load_world, picture_size},
     out_file::OutFile,
     output,
-    subject::{Subject, SubjectOptions, Unnamed},
 };
 use crate::{frame::Stage, gpu::AdapterSummary, world::World};
 
@@ -142,31 +142,4 @@ fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {
             "{mismatches} rays hit something else than plain DDA does"
         ))),
     }
-}
-
-/// The worlds of suites about light, at their first camera and layout unless others are named;
-/// `otherwise` when none is.
-///
-/// # Errors
-/// For a world that cannot be read, and for cameras and layouts that no world has.
-fn subjects(
-    options: &SubjectOptions,
-    run: &RunOptions,
-    otherwise: &str,
-) -> Result<Vec<Subject>, Failure> {
-    let otherwise = [PathBuf::from(otherwise)];
-    let paths = match &options.worlds[..] {
-        [] => &otherwise[..],
-        given => given,
-    };
-    let mut subjects = Vec::new();
-    for path in paths {
-        subjects.extend(Subject::load(path, run, options, Unnamed::First)?);
-    }
-    if subjects.is_empty() {
-        return Err(Failure::bad_input(
-            "no world has the cameras and layouts that --camera and --layout name",
-        ));
-    }
-    Ok(subjects)
 }

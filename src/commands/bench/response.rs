@@ -5,19 +5,18 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::{
-    Failure,
-    driver::Driver,
-    dynamics::{self, Responses, WATCHED_FRAMES},
-    options::RunOptions,
-    out_file::OutFile,
-    output,
-    subject::{Subject, SubjectOptions},
+use super::{
+    super::{
+        Failure,
+        driver::Driver,
+        dynamics::{self, Responses, WATCHED_FRAMES},
+        options::RunOptions,
+        output,
+        subject::{Subject, SubjectOptions},
+    },
+    suite::LightSuite,
 };
-use crate::{
-    frame::Stage,
-    gpu::{AdapterSummary, Gpu},
-};
+use crate::{frame::Stage, gpu::Gpu};
 
 /// Frames until bounced light has followed a change of a lamp or a wall
 ///
@@ -41,13 +40,6 @@ pub struct Arguments {
 }
 
 #[derive(Serialize)]
-struct Record<'a> {
-    suite: &'static str,
-    adapter: &'a AdapterSummary,
-    rows: Vec<Row>,
-}
-
-#[derive(Serialize)]
 struct Row {
     world: String,
     camera: String,
@@ -60,33 +52,22 @@ struct Row {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (options, run) = (&arguments.subjects, &arguments.run);
-    let subjects = super::subjects(options, run, "worlds/cornell.ron")?;
-    let file = arguments.out.as_deref();
-    let file = file.map(|folder| OutFile::new(folder, "response.json"));
-    let file = file.transpose()?;
-    let gpu = output::open_gpu(run)?;
-    let mut rows = Vec::new();
-    for subject in &subjects {
-        rows.extend(measure(&gpu, subject, arguments)?);
-    }
-    let record = Record {
-        suite: "response",
-        adapter: &gpu.summary,
-        rows,
+    let options = &arguments.subjects;
+    let suite = LightSuite {
+        name: "response",
+        subjects: options,
+        run: &arguments.run,
+        out: arguments.out.as_deref(),
+        otherwise: "worlds/cornell.ron",
+        size: None,
     };
-    if let Some(file) = file {
-        file.write_json(&record)?;
-    }
-    if run.json {
-        output::print_json(&record)
-    } else {
-        let rows: String = record.rows.iter().map(lines).collect();
-        output::print(&format!(
-            "{}, frames to 90 % · 99 %\n{rows}",
-            gpu.summary.name
-        ))
-    }
+    suite.run(
+        |gpu, subject| measure(gpu, subject, arguments),
+        |adapter, rows| {
+            let rows: String = rows.iter().map(lines).collect();
+            format!("{adapter}, frames to 90 % · 99 %\n{rows}")
+        },
+    )
 }
 
 fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Row>, Failure> {

@@ -5,20 +5,18 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::super::{
-    Failure,
-    driver::Driver,
-    dynamics::{self, STILL_FRAMES},
-    options::RunOptions,
-    out_file::OutFile,
-    output,
-    subject::{Subject, SubjectOptions},
+use super::{
+    super::{
+        Failure,
+        driver::Driver,
+        dynamics::{self, STILL_FRAMES},
+        options::RunOptions,
+        output,
+        subject::{Subject, SubjectOptions},
+    },
+    suite::LightSuite,
 };
-use crate::{
-    frame::Stage,
-    gpu::{AdapterSummary, Gpu},
-    measure::stability::Stability,
-};
+use crate::{frame::Stage, gpu::Gpu, measure::stability::Stability};
 
 /// Change of a pixel between consecutive frames of a still scene, by rays per probe
 ///
@@ -37,15 +35,6 @@ pub struct Arguments {
 }
 
 #[derive(Serialize)]
-struct Record<'a> {
-    suite: &'static str,
-    adapter: &'a AdapterSummary,
-    /// Width and height in pixels.
-    size: [u32; 2],
-    rows: Vec<Row>,
-}
-
-#[derive(Serialize)]
 struct Row {
     world: String,
     camera: String,
@@ -61,40 +50,32 @@ struct Row {
 const RAYS: [u32; 6] = [8, 16, 32, 64, 128, 256];
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (options, run) = (&arguments.subjects, &arguments.run);
-    let subjects = super::subjects(options, run, "worlds/cornell.ron")?;
-    let file = arguments.out.as_deref();
-    let file = file.map(|folder| OutFile::new(folder, "stability.json"));
-    let file = file.transpose()?;
-    let gpu = output::open_gpu(run)?;
-    let mut rows = Vec::new();
-    for subject in &subjects {
-        rows.extend(measure(&gpu, subject, arguments)?);
-    }
-    let record = Record {
-        suite: "stability",
-        adapter: &gpu.summary,
-        size: options.size,
-        rows,
+    let options = &arguments.subjects;
+    let suite = LightSuite {
+        name: "stability",
+        subjects: options,
+        run: &arguments.run,
+        out: arguments.out.as_deref(),
+        otherwise: "worlds/cornell.ron",
+        size: Some(options.size),
     };
-    if let Some(file) = file {
-        file.write_json(&record)?;
-    }
-    if run.json {
-        return output::print_json(&record);
-    }
-    let mut text = format!(
-        "{}, {} × {}, {STILL_FRAMES} frames; change of a pixel, sum over RGB\n",
-        gpu.summary.name, options.size[0], options.size[1]
-    );
-    for row in &record.rows {
-        let Stability { mean, p99, max, .. } = row.stability;
-        text += &format!(
-            "{} · {} · {}  {:>4} rays, hysteresis {}:  mean {mean:.5}  p99 {p99:.4}  max {max:.4}\n",
-            row.world, row.camera, row.layout, row.rays, row.hysteresis
-        );
-    }
-    output::print(&text)
+    suite.run(
+        |gpu, subject| measure(gpu, subject, arguments),
+        |adapter, rows| {
+            let [width, height] = options.size;
+            let mut text = format!(
+                "{adapter}, {width} × {height}, {STILL_FRAMES} frames; change of a pixel, sum over RGB\n"
+            );
+            for row in rows {
+                let Stability { mean, p99, max, .. } = row.stability;
+                text += &format!(
+                    "{} · {} · {}  {:>4} rays, hysteresis {}:  mean {mean:.5}  p99 {p99:.4}  max {max:.4}\n",
+                    row.world, row.camera, row.layout, row.rays, row.hysteresis
+                );
+            }
+            text
+        },
+    )
 }
 
 fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Row>, Failure> {

@@ -1,0 +1,102 @@
+//! What the suites about light have in common: which worlds they measure, and where the rows go.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::super::{
+    Failure,
+    options::RunOptions,
+    out_file::OutFile,
+    output,
+    subject::{Subject, SubjectOptions, Unnamed},
+};
+use crate::gpu::{AdapterSummary, Gpu};
+
+/// A suite as it was asked for.
+pub struct LightSuite<'a> {
+    pub name: &'static str,
+    pub subjects: &'a SubjectOptions,
+    pub run: &'a RunOptions,
+    /// The folder that is to hold `NAME.json`, if any.
+    pub out: Option<&'a Path>,
+    /// The world that is measured when none is named.
+    pub otherwise: &'static str,
+    /// Width and height in pixels, where rows depend on them.
+    pub size: Option<[u32; 2]>,
+}
+
+#[derive(Serialize)]
+struct Record<'a, R> {
+    suite: &'static str,
+    adapter: &'a AdapterSummary,
+    /// Width and height in pixels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    size: Option<[u32; 2]>,
+    rows: Vec<R>,
+}
+
+impl LightSuite<'_> {
+    /// Measures every world, and gives the rows to the file and to the terminal: as JSON, or as `text`
+    /// puts them for the adapter of this name.
+    ///
+    /// # Errors
+    /// For worlds that cannot be read, cameras and layouts that none has, a folder that cannot be
+    /// written, and those of `measure`.
+    pub fn run<R: Serialize>(
+        &self,
+        measure: impl Fn(&Gpu, &Subject) -> Result<Vec<R>, Failure>,
+        text: impl Fn(&str, &[R]) -> String,
+    ) -> Result<(), Failure> {
+        let subjects = subjects(self.subjects, self.run, self.otherwise)?;
+        let json = format!("{}.json", self.name);
+        let file = self.out.map(|folder| OutFile::new(folder, &json));
+        let file = file.transpose()?;
+        let gpu = output::open_gpu(self.run)?;
+        let mut rows = Vec::new();
+        for subject in &subjects {
+            rows.extend(measure(&gpu, subject)?);
+        }
+        let record = Record {
+            suite: self.name,
+            adapter: &gpu.summary,
+            size: self.size,
+            rows,
+        };
+        if let Some(file) = file {
+            file.write_json(&record)?;
+        }
+        if self.run.json {
+            output::print_json(&record)
+        } else {
+            output::print(&text(&gpu.summary.name, &record.rows))
+        }
+    }
+}
+
+/// The worlds of suites about light, at their first camera and layout unless others are named;
+/// `otherwise` when none is.
+///
+/// # Errors
+/// For a world that cannot be read, and for cameras and layouts that no world has.
+fn subjects(
+    options: &SubjectOptions,
+    run: &RunOptions,
+    otherwise: &str,
+) -> Result<Vec<Subject>, Failure> {
+    let otherwise = [PathBuf::from(otherwise)];
+    let paths = match &options.worlds[..] {
+        [] => &otherwise[..],
+        given => given,
+    };
+    let mut subjects = Vec::new();
+    for path in paths {
+        subjects.extend(Subject::load(path, run, options, Unnamed::First)?);
+    }
+    if subjects.is_empty() {
+        return Err(Failure::bad_input(
+            "no world has the cameras and layouts that --camera and --layout name",
+        ));
+    }
+    Ok(subjects)
+}
