@@ -101,6 +101,9 @@ pub struct Subject {
     /// Never empty.
     pub settings: Vec<Setting>,
     pub lights: Lights,
+    /// Among these, the lamp that the world names for changes of light; `None` where it names none, or none
+    /// that is lit.
+    pub named_lamp: Option<usize>,
     options: ViewOptions,
 }
 
@@ -141,6 +144,8 @@ impl Subject {
         if cameras.is_empty() || layouts.is_empty() {
             return Ok(None);
         }
+        let named = world.response.lamp.as_ref();
+        let named_lamp = named.and_then(|name| lamps.lamps.iter().position(|l| l.name == *name));
         let moving = parameters.lights.animate;
         let lights = Lights::at(&world, &lamps, if moving { options.time } else { 0.0 });
         Ok(Some(Self {
@@ -150,6 +155,7 @@ impl Subject {
             layouts,
             settings,
             lights,
+            named_lamp,
             options: ViewOptions {
                 size: options.size,
                 seed: options.seed,

@@ -23,7 +23,9 @@ pub use camera::CameraBasis;
 pub use features::FeaturePart;
 pub use materials::{Colour, Material, Pattern, Rule};
 pub use noise::NoiseField;
-pub use scenery::{Camera, Lamp, LampKind, LampPreset, LayoutSpec, Motion, Sky, Sun};
+pub use scenery::{
+    Camera, Lamp, LampKind, LampPreset, LayoutSpec, Motion, ResponseSpec, Sky, Sun, Wall,
+};
 pub use sdf::Sdf;
 
 /// A world as its file describes it, checked: every name resolved, every number finite.
@@ -59,4 +61,5 @@ pub struct World {
     pub cameras: Vec<Camera>,
     /// Never empty.
     pub layouts: Vec<LayoutSpec>,
+    pub response: ResponseSpec,
 }

@@ -1,6 +1,6 @@
 //! Everything in a world that is not a voxel: lamps and their motion, sun, sky, cameras, layouts.
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
 /// Most lamps of one preset; the sun comes on top.
 pub const MAX_LAMPS: usize = 64;
@@ -128,4 +128,24 @@ pub struct LayoutSpec {
     pub follow: bool,
     /// How many volumes there are, 1 … [`MAX_CASCADES`].
     pub cascades: u32,
+}
+
+/// What is changed to see how soon light follows; what is not named here is found by those who measure.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ResponseSpec {
+    /// The name of the lamp that is switched and moved, in the presets that have it.
+    pub lamp: Option<String>,
+    /// World space: where that lamp moves.
+    pub lamp_to: Option<Vec3>,
+    pub wall: Option<Wall>,
+}
+
+/// A box of voxels that is shut or open. How the world stands may be either, or neither.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wall {
+    /// World space, both ends inclusive.
+    pub min: IVec3,
+    pub max: IVec3,
+    /// What fills it when it is shut, 1-based; open, it is air.
+    pub material: u8,
 }

@@ -1,8 +1,10 @@
 //! The suites of `grotto bench` that measure how still light is and how soon it follows.
 
+use std::fs;
+
 use serde_json::Value;
 
-use super::{grotto, judge::CORNELL, number, text};
+use super::{Bench, grotto, judge::CORNELL, number, object, text};
 
 #[test]
 fn more_rays_are_steadier() {
@@ -74,5 +76,51 @@ fn a_lamp_that_is_switched_is_seen_at_once() {
     for (change, most) in [("lamp_on", 4.0), ("lamp_off", 10.0)] {
         let frames = number(response, &format!("{change}.to_90"));
         assert!(frames <= most, "{change}: {response}");
+    }
+}
+
+/// The wall that a world names is the one that opens: the dark room sees light come through it, and nothing
+/// of a lamp before it does, or when it is a wall elsewhere.
+#[test]
+fn a_world_names_the_wall_that_opens() {
+    let bench = Bench::new();
+    let sealed = concat!(env!("CARGO_MANIFEST_DIR"), "/worlds/sealed.ron");
+    let text = fs::read_to_string(sealed).expect("a world of ours");
+    let named = "min: (0, -2, -2), max: (0, 1, 1)";
+    assert!(text.contains(named), "another wall than this test knows");
+    let elsewhere = bench.path("elsewhere.ron");
+    let other = text.replace(named, "min: (13, -2, -2), max: (15, 1, 1)");
+    fs::write(&elsewhere, other).expect("writable");
+    let respond = |world: &str| {
+        let flags = [
+            "--camera",
+            "dark",
+            "--layout",
+            "straddling",
+            "--size",
+            "16x9",
+        ];
+        let short = [
+            "--frames",
+            "12",
+            "--response-frames",
+            "16",
+            "--rays",
+            "32",
+            "--json",
+        ];
+        let output = grotto(&[&["bench", "response", world], &flags[..], &short].concat());
+        object(&output)["rows"][0]["response"].clone()
+    };
+    let response = respond("worlds/sealed.ron");
+    for change in ["lamp_on", "lamp_off", "lamp_moved"] {
+        assert!(response[change].is_null(), "{change}: {response}");
+    }
+    for change in ["wall_opened", "wall_closed"] {
+        assert_eq!(response[change]["watched"], 16, "{change}: {response}");
+    }
+    let response = respond(&elsewhere.display().to_string());
+    for change in ["wall_opened", "wall_closed"] {
+        assert!(response[change].is_null(), "{change}: {response}");
     }
 }

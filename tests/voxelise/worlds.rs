@@ -4,7 +4,7 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::world::materials::Condition;
 use grotto::world::noise::{Basis, Fractal, NoiseField};
 use grotto::world::sdf::Sdf;
-use grotto::world::{FeaturePart, Rule, Sky, World};
+use grotto::world::{FeaturePart, ResponseSpec, Rule, Sky, World};
 
 pub fn noises() -> Vec<NoiseField> {
     let field = |basis, fractal, frequency: f64| NoiseField {
@@ -72,6 +72,7 @@ pub fn world(size: UVec3, shape: Sdf, rules: Vec<Rule>, features: Vec<FeaturePar
         },
         sun: None,
         lamp_presets: Vec::new(),
+        response: ResponseSpec::default(),
         cameras: Vec::new(),
         layouts: Vec::new(),
     }

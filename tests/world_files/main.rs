@@ -8,7 +8,7 @@ mod models;
 
 use glam::{UVec3, Vec3};
 use grotto::world::file::{self, Overrides, Problem};
-use grotto::world::{Colour, Sdf, World};
+use grotto::world::{Colour, ResponseSpec, Sdf, World};
 
 /// A world that uses every part of the schema.
 const FULL: &str = include_str!("full.ron");
@@ -67,6 +67,12 @@ fn every_part_of_the_schema_is_read() {
     assert_eq!(tiny_at_first_place[0].min.to_array(), [-1, 6, -1]);
     assert!(tiny_at_first_place[0].without_corners);
     assert_eq!(tiny_at_first_place[1].max.to_array(), [0, 5, 0]);
+    assert_eq!(world.response.lamp.as_deref(), Some("key"));
+    assert_eq!(world.response.lamp_to, Some(Vec3::new(1.0, 2.0, 3.0)));
+    let wall = world.response.wall.expect("a wall");
+    assert_eq!(wall.min.to_array(), [-4, 0, 2]);
+    assert_eq!(wall.max.to_array(), [4, 6, 2]);
+    assert_eq!(world.materials[wall.material as usize - 1].name, "moss");
 }
 
 #[test]
@@ -77,6 +83,7 @@ fn three_keys_make_a_world() {
     assert_eq!(world.materials.len(), 1);
     assert_eq!(world.rules.len(), 1);
     assert_eq!(world.cameras.len(), 1);
+    assert_eq!(world.response, ResponseSpec::default());
 }
 
 #[test]

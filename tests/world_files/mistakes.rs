@@ -85,6 +85,16 @@ fn mistakes_are_shown_where_they_stand() {
         ["spacing: 12", "spacing: 12, colour: 3", "colour", "not a key", "counts"],
         ["seed: 7,", "seed: 7, seed: 8,", "seed", "twice", "remove"],
         ["models: []", "models: [(file: \"a.vox\", at: (0, 0, 0))]", "\"a.vox\"", "no models", "save"],
+        ["lamp: \"key\"", "lamp: \"kay\"", "\"kay\"", "no lamp", "did you mean `key`"],
+        ["lamp: \"key\"", "lamp: \"rays\"", "1, 2, 3", "no lamp to move", "point or spot"],
+        ["lamp_to: (1, 2, 3)", "lamp_to: (1, 2)", "", "", "three numbers"],
+        ["max: (4, 6, 2)", "max: (-5, 6, 2)", "-5, 6, 2", "empty", "at most"],
+        ["max: (4, 6, 2)", "max: (4, 6.5, 2)", "6.5", "whole number", "whole number"],
+        ["max: (4, 6, 2)", "max: (400, 600, 200)", "400, 600, 200", "48437595 voxels", "1048576"],
+        ["min: (-4, 0, 2)", "min: (-4, 0, 2000)", "4, 6, 2", "empty", "at most"],
+        ["(min: (-4, 0, 2), max: (4, 6, 2), material: \"moss\")", "(min: (-4, 90, 2), max: (4, 96, 2), material: \"moss\")", "-4, 90, 2", "outside", "world space"],
+        ["(4, 6, 2), material: \"moss\"", "(4, 6, 2), material: \"mos\"", "\"mos\"", "no material", "did you mean `moss`"],
+        ["(4, 6, 2), material: \"moss\"", "(4, 6, 2), stuff: \"moss\"", "stuff", "not a key", "`material`"],
         ["models: [],", "models: []", "", "comma", "`,`"],
     ];
     let mut failures = Vec::new();

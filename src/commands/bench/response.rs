@@ -21,9 +21,9 @@ use crate::{frame::Stage, gpu::Gpu};
 
 /// Frames until bounced light has followed a change of a lamp or a wall
 ///
-/// The first lamp (or the sun, where there is none) is switched on and off; the first lamp with a place
-/// moves half of the free way towards the camera, at most eight voxels; a sphere of radius 3 is cut out
-/// where the camera's central ray hits, and filled again. Each time, frames are counted until 90 % and
+/// A lamp is switched on and off, and moved; a wall is opened and closed. A world file names them under
+/// `response`. Where it does not: the first lamp (or the sun, where there is none); half of the free way
+/// towards the camera, at most eight voxels; a sphere of radius 3 where the camera's central ray hits. Each time, frames are counted until 90 % and
 /// 99 % of the change of the indirect light are there, to stay. The settled value is the mean of the last
 /// quarter of the frames that are watched. Without WORLD the Cornell box is measured.
 #[derive(Args)]
@@ -87,10 +87,8 @@ fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Ro
                 let frames = [options.frames, arguments.response_frames];
                 let length = Responses::frames(frames[0], frames[1]);
                 let bar = output::progress(run, "frames", length);
-                let lights = &subject.lights;
                 let after = || bar.inc(1);
-                let response =
-                    dynamics::responses(&mut driver, world, lights, camera, frames, &after)?;
+                let response = dynamics::responses(&mut driver, subject, camera, frames, &after)?;
                 bar.finish_and_clear();
                 rows.push(Row {
                     world: world.name.clone(),

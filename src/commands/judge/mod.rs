@@ -30,8 +30,8 @@ use crate::measure::{picture_file, selection::Selection};
 /// for, if they fill 1 % of the picture; or a --mask), over the mean light of the world's brightest
 /// camera. Stability is the change of a pixel between consecutive frames, sum over RGB, over 50 frames
 /// of the still, tone-mapped scene. Response counts frames until 90 % and 99 % of a change of the
-/// indirect light are there, after the first lamp is switched on, off, or moved, and after a wall before
-/// the camera is opened and closed by a sphere of radius 3. Without WORLD all worlds of the folder
+/// indirect light are there, after a lamp is switched on, off, or moved, and after a wall is opened and
+/// closed: those that the world names, or the first lamp and a hole before the camera. Without WORLD all worlds of the folder
 /// worlds/ are judged.
 #[derive(Args)]
 pub struct Arguments {

@@ -8,11 +8,11 @@ use super::{
         driver::Driver,
         dynamics::{self, Responses},
         settings::Setting,
+        subject::Subject,
     },
     cache::Truth,
 };
 use crate::{
-    lights::Lights,
     measure::{
         comparison::{Comparison, Shown, compare},
         picture::Picture,
@@ -20,7 +20,7 @@ use crate::{
         stability::Stability,
     },
     passes::ViewMode,
-    world::{Camera, World},
+    world::Camera,
 };
 
 /// What was measured. Fields in the order in which they are printed; what is not finite is `null`.
@@ -155,7 +155,7 @@ impl Plan {
 
 /// Whose row it is.
 pub struct Names<'a> {
-    pub world: &'a World,
+    pub subject: &'a Subject,
     pub camera: &'a Camera,
     pub layout: &'a str,
     pub settings: &'a Setting,
@@ -169,11 +169,11 @@ const NO_LAYOUT: &str = "direct light alone";
 pub fn judge(
     driver: &mut Driver<'_>,
     names: &Names<'_>,
-    lights: &Lights,
     target: &Target,
     plan: &Plan,
     after: &dyn Fn(),
 ) -> Result<(Row, Pictures), Failure> {
+    let lights = &names.subject.lights;
     let size = driver.view().size;
     let exposure_ev = driver.view().exposure_ev;
     driver.look(names.camera, ViewMode::Full);
@@ -191,8 +191,7 @@ pub fn judge(
     let response = match plan.watched {
         Some(watched) => {
             let frames = [plan.frames, watched];
-            let (world, camera) = (names.world, names.camera);
-            let all = dynamics::responses(driver, world, lights, camera, frames, after)?;
+            let all = dynamics::responses(driver, names.subject, names.camera, frames, after)?;
             driver.resize(size)?;
             Some(all)
         }
@@ -215,12 +214,11 @@ pub fn judge(
 pub fn direct_alone(
     driver: &mut Driver<'_>,
     names: &Names<'_>,
-    lights: &Lights,
     target: &Target,
 ) -> Result<(Row, Pictures), Failure> {
     let exposure_ev = driver.view().exposure_ev;
     driver.look(names.camera, ViewMode::Direct);
-    driver.advance(lights, 1, &|| {})?;
+    driver.advance(&names.subject.lights, 1, &|| {})?;
     let direct = driver.radiance()?;
     let dark = Picture::new(direct.width, direct.height);
     let [full, indirect] = [direct, dark].map(|light| Shown::from_linear(light, exposure_ev));
@@ -251,7 +249,7 @@ fn compared(
         added / dark.bright
     };
     let row = Row {
-        world: names.world.name.clone(),
+        world: names.subject.world.name.clone(),
         camera: names.camera.name.clone(),
         layout: names.layout.to_owned(),
         settings: names.settings.clone(),

@@ -19,7 +19,7 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     reference::{self, FilmOptions, View},
-    world::{Camera, World, generate, materials::MaterialSet, voxels::Voxels},
+    world::{Camera, ResponseSpec, World, generate, materials::MaterialSet, voxels::Voxels},
 };
 
 /// Who says what is true.
@@ -98,13 +98,14 @@ impl<'a> Tracer<'a> {
     }
 
     fn key(&self, film: &Film<'_>) -> Result<Key, Failure> {
-        // Who looks and where probes stand change nothing about the world.
+        // Who looks, where probes stand and what may change change nothing about the world as it is.
         let mut world = self.world.clone();
         world.name.clear();
         world.title.clear();
         world.cameras.clear();
         world.layouts.clear();
         world.lamp_presets.clear();
+        world.response = ResponseSpec::default();
         let Film {
             camera,
             size,

@@ -126,12 +126,12 @@ impl Judge<'_> {
             self.page.camera(camera, &target)?;
             if arguments.direct {
                 let names = Names {
-                    world: &subject.world,
+                    subject: &subject,
                     camera,
                     layout: "",
                     settings: &Setting::default(),
                 };
-                let judged = row::direct_alone(&mut driver, &names, &subject.lights, &target)?;
+                let judged = row::direct_alone(&mut driver, &names, &target)?;
                 self.add(judged)?;
             }
             for layout in &subject.layouts {
@@ -139,12 +139,12 @@ impl Judge<'_> {
                     let probes = settings.of(&subject.parameters).probes;
                     driver.replace_probes(layout, &probes)?;
                     let names = Names {
-                        world: &subject.world,
+                        subject: &subject,
                         camera,
                         layout: &layout.name,
                         settings,
                     };
-                    let judged = self.row(&subject, &names, &target, &mut driver)?;
+                    let judged = self.row(&names, &target, &mut driver)?;
                     self.add(judged)?;
                 }
             }
@@ -206,7 +206,6 @@ impl Judge<'_> {
 
     fn row(
         &self,
-        subject: &Subject,
         names: &Names<'_>,
         target: &Target,
         driver: &mut Driver<'_>,
@@ -219,7 +218,7 @@ impl Judge<'_> {
         };
         let bar = output::progress(&arguments.run, "frames", plan.length());
         let after = || bar.inc(1);
-        let judged = row::judge(driver, names, &subject.lights, target, &plan, &after);
+        let judged = row::judge(driver, names, target, &plan, &after);
         bar.finish_and_clear();
         judged
     }

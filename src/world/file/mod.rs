@@ -11,6 +11,7 @@ mod leaf;
 mod matter;
 mod place;
 mod resolve;
+mod response;
 mod scenery;
 pub mod schema;
 mod shape;

@@ -85,6 +85,7 @@ pub(super) fn resolve(
     let lamp_presets = reader.lamp_presets(&file.lamps, &shape)?;
     let cameras = reader.cameras(&file.cameras, &shape)?;
     let layouts = reader.layouts(&file.layouts)?;
+    let response = reader.response(&file.response, &lamp_presets, overrides.size.is_some())?;
     let sun = file.sun.as_ref().map(|sun| reader.sun(sun)).transpose()?;
     let sky = or(&file.sky, DIM_SKY, |sky| reader.sky(sky))?;
     for material in &mut reader.materials {
@@ -114,6 +115,7 @@ pub(super) fn resolve(
         lamp_presets,
         cameras,
         layouts,
+        response,
     })
 }
 

@@ -97,6 +97,9 @@ pub struct World {
     /// Default: one layout `auto` over the whole box.
     #[serde(default)]
     pub layouts: Vec<Layout>,
+    /// What is changed to see how soon light follows.
+    #[serde(default)]
+    pub response: Response,
 }
 
 /// A scalar field over space: `(basis: Perlin, fractal: Fbm(octaves: 4), frequency: 0.05)`.
@@ -574,4 +577,26 @@ pub struct Layout {
     pub follow: bool,
     /// 1 … 6, default 1.
     pub cascades: Option<Leaf>,
+}
+
+/// `(lamp: "ceiling", wall: (min: (0, 0, 4), max: (3, 6, 4), material: "plaster"))`. What is not named is
+/// found by those who measure.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Response {
+    /// The lamp that is switched and moved. Default: the preset's first.
+    pub lamp: Option<Leaf>,
+    /// Where it moves. Default: towards the camera.
+    pub lamp_to: Option<Vector>,
+    /// Default: what the camera looks at.
+    pub wall: Option<Wall>,
+}
+
+/// A box of voxels, both ends inclusive, whole numbers: all of `material`, or all air.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    pub min: Vector,
+    pub max: Vector,
+    pub material: Leaf,
 }

@@ -1,19 +1,20 @@
 //! How still a still scene is, and how soon light follows a change.
 
-use glam::{DVec3, IVec3, Vec3};
+mod edits;
+
 use serde::Serialize;
 
-use super::{Failure, driver::Driver};
+use self::edits::{Opening, moved_lamp};
+use super::{Failure, driver::Driver, subject::Subject};
 use crate::{
-    lights::{LampShape, LampState, Lights},
+    lights::Lights,
     measure::{
         picture::Picture,
         response::{Response, response},
         stability::{Stability, StabilityMeter},
     },
     passes::ViewMode,
-    reference::march::{Outcome, Ray, march},
-    world::{Camera, World, voxels::Voxels},
+    world::Camera,
 };
 
 /// Pictures of a still scene that stability is measured on, as in the source's table 4.4.
@@ -23,10 +24,6 @@ pub const WATCHED_FRAMES: u32 = 256;
 /// Longest edge of the pictures that a response is read from: indirect light is smooth, and probes do
 /// not depend on the picture.
 const RESPONSE_EDGE: u32 = 160;
-/// Radius in voxels of the hole that opens a wall.
-const HOLE_RADIUS: f32 = 3.0;
-/// Farthest that a lamp is moved, in voxels.
-const LAMP_STEP: f64 = 8.0;
 
 /// Measures the pictures that follow, in the view that the driver shows; the probes have settled.
 pub fn stability(
@@ -79,22 +76,22 @@ impl Responses {
     }
 }
 
-/// Settles, changes, and watches the indirect light that `camera` sees, once for each change:
-/// the first lamp (or the sun, where there is no lamp) is switched on and off; the first lamp with a
-/// place moves half of the free way towards the camera, at most eight voxels; a sphere of radius 3 is cut
-/// out where the camera's central ray hits, and filled again. Leaves the world as it was, and the
-/// driver at another size and view.
+/// Settles, changes, and watches the indirect light that `camera` sees, once for each change: a lamp is
+/// switched on and off, and moved; a wall is opened and shut. Which, the world may say
+/// ([`crate::world::ResponseSpec`]). If not: the first lamp (or the sun, where there is no lamp); half of the
+/// free way towards the camera, at most eight voxels; a sphere of radius 3 where the camera's central ray
+/// hits. Leaves the world as it was, and the driver at another size and view.
 pub fn responses(
     driver: &mut Driver<'_>,
-    world: &World,
-    lights: &Lights,
+    subject: &Subject,
     camera: &Camera,
     [settling, watched]: [u32; 2],
     after: &dyn Fn(),
 ) -> Result<Responses, Failure> {
+    let (world, lights) = (&subject.world, &subject.lights);
     driver.look(camera, ViewMode::Indirect);
     driver.resize(response_size(driver.view().size))?;
-    let closed = driver.voxels()?;
+    let before = driver.voxels()?;
     let mut watch = Watch {
         driver,
         settling,
@@ -102,26 +99,30 @@ pub fn responses(
         after,
     };
     let mut all = Responses::default();
-    if !lights.lamps.is_empty() {
+    let named = subject.named_lamp;
+    let switched = named.unwrap_or(0);
+    if switched < lights.lamps.len() {
         let mut dark = lights.clone();
-        dark.lamps.remove(0);
+        dark.lamps.remove(switched);
         all.lamp_on = watch.lights(&dark, lights)?;
         all.lamp_off = watch.lights(lights, &dark)?;
     }
-    if let Some(moved) = moved_lamp(&closed, world, lights, camera) {
+    if let Some(moved) = moved_lamp(&before, world, lights, named, camera) {
         all.lamp_moved = watch.lights(lights, &moved)?;
     }
-    if let Some(centre) = wall_ahead(&closed, world, camera) {
-        let mut open = closed.clone();
-        let cut = open.fill_sphere(centre, HOLE_RADIUS, 0);
-        let opening = |driver: &mut Driver<'_>| driver.apply(&open, &cut);
-        all.wall_opened = watch.change(lights, lights, opening)?;
-        // The hole is still there.
-        let (min, max) = hole(centre);
-        let mut filled = open.clone();
-        let fill = filled.edit(min, max, |voxel, _| closed.material(voxel));
-        let closing = |driver: &mut Driver<'_>| driver.apply(&filled, &fill);
-        all.wall_closed = watch.change(lights, lights, closing)?;
+    if let Some(opening) = Opening::of(&before, world, camera) {
+        let mut voxels = before.clone();
+        let shut = opening.shut(&mut voxels, &before);
+        watch.driver.apply(&voxels, &shut)?;
+        let cut = opening.open(&mut voxels);
+        let opened = |driver: &mut Driver<'_>| driver.apply(&voxels, &cut);
+        all.wall_opened = watch.change(lights, lights, opened)?;
+        // It is still open.
+        let fill = opening.shut(&mut voxels, &before);
+        let closed = |driver: &mut Driver<'_>| driver.apply(&voxels, &fill);
+        all.wall_closed = watch.change(lights, lights, closed)?;
+        let restored = opening.restore(&mut voxels, &before);
+        watch.driver.apply(&voxels, &restored)?;
     }
     Ok(all)
 }
@@ -167,48 +168,8 @@ fn response_size([width, height]: [u32; 2]) -> [u32; 2] {
     [width, height].map(|edge| (edge * RESPONSE_EDGE / longest).max(1))
 }
 
-fn moved_lamp(voxels: &Voxels, world: &World, lights: &Lights, camera: &Camera) -> Option<Lights> {
-    let placed = |lamp: &LampState| lamp.shape != LampShape::Directional;
-    let index = lights.lamps.iter().position(placed)?;
-    let mut moved = lights.clone();
-    let lamp = &mut moved.lamps[index];
-    let offset = camera.position.as_dvec3() - lamp.position_ws;
-    let way = offset.length();
-    let towards = offset.try_normalize()?;
-    let origin = lamp.position_ws - world.origin.as_dvec3();
-    let free = match march(voxels, &Ray::new(origin, towards)) {
-        Outcome::Inside(_) => return None,
-        Outcome::Hit(hit) => hit.distance.min(way),
-        Outcome::Miss => way,
-    };
-    lamp.position_ws += towards * (free / 2.0).min(LAMP_STEP);
-    Some(moved)
-}
-
-/// Where the central ray of a camera meets stone, in grid space.
-fn wall_ahead(voxels: &Voxels, world: &World, camera: &Camera) -> Option<Vec3> {
-    let basis = camera.basis(1.0);
-    let origin: DVec3 = basis.origin - world.origin.as_dvec3();
-    let ray = Ray::new(origin, basis.forward);
-    match march(voxels, &ray) {
-        Outcome::Hit(hit) => Some(hit.position(&ray).as_vec3()),
-        Outcome::Inside(_) | Outcome::Miss => None,
-    }
-}
-
-/// The box around the hole, both ends inclusive.
-fn hole(centre: Vec3) -> (IVec3, IVec3) {
-    let reach = Vec3::splat(HOLE_RADIUS);
-    (
-        (centre - reach).floor().as_ivec3(),
-        (centre + reach).floor().as_ivec3(),
-    )
-}
-
 #[cfg(test)]
 mod tests {
-    use glam::UVec3;
-
     use super::*;
 
     #[test]
@@ -216,26 +177,5 @@ mod tests {
         assert_eq!(response_size([64, 36]), [64, 36]);
         assert_eq!(response_size([1280, 720]), [160, 90]);
         assert_eq!(response_size([10, 4000]), [1, 160]);
-    }
-
-    #[test]
-    fn a_hole_lies_within_its_box() {
-        let mut voxels = Voxels::empty(UVec3::splat(32));
-        voxels.fill_box(IVec3::ZERO, IVec3::splat(31), 1);
-        let centre = Vec3::new(15.2, 9.0, 20.7);
-        let (min, max) = hole(centre);
-        let mut open = voxels.clone();
-        open.fill_sphere(centre, HOLE_RADIUS, 0);
-        let mut changed = 0;
-        for (x, y, z) in
-            (0..32).flat_map(|x| (0..32).flat_map(move |y| (0..32).map(move |z| (x, y, z))))
-        {
-            let voxel = IVec3::new(x, y, z);
-            if open.material(voxel) != 1 {
-                changed += 1;
-                assert!(voxel.cmpge(min).all() && voxel.cmple(max).all());
-            }
-        }
-        assert!(changed > 80, "{changed}");
     }
 }
