@@ -30,7 +30,7 @@ impl Shade {
             gpu,
             &KernelSpec {
                 shader: "passes/shade",
-                overrides: &[("EXACT", f64::from(u8::from(field.exact())))],
+                overrides: &field.gather_overrides(),
                 ..Default::default()
             },
         )?;
