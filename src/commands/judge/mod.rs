@@ -54,7 +54,7 @@ pub struct Arguments {
     #[arg(long)]
     direct: bool,
     /// Width in pixels of the pictures in the page; 0 leaves them out
-    #[arg(long, value_name = "W", default_value_t = 320, allow_negative_numbers = true,
+    #[arg(long, value_name = "W", default_value_t = 256, allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(0..=4096))]
     page_pictures: u32,
     /// Also write every picture in full size, as PNG, into a folder `pictures` beside the page
