@@ -5,13 +5,18 @@
 //! run row by row, then column by column, and the blue–yellow filter (a sum of two Gaussians) as
 //! two such pairs. Beyond its edges a picture continues with the colour of its edge.
 
-use glam::{DMat3, DVec3};
+mod colour;
+mod filters;
+
 use rayon::prelude::*;
 
+use self::{
+    colour::{colour_difference, hunt_lab, most_colour_difference, ycxcz},
+    filters::{Filters, Plane},
+};
 use super::{
     metrics::{MetricError, comparable},
     picture::Picture,
-    tonemap::linear_from_srgb,
 };
 
 /// Of a screen 0.7 m wide with 3840 pixels, seen from 0.7 m: the paper's observer.
@@ -39,14 +44,8 @@ pub fn flip(a: &Picture, b: &Picture, pixels_per_degree: f64) -> Result<Vec<f32>
         .collect())
 }
 
-/// Exponents q_c and q_f of the paper: they stretch small colour and feature differences.
-const COLOUR_POWER: f64 = 0.7;
+/// Exponent q_f of the paper: it stretches small feature differences.
 const FEATURE_POWER: f32 = 0.5;
-/// The share p_c of the largest colour difference that is mapped to p_t of the scale.
-const COMMON_SHARE: f64 = 0.4;
-const COMMON_MAPPED: f64 = 0.95;
-/// Width w of the feature detectors in degrees: what the eye resolves best.
-const FEATURE_WIDTH_DEG: f64 = 0.082;
 
 /// One picture as the observer sees it: colours after blurring, and features.
 struct Seen {
@@ -91,237 +90,6 @@ impl Seen {
 fn lengths(x: &Plane, y: &Plane) -> Vec<f32> {
     let both = x.values.par_iter().zip(&y.values);
     both.map(|(x, y)| (x * x + y * y).sqrt()).collect()
-}
-
-/// One number a pixel, row by row.
-struct Plane {
-    width: usize,
-    values: Vec<f32>,
-}
-
-impl Plane {
-    /// Convolved along x. `taps` has an odd length; its middle is the pixel itself.
-    fn rows(&self, taps: &[f32]) -> Self {
-        let radius = taps.len() / 2;
-        let mut values = vec![0.0; self.values.len()];
-        let rows = values.par_chunks_mut(self.width);
-        rows.zip(self.values.par_chunks(self.width)).for_each_init(
-            Vec::new,
-            |padded: &mut Vec<f32>, (out, row)| {
-                padded.clear();
-                padded.extend(std::iter::repeat_n(row[0], radius));
-                padded.extend_from_slice(row);
-                padded.extend(std::iter::repeat_n(row[row.len() - 1], radius));
-                for (tap, shifted) in taps.iter().zip(padded.windows(row.len())) {
-                    add_scaled(out, *tap, shifted);
-                }
-            },
-        );
-        Self {
-            width: self.width,
-            values,
-        }
-    }
-
-    /// Convolved along y.
-    fn columns(&self, taps: &[f32]) -> Self {
-        let (radius, last) = (taps.len() / 2, self.values.len() / self.width - 1);
-        let mut values = vec![0.0; self.values.len()];
-        let rows = values.par_chunks_mut(self.width).enumerate();
-        rows.for_each(|(y, out)| {
-            for (k, tap) in taps.iter().enumerate() {
-                let from = (y + k).saturating_sub(radius).min(last);
-                add_scaled(out, *tap, &self.values[from * self.width..][..self.width]);
-            }
-        });
-        Self {
-            width: self.width,
-            values,
-        }
-    }
-}
-
-fn add_scaled(sums: &mut [f32], scale: f32, values: &[f32]) {
-    for (sum, value) in sums.iter_mut().zip(values) {
-        *sum += scale * value;
-    }
-}
-
-/// A blur: a sum of Gaussians, each with its share of the whole.
-struct Blur(Vec<(f32, Vec<f32>)>);
-
-impl Blur {
-    /// The inverse transform of a contrast sensitivity: Σ a √(π/b) exp(−π² r²/b), r in degrees,
-    /// as (a, b) of each term; its sum over the pixels is 1.
-    fn new(terms: &[(f64, f64)], radius: i32, pixels_per_degree: f64) -> Self {
-        use std::f64::consts::PI;
-        let parts = terms.iter().map(|&(a, b)| {
-            let taps = symmetric(radius, |x| {
-                (-(PI * x / pixels_per_degree).powi(2) / b).exp()
-            });
-            let sum: f64 = taps.iter().sum();
-            let normalised = taps.iter().map(|tap| (tap / sum) as f32).collect();
-            (a * (PI / b).sqrt() * sum * sum, normalised)
-        });
-        let parts: Vec<(f64, Vec<f32>)> = parts.collect();
-        let total: f64 = parts.iter().map(|(weight, _)| weight).sum();
-        let shares = parts
-            .into_iter()
-            .map(|(w, taps)| ((w / total) as f32, taps));
-        Self(shares.collect())
-    }
-
-    fn applied(&self, plane: &Plane) -> Plane {
-        let mut sums = Plane {
-            width: plane.width,
-            values: vec![0.0; plane.values.len()],
-        };
-        for (share, taps) in &self.0 {
-            let blurred = plane.rows(taps).columns(taps);
-            add_scaled(&mut sums.values, *share, &blurred.values);
-        }
-        sums
-    }
-}
-
-/// Everything that depends on the observer alone.
-struct Filters {
-    y: Blur,
-    cx: Blur,
-    cz: Blur,
-    /// A Gaussian, its first and its second derivative; each side of those sums to ±1.
-    feature: [Vec<f32>; 3],
-}
-
-impl Filters {
-    fn new(pixels_per_degree: f64) -> Self {
-        use std::f64::consts::PI;
-        // Contrast sensitivities of table 1 of the paper: achromatic, red–green, blue–yellow.
-        const Y: [(f64, f64); 1] = [(1.0, 0.0047)];
-        const CX: [(f64, f64); 1] = [(1.0, 0.0053)];
-        const CZ: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
-        // Three standard deviations of the widest.
-        let widest = (CZ[0].1 / (2.0 * PI * PI)).sqrt();
-        let radius = (3.0 * widest * pixels_per_degree).ceil() as i32;
-        let blur = |terms: &[_]| Blur::new(terms, radius, pixels_per_degree);
-        Self {
-            y: blur(&Y),
-            cx: blur(&CX),
-            cz: blur(&CZ),
-            feature: feature_filters(0.5 * FEATURE_WIDTH_DEG * pixels_per_degree),
-        }
-    }
-}
-
-/// For a standard deviation in pixels.
-fn feature_filters(sigma: f64) -> [Vec<f32>; 3] {
-    let radius = (3.0 * sigma).ceil() as i32;
-    let gauss = |x: f64| (-x * x / (2.0 * sigma * sigma)).exp();
-    let smooth = symmetric(radius, gauss);
-    let first = symmetric(radius, |x| -x * gauss(x));
-    let second = symmetric(radius, |x| (x * x / (sigma * sigma) - 1.0) * gauss(x));
-    [smooth, first, second].map(|taps| {
-        let sum = |keep: fn(f64) -> f64| taps.iter().map(|&tap| keep(tap)).sum::<f64>();
-        let (positive, negative) = (sum(|tap| tap.max(0.0)), sum(|tap| (-tap).max(0.0)));
-        let scaled = taps.iter().map(|&tap| {
-            let side = if tap > 0.0 { positive } else { negative };
-            if tap == 0.0 { 0.0 } else { (tap / side) as f32 }
-        });
-        scaled.collect()
-    })
-}
-
-/// A function at the integers from −radius to radius.
-fn symmetric(radius: i32, f: impl Fn(f64) -> f64) -> Vec<f64> {
-    (-radius..=radius).map(|x| f(f64::from(x))).collect()
-}
-
-/// Linear Rec. 709 to CIE XYZ under D65; the columns are the primaries.
-const XYZ_FROM_RGB: DMat3 = DMat3::from_cols(
-    DVec3::new(
-        10_135_552.0 / 24_577_794.0,
-        2_613_072.0 / 12_288_897.0,
-        1_425_312.0 / 73_733_382.0,
-    ),
-    DVec3::new(
-        8_788_810.0 / 24_577_794.0,
-        8_788_810.0 / 12_288_897.0,
-        8_788_810.0 / 73_733_382.0,
-    ),
-    DVec3::new(
-        4_435_075.0 / 24_577_794.0,
-        887_015.0 / 12_288_897.0,
-        70_074_185.0 / 73_733_382.0,
-    ),
-);
-
-/// XYZ relative to the white of the display, so that white is (1, 1, 1).
-fn relative_xyz(linear: DVec3) -> DVec3 {
-    XYZ_FROM_RGB * linear / (XYZ_FROM_RGB * DVec3::ONE)
-}
-
-/// Display values to YCxCz: CIELAB without its cube root, in which light may be averaged.
-fn ycxcz(display: [f32; 3]) -> [f32; 3] {
-    let encoded = DVec3::from_array(display.map(f64::from)).clamp(DVec3::ZERO, DVec3::ONE);
-    let xyz = relative_xyz(encoded.map(linear_from_srgb));
-    [
-        116.0 * xyz.y - 16.0,
-        500.0 * (xyz.x - xyz.y),
-        200.0 * (xyz.y - xyz.z),
-    ]
-    .map(|value| value as f32)
-}
-
-/// YCxCz, limited to what a display can show, to CIELAB with chroma scaled by lightness (Hunt).
-fn hunt_lab([y, cx, cz]: [f32; 3]) -> [f32; 3] {
-    let y = (f64::from(y) + 16.0) / 116.0;
-    let xyz = DVec3::new(y + f64::from(cx) / 500.0, y, y - f64::from(cz) / 200.0);
-    let white = XYZ_FROM_RGB * DVec3::ONE;
-    let linear = XYZ_FROM_RGB.inverse() * (xyz * white);
-    lab_of(linear.clamp(DVec3::ZERO, DVec3::ONE)).map(|value| value as f32)
-}
-
-/// CIELAB of linear light in [0, 1], its chroma scaled by lightness.
-fn lab_of(linear: DVec3) -> [f64; 3] {
-    let root = |t: f64| {
-        const DELTA: f64 = 6.0 / 29.0;
-        if t > DELTA * DELTA * DELTA {
-            t.cbrt()
-        } else {
-            t / (3.0 * DELTA * DELTA) + 4.0 / 29.0
-        }
-    };
-    let f = relative_xyz(linear).map(root);
-    let lightness = 116.0 * f.y - 16.0;
-    let hunt = 0.01 * lightness;
-    [
-        lightness,
-        hunt * 500.0 * (f.x - f.y),
-        hunt * 200.0 * (f.y - f.z),
-    ]
-}
-
-/// HyAB (Abasi et al. 2020) to the power q_c.
-fn raised_hyab(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let difference = DVec3::from_array(a) - DVec3::from_array(b);
-    (difference.x.abs() + difference.y.hypot(difference.z)).powf(COLOUR_POWER)
-}
-
-/// Between the green and the blue primary: no two displayed colours are farther apart.
-fn most_colour_difference() -> f64 {
-    raised_hyab(lab_of(DVec3::Y), lab_of(DVec3::Z))
-}
-
-/// In [0, 1]: common differences take most of the scale, the largest are pressed together above.
-fn colour_difference(a: [f32; 3], b: [f32; 3], most: f64) -> f32 {
-    let difference = raised_hyab(a.map(f64::from), b.map(f64::from));
-    let common = COMMON_SHARE * most;
-    let mapped = if difference < common {
-        COMMON_MAPPED * difference / common
-    } else {
-        COMMON_MAPPED + (1.0 - COMMON_MAPPED) * (difference - common) / (most - common)
-    };
-    mapped as f32
 }
 
 #[cfg(test)]
