@@ -267,6 +267,11 @@ impl ProbeField {
         self.sight.is_some()
     }
 
+    /// Whether [`Self::distance_atlas`] holds what the probes' rays measured.
+    pub fn keeps_distances(&self) -> bool {
+        true
+    }
+
     /// What each probe sees: see [`Sight`].
     pub fn sight(&self) -> Option<(Sight, &wgpu::Buffer)> {
         self.sight.map(|sight| (sight, &self.sight_bits))
@@ -370,7 +375,8 @@ impl ProbeField {
     }
 }
 
-fn layers_of(texture: &wgpu::Texture) -> wgpu::TextureView {
+/// All layers, also when there is only one.
+pub(super) fn layers_of(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()

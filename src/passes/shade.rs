@@ -34,20 +34,54 @@ impl Shade {
                 ..Default::default()
             },
         )?;
-        let hdr_view = hdr.create_view(&Default::default());
-        let mut all = resources.to_vec();
-        all.extend(field.resources());
-        all.push(("surfaces", surfaces.as_entire_binding()));
-        all.push(("hdr", wgpu::BindingResource::TextureView(&hdr_view)));
         Ok(Self {
-            bindings: kernel.bind(gpu, &all),
+            bindings: bind(gpu, &kernel, &hdr, surfaces, field, None, resources),
             kernel,
             hdr,
         })
     }
 
-    pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let [columns, rows] = self.kernel.groups_of([self.hdr.width(), self.hdr.height()]);
-        recorder.run(&self.kernel, &self.bindings, rectangle(columns * rows));
+    /// The same with another atlas in the place of the field's irradiance: what the picture gathers.
+    pub fn bind(
+        &self,
+        gpu: &Gpu,
+        surfaces: &wgpu::Buffer,
+        field: &ProbeField,
+        gathered: &wgpu::TextureView,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Bindings {
+        let (kernel, hdr) = (&self.kernel, &self.hdr);
+        bind(gpu, kernel, hdr, surfaces, field, Some(gathered), resources)
     }
+
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        self.record_with(recorder, &self.bindings);
+    }
+
+    /// With bindings of [`Self::bind`].
+    pub fn record_with(&self, recorder: &mut Recorder<'_>, bindings: &Bindings) {
+        let [columns, rows] = self.kernel.groups_of([self.hdr.width(), self.hdr.height()]);
+        recorder.run(&self.kernel, bindings, rectangle(columns * rows));
+    }
+}
+
+fn bind(
+    gpu: &Gpu,
+    kernel: &Kernel,
+    hdr: &wgpu::Texture,
+    surfaces: &wgpu::Buffer,
+    field: &ProbeField,
+    gathered: Option<&wgpu::TextureView>,
+    resources: &[(&str, wgpu::BindingResource<'_>)],
+) -> Bindings {
+    use wgpu::BindingResource::TextureView;
+    let hdr_view = hdr.create_view(&Default::default());
+    // The first of a name is bound.
+    let atlas = gathered.map(|atlas| ("irradiance_atlas", TextureView(atlas)));
+    let mut all: Vec<_> = atlas.into_iter().collect();
+    all.extend_from_slice(resources);
+    all.extend(field.resources());
+    all.push(("surfaces", surfaces.as_entire_binding()));
+    all.push(("hdr", TextureView(&hdr_view)));
+    kernel.bind(gpu, &all)
 }
