@@ -317,12 +317,8 @@ impl Frame {
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         let picture = self.passes.camera_rays.surfaces.size() + pixels * (8 + 4);
         let voxels = self.stage.voxels.bytes();
-        let memory = self.field.memory();
-        let probes = memory.total();
-        let inspect = self
-            .passes
-            .inspect
-            .bytes(self.size, memory.irradiance_atlas);
+        let probes = self.field.memory().total();
+        let inspect = self.passes.inspect.bytes(self.size);
         MemoryUse {
             voxels,
             probes,

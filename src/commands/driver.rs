@@ -1,5 +1,10 @@
 //! A world's frames, one after another: how pictures settle, hold still and follow changes.
 
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
+
 use super::Failure;
 use crate::{
     frame::{Frame, Stage},
@@ -21,6 +26,7 @@ pub struct Driver<'a> {
     layout: LayoutSpec,
     probes: ProbeParameters,
     view: View,
+    stop: Option<Arc<AtomicBool>>,
 }
 
 impl<'a> Driver<'a> {
@@ -40,7 +46,13 @@ impl<'a> Driver<'a> {
             layout: layout.clone(),
             probes,
             view,
+            stop: None,
         })
+    }
+
+    /// Lets no frame begin any more once this is set.
+    pub fn stop_at(&mut self, stop: &Arc<AtomicBool>) {
+        self.stop = Some(stop.clone());
     }
 
     /// Fresh probes, in a layout and with parameters that may be others.
@@ -92,14 +104,18 @@ impl<'a> Driver<'a> {
     /// Records frames under the same lights; `after` is called after each.
     ///
     /// # Errors
-    /// When the adapter fails.
+    /// When the adapter fails, and when it was told to stop.
     pub fn advance(
         &mut self,
         lights: &Lights,
         frames: u32,
         after: &dyn Fn(),
     ) -> Result<(), Failure> {
+        let stopped = |stop: &Arc<AtomicBool>| stop.load(Ordering::Relaxed);
         for _ in 0..frames {
+            if self.stop.as_ref().is_some_and(stopped) {
+                return Err(Failure::interrupted("stopped"));
+            }
             self.view.frame = self.frame.frames();
             let mut recorder = Recorder::new(self.gpu, None);
             self.frame
@@ -146,6 +162,11 @@ impl<'a> Driver<'a> {
     /// What stands in the world.
     pub fn stage(&self) -> &Stage {
         &self.frame.stage
+    }
+
+    /// Bytes on the adapter that the probes take.
+    pub fn probe_bytes(&self) -> u64 {
+        self.frame.memory().probes
     }
 
     /// Rays of each probe in a frame.

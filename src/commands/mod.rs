@@ -16,6 +16,8 @@ mod play;
 mod record;
 pub mod reference;
 mod render;
+mod settings;
+mod stop;
 mod subject;
 
 use std::panic::PanicHookInfo;
@@ -37,7 +39,7 @@ The worlds lie in the folder worlds/ (copy worlds/minimal.ron to begin your own)
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 a fault of grotto's or of the machine; 2 a bad file or flag; 3 no usable GPU; \
-4 a comparison failed; 130 stopped before there was a result.";
+4 a comparison failed; 130 stopped before it was done.";
 
 /// Procedural voxel worlds with real-time global illumination.
 #[derive(Parser)]

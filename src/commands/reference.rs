@@ -2,10 +2,7 @@
 
 use std::{
     path::PathBuf,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
+    sync::atomic::{AtomicBool, Ordering},
     time::Instant,
 };
 
@@ -13,9 +10,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{
-    EXIT_INTERRUPTED, Failure, memory,
+    Failure, memory,
     options::{PictureOptions, RunOptions, Scene},
-    output, render,
+    output, render, stop,
 };
 use crate::{
     frame::{self, Stage},
@@ -197,7 +194,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "a picture of this size",
         pixels * (3 * PathTrace::BYTES_PER_PIXEL + 24),
     )?;
-    let cancel = stop_at_ctrl_c(run);
+    let cancel = stop::at_ctrl_c(run);
     let gpu = output::open_gpu(run)?;
     gpu.check_buffer(
         "a picture of this size",
@@ -284,22 +281,4 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         ),
     );
     Ok(())
-}
-
-/// A flag that the first Ctrl-C sets; the second ends the program at once.
-fn stop_at_ctrl_c(run: &RunOptions) -> Arc<AtomicBool> {
-    let stopped = Arc::new(AtomicBool::new(false));
-    let flag = stopped.clone();
-    let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(EXIT_INTERRUPTED));
-        }
-    };
-    if let Err(error) = ctrlc::set_handler(handler) {
-        output::note(
-            run,
-            &format!("note: Ctrl-C will write nothing: it cannot be listened for ({error})"),
-        );
-    }
-    stopped
 }

@@ -7,6 +7,7 @@ use clap::Args;
 use super::{
     Failure,
     options::{RunOptions, choose, load_world, picture_size, world_time},
+    settings::{Setting, Varied},
 };
 use crate::{
     lights::Lights,
@@ -16,7 +17,7 @@ use crate::{
 };
 
 /// Options of tables.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct SubjectOptions {
     /// World files
     #[arg(value_name = "WORLD")]
@@ -47,6 +48,32 @@ pub struct SubjectOptions {
     /// Rays per probe and frame, one row each [default: that of probes.rays]
     #[arg(long, value_name = "N,N…", value_delimiter = ',', value_parser = rays)]
     pub rays: Vec<u32>,
+    /// Values of a probes.* parameter, one row each (repeatable: each with each), as in
+    /// probes.relocation=off,statistical,exact
+    #[arg(long, value_name = "KEY=VALUE,VALUE…", value_parser = Varied::parse)]
+    pub vary: Vec<Varied>,
+}
+
+impl SubjectOptions {
+    /// The keys that vary, in the order of their columns; `--rays` is the last of them.
+    ///
+    /// # Errors
+    /// For a number of rays that is named twice.
+    pub fn varied(&self) -> Result<Vec<Varied>, Failure> {
+        let mut varied = self.vary.clone();
+        if !self.rays.is_empty() {
+            varied.push(Varied::rays(&self.rays).map_err(Failure::bad_input)?);
+        }
+        Ok(varied)
+    }
+
+    /// What the rows of each camera and layout are for: never empty.
+    ///
+    /// # Errors
+    /// As [`varied`](Self::varied) and [`Setting::product`].
+    pub fn settings(&self, run: &RunOptions) -> Result<Vec<Setting>, Failure> {
+        Setting::product(&self.varied()?, &run.set)
+    }
 }
 
 /// Accepts what `probes.rays` accepts.
@@ -72,7 +99,7 @@ pub struct Subject {
     pub cameras: Vec<Camera>,
     pub layouts: Vec<LayoutSpec>,
     /// Never empty.
-    pub rays: Vec<u32>,
+    pub settings: Vec<Setting>,
     pub lights: Lights,
     options: ViewOptions,
 }
@@ -96,6 +123,7 @@ impl Subject {
         unnamed: Unnamed,
     ) -> Result<Option<Self>, Failure> {
         let parameters = run.parameters()?;
+        let settings = options.settings(run)?;
         let world = load_world(path, &parameters)?;
         let alone = options.worlds.len() <= 1;
         let chosen = Choice {
@@ -115,16 +143,12 @@ impl Subject {
         }
         let moving = parameters.lights.animate;
         let lights = Lights::at(&world, &lamps, if moving { options.time } else { 0.0 });
-        let rays = match &options.rays[..] {
-            [] => vec![parameters.probes.rays],
-            given => given.to_vec(),
-        };
         Ok(Some(Self {
             world,
             parameters,
             cameras,
             layouts,
-            rays,
+            settings,
             lights,
             options: ViewOptions {
                 size: options.size,
@@ -146,13 +170,6 @@ impl Subject {
             time_s: self.options.time_s,
             textures: self.parameters.textures.enabled,
         }
-    }
-
-    /// The parameters with another number of rays.
-    pub fn with_rays(&self, rays: u32) -> Parameters {
-        let mut parameters = self.parameters.clone();
-        parameters.probes.rays = rays;
-        parameters
     }
 }
 

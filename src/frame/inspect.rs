@@ -35,7 +35,7 @@ impl Inspect {
         let surfaces = &camera_rays.surfaces;
         if wanted.view == ViewMode::States {
             let paint = ProbePaint::new(gpu, field)?;
-            let bindings = shade.bind(gpu, surfaces, field, &paint.view(), resources);
+            let bindings = shade.bind(gpu, surfaces, field, &paint.cubes, resources);
             made.states = Some((paint, bindings));
         }
         if let Some(layer) = wanted.atlas {
@@ -70,8 +70,11 @@ impl Inspect {
     }
 
     /// Bytes of GPU memory, for a picture of this size.
-    pub fn bytes(&self, size: [u32; 2], irradiance_atlas: u64) -> u64 {
-        let states = u64::from(self.states.is_some()) * irradiance_atlas;
+    pub fn bytes(&self, size: [u32; 2]) -> u64 {
+        let states = self
+            .states
+            .as_ref()
+            .map_or(0, |(paint, _)| paint.cubes.size());
         states + u64::from(self.probes.is_some()) * ProbeDraw::bytes(size)
     }
 }

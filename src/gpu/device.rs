@@ -109,9 +109,9 @@ pub fn adapters() -> Vec<AdapterReport> {
         .collect()
 }
 
-/// Pass `probe_rays` binds nine storage buffers: no pass needs more.
+/// Pass `probe_rays` binds ten storage buffers: no pass needs more.
 fn is_usable(adapter: &wgpu::Adapter) -> bool {
-    adapter.limits().max_storage_buffers_per_shader_stage >= 9
+    adapter.limits().max_storage_buffers_per_shader_stage >= 10
 }
 
 /// Ranks adapters: the lowest is the fastest.

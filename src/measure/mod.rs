@@ -1,6 +1,5 @@
 //! Pictures and statistics. Knows no world.
 
-pub mod base64;
 pub mod changes;
 pub mod comparison;
 pub mod flip;
@@ -12,4 +11,5 @@ pub mod response;
 pub mod selection;
 pub mod stability;
 pub mod statistics;
+pub mod thumbnail;
 pub mod tonemap;

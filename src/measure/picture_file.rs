@@ -114,14 +114,6 @@ pub fn write_png(path: &Path, display: &Picture) -> Result<(), PictureError> {
     save(path, &file)
 }
 
-/// The PNG that [`write_png`] writes.
-///
-/// # Panics
-/// For a picture without pixels, which no PNG can hold.
-pub fn png_bytes(display: &Picture) -> Vec<u8> {
-    encoded_png(display).expect("a picture with pixels fits a PNG in memory")
-}
-
 fn encoded_png(display: &Picture) -> Result<Vec<u8>, image::ImageError> {
     let bytes: Vec<u8> = display
         .rgb
@@ -220,7 +212,7 @@ fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Picture, PictureError> {
 }
 
 /// The nearest of 256 values; casting sends NaN to 0.
-fn quantised(value: f32) -> u8 {
+pub(super) fn quantised(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 

@@ -3,6 +3,7 @@
 use super::{KEYS, Kind, Parameters, Value, nearest};
 
 /// A tunable as `--set`, `grotto info --keys` and the panel see it.
+#[derive(Debug)]
 pub struct Key {
     /// `section.field`.
     pub name: &'static str,

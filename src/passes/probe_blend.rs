@@ -21,7 +21,8 @@ impl ProbeBlend {
                 shader: "passes/probe_blend",
                 overrides: &[
                     ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
-                    ("DISTANCE_TEXELS", f64::from(atlas.distance_texels)),
+                    ("DISTANCE_TEXELS", f64::from(atlas.distance_texels.max(1))),
+                    ("DISTANCES", f64::from(u8::from(field.keeps_distances()))),
                     ("DISTANCE_SHARPNESS", f64::from(field.distance_sharpness())),
                 ],
                 ..Default::default()

@@ -47,6 +47,7 @@ pub struct ProbeField {
     changes_info: wgpu::Buffer,
     places: wgpu::Buffer,
     sight_bits: wgpu::Buffer,
+    ambient_cubes: wgpu::Buffer,
     irradiance_atlas: wgpu::Texture,
     distance_atlas: wgpu::Texture,
     irradiance_view: wgpu::TextureView,
@@ -70,6 +71,7 @@ impl ProbeField {
         let atlas = AtlasLayout::new(
             slots,
             parameters,
+            sight.is_none(),
             gpu.limits.max_texture_dimension_2d,
             gpu.limits.max_texture_array_layers,
         )?;
@@ -123,6 +125,7 @@ impl ProbeField {
         Ok(Self {
             sight,
             sight_bits: gpu.storage_buffer("probe_sight", memory.sight)?,
+            ambient_cubes: gpu.storage_buffer("ambient_cubes", memory.ambient_cubes)?,
             changes: Changes::default(),
             plan: ProbePlan::new(gpu, atlas.slots, parameters.rays)?,
             places,
@@ -203,7 +206,7 @@ impl ProbeField {
     }
 
     /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 9] {
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 10] {
         use wgpu::BindingResource::{Sampler, TextureView};
         let [plan, work] = self.plan.resources();
         [
@@ -216,11 +219,12 @@ impl ProbeField {
             ("probe_sampler", Sampler(&self.sampler)),
             ("probe_places", self.places.as_entire_binding()),
             ("probe_sight", self.sight_bits.as_entire_binding()),
+            ("ambient_cubes", self.ambient_cubes.as_entire_binding()),
         ]
     }
 
     /// What is written when the field is updated: rays, histories, states, and the atlas.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
         use wgpu::BindingResource::TextureView;
         let [plan, work] = self.plan.resources();
         [
@@ -243,6 +247,7 @@ impl ProbeField {
             ("changes", self.changes_info.as_entire_binding()),
             ("irradiance_out", TextureView(&self.irradiance_view)),
             ("distance_out", TextureView(&self.distance_view)),
+            ("ambient_cubes_out", self.ambient_cubes.as_entire_binding()),
         ]
     }
 
@@ -267,9 +272,9 @@ impl ProbeField {
         self.sight.is_some()
     }
 
-    /// Whether [`Self::distance_atlas`] holds what the probes' rays measured.
+    /// Whether probes keep how far they see: nobody asks under exact visibility.
     pub fn keeps_distances(&self) -> bool {
-        true
+        self.atlas.distance_texels > 0
     }
 
     /// What each probe sees: see [`Sight`].
@@ -340,13 +345,19 @@ impl ProbeField {
         &self.rays
     }
 
+    /// Irradiance over π along six axes, and whether there is any: 48 bytes a probe
+    /// (`shaders/probes/ambient_cube.wesl`).
+    pub fn ambient_cubes(&self) -> &wgpu::Buffer {
+        &self.ambient_cubes
+    }
+
     /// Irradiance over π (RGB) and whether the probe gives light (A): rgba16float.
     pub fn irradiance_atlas(&self) -> &wgpu::Texture {
         &self.irradiance_atlas
     }
 
     /// Mean distance (R) and mean of squares (G) in units of the longest distance and its square:
-    /// rgba16float.
+    /// rgba16float; one texel where [`Self::keeps_distances`] says no.
     pub fn distance_atlas(&self) -> &wgpu::Texture {
         &self.distance_atlas
     }
@@ -375,8 +386,7 @@ impl ProbeField {
     }
 }
 
-/// All layers, also when there is only one.
-pub(super) fn layers_of(texture: &wgpu::Texture) -> wgpu::TextureView {
+fn layers_of(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()

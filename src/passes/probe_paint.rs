@@ -1,24 +1,21 @@
-//! Pass `probe_paint`: the states of the probes as an atlas of colours, for the view of states.
+//! Pass `probe_paint`: the states of the probes as colours in the place of light, for the view of states.
 
-use super::{ProbeField, probe_field::layers_of};
+use super::ProbeField;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 pub struct ProbePaint {
     kernel: Kernel,
     bindings: Bindings,
     groups: [u32; 2],
-    /// Laid out as [`ProbeField::irradiance_atlas`]. RGB: the colour of the state, linear for the display;
-    /// A: as the atlas has it.
-    pub atlas: wgpu::Texture,
+    /// Like [`ProbeField::ambient_cubes`], with the colour of the state (linear for the display) on all sides.
+    pub cubes: wgpu::Buffer,
 }
 
 impl ProbePaint {
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
-        let layout = field.atlas();
-        let extent = layout.texture_extent(layout.irradiance_texels);
-        let atlas = gpu.texture("state_atlas", extent, wgpu::TextureFormat::Rgba16Float)?;
+        let cubes = gpu.storage_buffer("painted_cubes", field.ambient_cubes().size())?;
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -28,19 +25,13 @@ impl ProbePaint {
         )?;
         let mut all = field.resources().to_vec();
         all.extend(field.due_resources());
-        let view = layers_of(&atlas);
-        all.push(("state_atlas", wgpu::BindingResource::TextureView(&view)));
+        all.push(("painted_cubes", cubes.as_entire_binding()));
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
+            groups: rectangle(field.atlas().slots.div_ceil(kernel.workgroup_size[0])),
             kernel,
-            groups: rectangle(layout.slots),
-            atlas,
+            cubes,
         })
-    }
-
-    /// For those who gather from it.
-    pub fn view(&self) -> wgpu::TextureView {
-        layers_of(&self.atlas)
     }
 
     /// After pass `probe_blend`, before pass `shade`.

@@ -41,13 +41,13 @@ impl Shade {
         })
     }
 
-    /// The same with another atlas in the place of the field's irradiance: what the picture gathers.
+    /// The same with others in the place of the field's ambient cubes: what the picture gathers.
     pub fn bind(
         &self,
         gpu: &Gpu,
         surfaces: &wgpu::Buffer,
         field: &ProbeField,
-        gathered: &wgpu::TextureView,
+        gathered: &wgpu::Buffer,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Bindings {
         let (kernel, hdr) = (&self.kernel, &self.hdr);
@@ -71,17 +71,16 @@ fn bind(
     hdr: &wgpu::Texture,
     surfaces: &wgpu::Buffer,
     field: &ProbeField,
-    gathered: Option<&wgpu::TextureView>,
+    gathered: Option<&wgpu::Buffer>,
     resources: &[(&str, wgpu::BindingResource<'_>)],
 ) -> Bindings {
-    use wgpu::BindingResource::TextureView;
     let hdr_view = hdr.create_view(&Default::default());
     // The first of a name is bound.
-    let atlas = gathered.map(|atlas| ("irradiance_atlas", TextureView(atlas)));
-    let mut all: Vec<_> = atlas.into_iter().collect();
+    let cubes = gathered.map(|cubes| ("ambient_cubes", cubes.as_entire_binding()));
+    let mut all: Vec<_> = cubes.into_iter().collect();
     all.extend_from_slice(resources);
     all.extend(field.resources());
     all.push(("surfaces", surfaces.as_entire_binding()));
-    all.push(("hdr", TextureView(&hdr_view)));
+    all.push(("hdr", wgpu::BindingResource::TextureView(&hdr_view)));
     kernel.bind(gpu, &all)
 }

@@ -16,6 +16,7 @@ pub struct AtlasLayout {
     pub layers: u32,
     /// Texels along a map, without its border.
     pub irradiance_texels: u32,
+    /// 0 where no distances are kept.
     pub distance_texels: u32,
 }
 
@@ -32,6 +33,8 @@ const STATE_BYTES: u64 = 16;
 const TREND_BYTES: u64 = 7 * 16;
 /// Where it stands, and whether it gives light.
 const PLACE_BYTES: u64 = 16;
+/// Irradiance along six axes (f16), and whether there is any.
+const CUBE_BYTES: u64 = 3 * 16;
 /// The list of the due, who asked when, and how far it has walked.
 const PLAN_BYTES: u64 = 3 * 4 + 8;
 
@@ -46,6 +49,7 @@ pub struct ProbeMemory {
     pub states: u64,
     pub trends: u64,
     pub places: u64,
+    pub ambient_cubes: u64,
     /// What probes see under exact visibility; not a matter of the atlas.
     pub sight: u64,
     pub plan: u64,
@@ -61,23 +65,31 @@ impl ProbeMemory {
             + self.states
             + self.trends
             + self.places
+            + self.ambient_cubes
             + self.sight
             + self.plan
     }
 }
 
 impl AtlasLayout {
-    /// A layout that is about square, within textures of `extent`² texels and `layers` layers.
+    /// A layout that is about square, within textures of `extent`² texels and `layers` layers. Without
+    /// `distances` there are no distance maps.
     ///
     /// # Errors
     /// [`ProbeError::Atlas`] when the maps do not fit.
     pub fn new(
         slots: u32,
         parameters: &ProbeParameters,
+        distances: bool,
         extent: u32,
         layers: u32,
     ) -> Result<Self, ProbeError> {
-        let texels = parameters.irradiance_texels.max(parameters.distance_texels);
+        let distance_texels = if distances {
+            parameters.distance_texels
+        } else {
+            0
+        };
+        let texels = parameters.irradiance_texels.max(distance_texels);
         let refused = ProbeError::Atlas {
             texels,
             slots,
@@ -102,12 +114,15 @@ impl AtlasLayout {
             rows: all_rows.min(1 << rows_log2),
             layers: needed,
             irradiance_texels: parameters.irradiance_texels,
-            distance_texels: parameters.distance_texels,
+            distance_texels,
         })
     }
 
-    /// Width, height and layers of a texture of maps this wide.
+    /// Width, height and layers of a texture of maps this wide; of the least texture for 0.
     pub fn texture_extent(&self, texels: u32) -> [u32; 3] {
+        if texels == 0 {
+            return [1; 3];
+        }
         let tile = texels + 2;
         [tile << self.columns_log2, tile * self.rows, self.layers]
     }
@@ -139,6 +154,7 @@ impl AtlasLayout {
             states: slots * STATE_BYTES,
             trends: slots * TREND_BYTES,
             places: slots * PLACE_BYTES,
+            ambient_cubes: slots * CUBE_BYTES,
             sight: 0,
             plan: slots * PLAN_BYTES,
         }
@@ -152,7 +168,7 @@ mod tests {
     use super::*;
 
     fn layout(slots: u32, extent: u32, layers: u32) -> Result<AtlasLayout, ProbeError> {
-        AtlasLayout::new(slots, &ProbeParameters::default(), extent, layers)
+        AtlasLayout::new(slots, &ProbeParameters::default(), true, extent, layers)
     }
 
     #[test]
@@ -203,7 +219,7 @@ mod tests {
         assert_eq!(memory.distance_atlas, 64 * 324 * 8);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 112 + 16 + 20)
+            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 112 + 16 + 48 + 20)
         );
     }
 }

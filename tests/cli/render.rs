@@ -131,7 +131,16 @@ fn probes_and_their_maps_are_drawn_where_they_are_asked_for() {
     for (name, flags, pass) in [
         ("states.png", &["--view", "states"][..], "probe_paint"),
         ("probes.png", &["--probes", "state"], "probe_draw"),
-        ("atlas.png", &["--atlas", "distance:0"], "atlas_view"),
+        (
+            "atlas.png",
+            &[
+                "--atlas",
+                "distance:0",
+                "--set",
+                "probes.visibility=chebyshev",
+            ],
+            "atlas_view",
+        ),
         ("atlas.exr", &["--atlas", "irradiance:0"], "atlas_view"),
     ] {
         let (bytes, record) = picture(name, flags);

@@ -3,7 +3,7 @@
 use grotto::{
     frame::FrameError,
     gpu::{Gpu, ShaderChecks},
-    parameters::ProbeParameters,
+    parameters::{ProbeParameters, Visibility},
     passes::{AtlasLayer, AtlasMap, Inspection, InspectionError},
 };
 use half::f16;
@@ -50,6 +50,7 @@ fn watched(size: [u32; 2]) -> Watched {
     let mut gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
     gpu.limits.max_texture_dimension_2d = 64;
     let parameters = ProbeParameters {
+        visibility: Visibility::Chebyshev,
         irradiance_texels: 8,
         distance_texels: 16,
         ..few_rays()
@@ -129,4 +130,17 @@ fn a_layer_that_there_is_not_is_told_with_how_many_there_are() {
     assert!(message.contains(&format!("{layers} layers")), "{message}");
     let after = watched.look(shown(AtlasMap::Irradiance, layers - 1));
     assert!(before == after, "the frame is not as before");
+}
+
+#[test]
+fn distances_that_nobody_keeps_are_told_of() {
+    let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
+    let mut exact = Watched::on(gpu, "house", "coarse", [8, 8], few_rays());
+    assert!(!exact.frame.field().keeps_distances());
+    let error = exact
+        .frame
+        .inspect(&exact.gpu, shown(AtlasMap::Distance, 0))
+        .expect_err("there are none");
+    let message = error.to_string();
+    assert!(message.contains("probes.visibility=chebyshev"), "{message}");
 }

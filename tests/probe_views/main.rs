@@ -285,7 +285,7 @@ fn surfaces_show_the_states_of_the_probes_that_light_them() {
 }
 
 #[test]
-fn painted_tiles_count_as_the_states_do() {
+fn painted_cubes_count_as_the_states_do() {
     let parameters = ProbeParameters {
         states: ProbeStates::On,
         asking: false,
@@ -300,24 +300,21 @@ fn painted_tiles_count_as_the_states_do() {
     let mut recorder = Recorder::new(&watched.gpu, None);
     paint.record(&mut recorder);
     recorder.submit(&watched.gpu).expect("submits");
-    let layout = field.atlas();
-    let read =
-        |texture| -> Vec<[f16; 4]> { watched.gpu.read_texture(texture).expect("reads back") };
-    let (painted, atlas) = (read(&paint.atlas), read(field.irradiance_atlas()));
-    let tile = layout.irradiance_texels + 2;
-    let width = tile << layout.columns_log2;
+    let cubes: Vec<[[u32; 4]; 3]> = watched.gpu.read_buffer(&paint.cubes).expect("reads back");
+    let updates = field.updates(&watched.gpu).expect("reads back");
     let [mut alive, mut sleeping, mut dead] = [0, 0, 0];
-    for slot in 0..layout.slots {
-        let [column, row, layer] = layout.tile(slot);
-        assert_eq!(layer, 0);
-        let corner = (row * tile * width + column * tile) as usize;
-        let colours: Vec<_> = (0..tile * tile)
-            .map(|texel| corner + (texel / tile * width + texel % tile) as usize)
-            .inspect(|&at| assert_eq!(painted[at][3], atlas[at][3], "whether it knows light"))
-            .map(|at| painted[at])
+    for (slot, cube) in (0..field.atlas().slots).zip(cubes) {
+        let light: Vec<f32> = cube
+            .iter()
+            .flat_map(|axis| bytemuck::cast_slice::<u32, f16>(&axis[..3]))
+            .map(|half| half.to_f32())
             .collect();
-        assert!(colours.iter().all(|texel| texel[..3] == colours[0][..3]));
-        let colour = Vec3::from_slice(&colours[0].map(f16::to_f32)[..3]);
+        let colour = Vec3::from_slice(&light[..3]);
+        assert!(light.chunks(3).all(|side| side == &light[..3]));
+        if let Some(updates) = updates.get(slot as usize) {
+            let known = f32::from(u8::from(*updates > 0));
+            assert!(cube.iter().all(|axis| f32::from_bits(axis[3]) == known));
+        }
         let is = |state: Vec3| (colour - state).abs().max_element() < 1e-3;
         alive += u32::from(is(ALIVE) || is(MOVED) || is(TWIN));
         sleeping += u32::from(is(ASLEEP));

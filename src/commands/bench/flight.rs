@@ -11,6 +11,7 @@ use super::{
         Failure,
         options::RunOptions,
         output,
+        settings::Setting,
         subject::{Subject, SubjectOptions},
     },
     flight_path::Path,
@@ -69,6 +70,7 @@ struct Row {
     world: String,
     cameras: Vec<String>,
     layout: String,
+    settings: Setting,
     probes: u32,
     rays: u32,
     metres: f32,
@@ -135,14 +137,15 @@ fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Ro
     let options = &arguments.subjects;
     let mut rows = Vec::new();
     for layout in &subject.layouts {
-        for &rays in &subject.rays {
-            let probes = subject.with_rays(rays).probes;
+        for setting in &subject.settings {
+            let probes = setting.of(&subject.parameters).probes;
             let frames = (arguments.metres / arguments.speed * arguments.rate as f32).ceil() as u32;
             let rest = u64::from(frames.min(options.frames));
             let length = 3 * u64::from(options.frames) + u64::from(frames) + rest + 2;
             let bar = output::progress(&arguments.run, "frames", length);
             let mut flyer = Flyer::new(gpu, subject, layout, &probes, &bar)?;
-            let row = flyer.fly(subject, arguments, frames)?;
+            let mut row = flyer.fly(subject, arguments, frames)?;
+            row.settings = setting.clone();
             bar.finish_and_clear();
             rows.push(row);
         }
@@ -269,6 +272,7 @@ impl<'a> Flyer<'a> {
             world: subject.world.name.clone(),
             cameras: subject.cameras.iter().map(|c| c.name.clone()).collect(),
             layout: self.layout.name.clone(),
+            settings: Setting::default(),
             probes: self.frame.field().volume().slots(),
             rays: self.probes.rays,
             metres: arguments.metres,
@@ -324,7 +328,7 @@ fn lines(row: &Row) -> String {
         format!(", {:+.1} %", 100.0 * (ratio - 1.0))
     });
     format!(
-        "{} · {cameras} · {} ({} probes, {} rays), {} m at {} m/s in {} frames\n\
+        "{} · {cameras} · {} ({} probes, {} rays{}), {} m at {} m/s in {} frames\n\
          \x20 change in flight   {}\n\
          \x20 change at rest     {}\n\
          \x20 frames with new probes: {} (at most {} probes), {}; others {}{ratio}\n\
@@ -333,6 +337,7 @@ fn lines(row: &Row) -> String {
         row.layout,
         row.probes,
         row.rays,
+        row.settings.note(),
         row.metres,
         row.speed,
         row.frames,

@@ -12,6 +12,7 @@ use super::{
         dynamics::{self, Responses, WATCHED_FRAMES},
         options::RunOptions,
         output,
+        settings::Setting,
         subject::{Subject, SubjectOptions},
     },
     suite::LightSuite,
@@ -44,6 +45,7 @@ struct Row {
     world: String,
     camera: String,
     layout: String,
+    settings: Setting,
     rays: u32,
     hysteresis: f32,
     /// Frames before each change.
@@ -79,8 +81,8 @@ fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Ro
     let mut rows = Vec::new();
     for camera in &subject.cameras {
         for layout in &subject.layouts {
-            for &rays in &subject.rays {
-                let probes = subject.with_rays(rays).probes;
+            for setting in &subject.settings {
+                let probes = setting.of(&subject.parameters).probes;
                 driver.replace_probes(layout, &probes)?;
                 let frames = [options.frames, arguments.response_frames];
                 let length = Responses::frames(frames[0], frames[1]);
@@ -94,7 +96,8 @@ fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Ro
                     world: world.name.clone(),
                     camera: camera.name.clone(),
                     layout: layout.name.clone(),
-                    rays,
+                    settings: setting.clone(),
+                    rays: probes.rays,
                     hysteresis: probes.hysteresis,
                     frames: options.frames,
                     response,
@@ -107,8 +110,13 @@ fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Ro
 
 fn lines(row: &Row) -> String {
     let mut text = format!(
-        "{} · {} · {}, {} rays, hysteresis {}\n",
-        row.world, row.camera, row.layout, row.rays, row.hysteresis
+        "{} · {} · {}, {} rays, hysteresis {}{}\n",
+        row.world,
+        row.camera,
+        row.layout,
+        row.rays,
+        row.hysteresis,
+        row.settings.note()
     );
     for (name, response) in Responses::NAMES.iter().zip(row.response.all()) {
         let name = name.replace('_', " ");

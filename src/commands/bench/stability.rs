@@ -12,6 +12,7 @@ use super::{
         dynamics::{self, STILL_FRAMES},
         options::RunOptions,
         output,
+        settings::Setting,
         subject::{Subject, SubjectOptions},
     },
     suite::LightSuite,
@@ -39,6 +40,7 @@ struct Row {
     world: String,
     camera: String,
     layout: String,
+    settings: Setting,
     rays: u32,
     hysteresis: f32,
     /// Frames before the first picture.
@@ -46,11 +48,16 @@ struct Row {
     stability: Stability,
 }
 
-/// Rays of those who ask for no number.
-const RAYS: [u32; 6] = [8, 16, 32, 64, 128, 256];
+/// Rays of those who ask for no number, nor vary anything else.
+const USUAL_RAYS: [u32; 6] = [8, 16, 32, 64, 128, 256];
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let options = &arguments.subjects;
+    let mut options = arguments.subjects.clone();
+    let sets_rays = |assignment: &String| assignment.starts_with("probes.rays=");
+    if options.varied()?.is_empty() && !arguments.run.set.iter().any(sets_rays) {
+        options.rays = USUAL_RAYS.to_vec();
+    }
+    let options = &options;
     let suite = LightSuite {
         name: "stability",
         subjects: options,
@@ -60,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         size: Some(options.size),
     };
     suite.run(
-        |gpu, subject| measure(gpu, subject, arguments),
+        |gpu, subject| measure(gpu, subject, options, &arguments.run),
         |adapter, rows| {
             let [width, height] = options.size;
             let mut text = format!(
@@ -69,8 +76,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             for row in rows {
                 let Stability { mean, p99, max, .. } = row.stability;
                 text += &format!(
-                    "{} · {} · {}  {:>4} rays, hysteresis {}:  mean {mean:.5}  p99 {p99:.4}  max {max:.4}\n",
-                    row.world, row.camera, row.layout, row.rays, row.hysteresis
+                    "{} · {} · {}  {:>4} rays, hysteresis {}{}:  mean {mean:.5}  p99 {p99:.4}  max {max:.4}\n",
+                    row.world,
+                    row.camera,
+                    row.layout,
+                    row.rays,
+                    row.hysteresis,
+                    row.settings.note()
                 );
             }
             text
@@ -78,34 +90,35 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     )
 }
 
-fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Row>, Failure> {
-    let (options, run) = (&arguments.subjects, &arguments.run);
-    let rays = match &options.rays[..] {
-        [] => &RAYS[..],
-        given => given,
-    };
+fn measure(
+    gpu: &Gpu,
+    subject: &Subject,
+    options: &SubjectOptions,
+    run: &RunOptions,
+) -> Result<Vec<Row>, Failure> {
     let view = subject.view(&subject.cameras[0]);
     let (world, layout) = (&subject.world, &subject.layouts[0]);
     let stage = Stage::build(gpu, world)?;
     let mut driver = Driver::new(gpu, stage, layout, &subject.parameters, view.clone())?;
     let each = u64::from(options.frames + STILL_FRAMES);
-    let count = subject.cameras.len() * subject.layouts.len() * rays.len();
+    let count = subject.cameras.len() * subject.layouts.len() * subject.settings.len();
     let bar = output::progress(run, "frames", each * count as u64);
     let mut rows = Vec::new();
     for camera in &subject.cameras {
         driver.look(camera, view.mode);
         for layout in &subject.layouts {
-            for &rays in rays {
-                let parameters = subject.with_rays(rays);
-                driver.replace_probes(layout, &parameters.probes)?;
+            for setting in &subject.settings {
+                let probes = setting.of(&subject.parameters).probes;
+                driver.replace_probes(layout, &probes)?;
                 let after = || bar.inc(1);
                 driver.advance(&subject.lights, options.frames, &after)?;
                 rows.push(Row {
                     world: world.name.clone(),
                     camera: camera.name.clone(),
                     layout: layout.name.clone(),
-                    rays,
-                    hysteresis: parameters.probes.hysteresis,
+                    settings: setting.clone(),
+                    rays: probes.rays,
+                    hysteresis: probes.hysteresis,
                     frames: options.frames,
                     stability: dynamics::stability(&mut driver, &subject.lights, &after)?,
                 });

@@ -2,46 +2,29 @@
 
 mod cache;
 mod page;
+mod report;
 mod row;
+mod summary;
 mod table;
 mod truth;
+mod work;
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, path::PathBuf};
 
 use clap::Args;
-use serde::Serialize;
 
-use self::{
-    cache::Cache,
-    page::Page,
-    row::{Dark, Plan, Row, Target},
-    truth::{Against, Film, Tracer},
-};
+use self::{cache::Cache, page::Page, report::Files, truth::Against, work::Judge};
 use super::{
-    EXIT_FAULT, Failure,
-    driver::Driver,
-    dynamics::WATCHED_FRAMES,
-    memory,
-    options::RunOptions,
-    out_file::OutFile,
-    output,
-    subject::{Subject, SubjectOptions, Unnamed},
+    EXIT_FAULT, EXIT_INTERRUPTED, Failure, dynamics::WATCHED_FRAMES, memory, options::RunOptions,
+    output, settings::Varied, stop, subject::SubjectOptions,
 };
-use crate::{
-    frame::Stage,
-    gpu::{AdapterSummary, Gpu},
-    measure::{picture::Picture, picture_file, selection::Selection},
-    passes::ViewMode,
-    world::Camera,
-};
+use crate::measure::{picture_file, selection::Selection};
 
 /// Judge DDGI by path-traced references: error, energy, leaks, stability, response
 ///
-/// Writes judge.json, judge.csv and judge.html (one page with all pictures) into --out: a row for each
-/// world, camera, layout and number of rays. FLIP and absolute error are of the tone-mapped pictures,
+/// Writes judge.json, judge.csv, judge.md (the table alone) and judge.html (one page with small pictures)
+/// into --out, after each row: a row for each world, camera, layout, and setting of --rays and --vary. With
+/// several settings a second table says the means of each. FLIP and absolute error are of the tone-mapped pictures,
 /// energy ratios (DDGI over reference) of linear light; "indirect" is bounced light alone. The leak
 /// ratio is the light that DDGI adds where the reference has none (surfaces that no path found light
 /// for, if they fill 1 % of the picture; or a --mask), over the mean light of the world's brightest
@@ -54,7 +37,7 @@ use crate::{
 pub struct Arguments {
     #[command(flatten)]
     subjects: SubjectOptions,
-    /// The folder for judge.json, judge.csv and judge.html, made if need be
+    /// The folder for the tables, made if need be
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Paths per pixel of the references: their noise counts as error of DDGI
@@ -67,6 +50,16 @@ pub struct Arguments {
     /// A picture that is white where a camera must see no light, for the leak ratio (repeatable)
     #[arg(long = "mask", value_name = "CAMERA=FILE", value_parser = camera_mask)]
     masks: Vec<(String, PathBuf)>,
+    /// Also a row for each camera of direct light without any probes: the worst that DDGI may be
+    #[arg(long)]
+    direct: bool,
+    /// Width in pixels of the pictures in the page; 0 leaves them out
+    #[arg(long, value_name = "W", default_value_t = 320, allow_negative_numbers = true,
+          value_parser = clap::value_parser!(u32).range(0..=4096))]
+    page_pictures: u32,
+    /// Also write every picture in full size, as PNG, into a folder `pictures` beside the page
+    #[arg(long)]
+    pictures: bool,
     /// Leave the stability out
     #[arg(long)]
     skip_stability: bool,
@@ -93,38 +86,22 @@ fn camera_mask(text: &str) -> Result<(String, PathBuf), String> {
     Ok((camera.to_owned(), path.into()))
 }
 
-/// What is written.
-#[derive(Serialize)]
-struct Report<'a> {
-    version: &'static str,
-    adapter: &'a AdapterSummary,
-    /// Width and height in pixels.
-    size: [u32; 2],
-    /// Paths per pixel of the references.
-    spp: u32,
-    rows: &'a [Row],
-    /// What is missing, and why.
-    failures: Vec<Missing>,
-}
-
-#[derive(Serialize)]
-struct Missing {
-    world: String,
-    message: String,
-}
-
 /// Worlds of those who name none.
 const WORLDS: &str = "worlds";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let run = &arguments.run;
     let paths = worlds(&arguments.subjects.worlds)?;
-    let file = |name| OutFile::new(&arguments.out, name);
-    let (json, csv, html) = (file("judge.json")?, file("judge.csv")?, file("judge.html")?);
+    let varied: Vec<&'static str> = arguments.subjects.vary.iter().map(Varied::name).collect();
+    arguments.subjects.settings(run)?;
     // Light, display and figures of DDGI and reference, and what FLIP takes for each pixel.
     let [width, height] = arguments.subjects.size.map(u64::from);
     memory::check("judging pictures of this size", width * height * 400)?;
     let masks = read_masks(arguments)?;
-    let gpu = output::open_gpu(&arguments.run)?;
+    let files = Files::new(&arguments.out)?;
+    let page = Page::new(&arguments.out, arguments.page_pictures, arguments.pictures)?;
+    let stop = stop::at_ctrl_c(run);
+    let gpu = output::open_gpu(run)?;
     let cache = match arguments.no_cache {
         true => Cache::none(),
         false => Cache::new(arguments.cache.as_deref()),
@@ -134,53 +111,40 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         gpu: &gpu,
         cache: &cache,
         masks: &masks,
+        stop: &stop,
+        files: &files,
+        varied: &varied,
         rows: Vec::new(),
-        page: Page::default(),
+        page,
+        failures: Vec::new(),
     };
-    let mut failures = Vec::new();
     for path in &paths {
-        if let Err(failure) = judge.world(path) {
-            let text = format!("{} fails; the reason follows", path.display());
-            output::note(&arguments.run, &text);
-            failures.push((path, failure));
+        match judge.world(path) {
+            Ok(()) => {}
+            Err(failure) if failure.exit_code() == EXIT_INTERRUPTED => {
+                return judge.stopped();
+            }
+            Err(failure) => {
+                let text = format!("{} fails; the reason follows", path.display());
+                output::note(run, &text);
+                judge.failures.push((path.clone(), failure));
+            }
         }
     }
-    let Judge { rows, page, .. } = judge;
-    if rows.is_empty() {
-        verdict(failures, paths.len())?;
+    if judge.rows.is_empty() {
+        verdict(judge.failures, paths.len())?;
         return Err(Failure::bad_input(
             "no world has the cameras and layouts that --camera and --layout name",
         ));
     }
-
-    let report = Report {
-        version: env!("CARGO_PKG_VERSION"),
-        adapter: &gpu.summary,
-        size: arguments.subjects.size,
-        spp: arguments.spp,
-        rows: &rows,
-        failures: failures
-            .iter()
-            .map(|(path, failure)| Missing {
-                world: path.display().to_string(),
-                message: failure.reason().to_owned(),
-            })
-            .collect(),
-    };
-    json.write_json(&report)?;
-    csv.write(&table::csv(&rows))?;
-    html.write(&page.finish(&report))?;
-    if arguments.run.json {
-        output::print_json(&report)?;
-    } else {
-        output::print(&table::text(&rows))?;
-    }
-    verdict(failures, paths.len())
+    judge.write(true)?;
+    judge.print(true)?;
+    verdict(judge.failures, paths.len())
 }
 
 /// # Errors
 /// When a world is missing from the table: a fault if one of them is ours, else bad input.
-fn verdict(mut failures: Vec<(&PathBuf, Failure)>, worlds: usize) -> Result<(), Failure> {
+fn verdict(mut failures: Vec<(PathBuf, Failure)>, worlds: usize) -> Result<(), Failure> {
     match failures.pop() {
         None => Ok(()),
         Some((_, failure)) if worlds == 1 => Err(failure),
@@ -232,135 +196,4 @@ fn read_masks(arguments: &Arguments) -> Result<BTreeMap<String, Selection>, Fail
         Ok((camera.clone(), selection))
     };
     arguments.masks.iter().map(read).collect()
-}
-
-/// The work, and what has come of it.
-struct Judge<'a> {
-    arguments: &'a Arguments,
-    gpu: &'a Gpu,
-    cache: &'a Cache,
-    masks: &'a BTreeMap<String, Selection>,
-    rows: Vec<Row>,
-    page: Page,
-}
-
-impl Judge<'_> {
-    /// Adds the rows of a world; those that are done stay when it fails.
-    fn world(&mut self, path: &Path) -> Result<(), Failure> {
-        let (arguments, run) = (self.arguments, &self.arguments.run);
-        let loaded = Subject::load(path, run, &arguments.subjects, Unnamed::All)?;
-        let Some(subject) = loaded else {
-            let text = format!("{}: no such camera or layout; left out", path.display());
-            output::note(run, &text);
-            return Ok(());
-        };
-        let stage = Stage::build(self.gpu, &subject.world)?;
-        let mut driver = Driver::new(
-            self.gpu,
-            stage,
-            &subject.layouts[0],
-            &subject.parameters,
-            subject.view(&subject.cameras[0]),
-        )?;
-        let mut tracer = Tracer {
-            world: &subject.world,
-            lights: &subject.lights,
-            run,
-            cache: self.cache,
-            gpu: self.gpu,
-            against: arguments.against,
-            voxels: None,
-        };
-        self.page.world(&subject.world);
-        for camera in &subject.cameras {
-            let target = self.target(&subject, camera, &mut tracer, &mut driver)?;
-            self.page.camera(camera, &target);
-            for layout in &subject.layouts {
-                for &rays in &subject.rays {
-                    driver.replace_probes(layout, &subject.with_rays(rays).probes)?;
-                    self.row(&subject, camera, &layout.name, &target, &mut driver)?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn film<'c>(&self, subject: &Subject, camera: &'c Camera) -> Film<'c> {
-        Film {
-            camera,
-            size: self.arguments.subjects.size,
-            spp: self.arguments.spp,
-            seed: self.arguments.subjects.seed,
-            textures: subject.parameters.textures.enabled,
-        }
-    }
-
-    fn target(
-        &self,
-        subject: &Subject,
-        camera: &Camera,
-        tracer: &mut Tracer<'_>,
-        driver: &mut Driver<'_>,
-    ) -> Result<Target, Failure> {
-        let truth = tracer.truth(&self.film(subject, camera), driver.stage())?;
-        let mut target = Target::new(truth, subject.parameters.picture.exposure_ev);
-        let dark = match self.masks.get(&camera.name) {
-            Some(mask) => Some(mask.clone()),
-            None => {
-                driver.look(camera, ViewMode::Normal);
-                driver.advance(&subject.lights, 1, &|| {})?;
-                let mask = target.unlit(&driver.radiance()?);
-                let selected = |mask: Picture| Selection::mask([mask.width, mask.height], &mask);
-                mask.map(selected).transpose().map_err(Failure::fault)?
-            }
-        };
-        if let Some(pixels) = dark {
-            let bright = self.brightest(subject, tracer, driver.stage())?;
-            target.dark = (bright > 0.0).then_some(Dark { pixels, bright });
-        }
-        Ok(target)
-    }
-
-    /// The mean luminance that the brightest of a world's cameras sees.
-    fn brightest(
-        &self,
-        subject: &Subject,
-        tracer: &mut Tracer<'_>,
-        stage: &Stage,
-    ) -> Result<f64, Failure> {
-        let mut brightest: f64 = 0.0;
-        for camera in &subject.world.cameras {
-            let truth = tracer.truth(&self.film(subject, camera), stage)?;
-            let light = row::luminance(&row::full(&truth), &Selection::ALL);
-            brightest = brightest.max(light);
-        }
-        Ok(brightest)
-    }
-
-    fn row(
-        &mut self,
-        subject: &Subject,
-        camera: &Camera,
-        layout: &str,
-        target: &Target,
-        driver: &mut Driver<'_>,
-    ) -> Result<(), Failure> {
-        let arguments = self.arguments;
-        let plan = Plan {
-            frames: arguments.subjects.frames,
-            stability: !arguments.skip_stability,
-            watched: (!arguments.skip_response).then_some(arguments.response_frames),
-        };
-        let bar = output::progress(&arguments.run, "frames", plan.length());
-        let names = (&subject.world, camera, layout);
-        let judged = row::judge(driver, names, &subject.lights, target, &plan, &|| {
-            bar.inc(1)
-        });
-        bar.finish_and_clear();
-        let (row, pictures) = judged?;
-        output::note(&arguments.run, &table::line(&row));
-        self.page.row(&row, &pictures);
-        self.rows.push(row);
-        Ok(())
-    }
 }

@@ -1,96 +1,226 @@
-//! The table as one HTML page that needs nothing else: pictures are part of it.
+//! The table as one HTML page that needs nothing else: small pictures are part of it.
 
-use std::fmt::{Display, Write as _};
+use std::{
+    fmt::{Display, Write as _},
+    path::{Path, PathBuf},
+};
+
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 
 use super::{
-    Report,
+    super::Failure,
+    report::Report,
     row::{Pictures, Row, Target},
-    table::{HEADS, cells},
+    table::{LEGEND, of_rows, of_settings},
 };
 use crate::{
-    measure::{base64, magma::heat_map, picture::Picture, picture_file},
+    measure::{
+        magma::heat_map,
+        picture::Picture,
+        picture_file,
+        thumbnail::{jpeg, reduced, reduced_map},
+    },
     world::{Camera, World},
 };
 
-/// Grows world by world.
-#[derive(Default)]
+/// Grows row by row.
 pub struct Page {
     pictures: String,
+    /// Of the pictures in the page, in pixels; 0 leaves them out.
+    width: u32,
+    /// Where every picture is kept in full size, if anywhere.
+    folder: Option<PathBuf>,
+    /// The name of the world that came last.
+    world: String,
+    /// The name of the camera that came last.
+    camera: String,
+    /// Cameras and rows so far: numbers tell apart files whose names are alike.
+    sections: u32,
 }
+
+/// The folder beside the page for pictures in full size.
+const PICTURES: &str = "pictures";
 
 const STYLE: &str = "\
 :root{color-scheme:light dark;--line:#8884;--faint:#8882}\
-body{font:15px/1.5 system-ui,sans-serif;max-width:1560px;margin:2rem auto;padding:0 1.5rem}\
+body{font:15px/1.5 system-ui,sans-serif;max-width:1360px;margin:2rem auto;padding:0 1.5rem}\
 h1,h2,h3{line-height:1.2}h2{margin-top:3rem;border-top:1px solid var(--line);padding-top:1.5rem}\
-.scroll{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
+.scroll{overflow-x:auto;margin:1.5rem 0}table{border-collapse:collapse;font-variant-numeric:tabular-nums}\
 th,td{padding:.3rem .8rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}\
 th{white-space:normal;vertical-align:bottom;max-width:9em}h4{margin:1.5rem 0 .5rem}\
-th:nth-child(-n+3),td:nth-child(-n+3){text-align:left}tbody tr:hover{background:var(--faint)}\
-.row{display:grid;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));gap:1rem;margin:.5rem 0 1.5rem}\
-figure{margin:0}img{width:100%;height:auto;display:block;border-radius:4px;background:#000;image-rendering:auto}\
-figcaption{font-size:.85rem;opacity:.75;padding:.25rem 0}p{max-width:75ch}.warn{color:#c60;font-weight:600}\
-summary{cursor:pointer;opacity:.75;font-size:.85rem}pre{white-space:pre-wrap}";
+.name{text-align:left}tbody tr:hover{background:var(--faint)}\
+.row{display:grid;grid-template-columns:repeat(4,minmax(0,320px));gap:1rem;margin:.5rem 0 1.5rem}\
+.wide{grid-column:span 2}@media(max-width:800px){.row{grid-template-columns:repeat(2,1fr)}}\
+figure{margin:0}img{width:100%;max-width:320px;height:auto;display:block;border-radius:4px;background:#000}\
+figcaption{font-size:.85rem;opacity:.75;padding:.25rem 0;max-width:320px}p{max-width:75ch}\
+.warn{color:#c60;font-weight:600}pre{white-space:pre-wrap}";
+
+/// A picture and what stands under it.
+struct Figure<'a> {
+    /// Part of a file's name.
+    what: &'a str,
+    caption: String,
+    picture: Show<'a>,
+}
+
+enum Show<'a> {
+    /// Display values.
+    Picture(&'a Picture),
+    /// FLIP of each pixel.
+    Map([u32; 2], &'a [f32]),
+}
 
 impl Page {
+    /// With pictures of this width in pixels (0: none), and where `full_size` says so, all of them in full
+    /// size in a folder beside the page.
+    ///
+    /// # Errors
+    /// When that folder cannot be made.
+    pub fn new(out: &Path, width: u32, full_size: bool) -> Result<Self, Failure> {
+        let folder = full_size.then(|| out.join(PICTURES));
+        if let Some(folder) = &folder {
+            std::fs::create_dir_all(folder)
+                .map_err(|error| Failure::bad_input(format!("{}: {error}", folder.display())))?;
+        }
+        Ok(Self {
+            pictures: String::new(),
+            width,
+            folder,
+            world: String::new(),
+            camera: String::new(),
+            sections: 0,
+        })
+    }
+
     pub fn world(&mut self, world: &World) {
-        self.add(format_args!(
-            "<h2>{}</h2>\n<p>{}</p>\n",
-            escaped(&world.name),
-            escaped(&world.title)
-        ));
+        self.world.clone_from(&world.name);
+        if self.width > 0 {
+            let (name, title) = (escaped(&world.name), escaped(&world.title));
+            self.add(format_args!("<h2>{name}</h2>\n<p>{title}</p>\n"));
+        }
     }
 
-    pub fn camera(&mut self, camera: &Camera, target: &Target) {
-        let name = escaped(&camera.name);
-        self.add(format_args!("<h3>Camera {name}</h3>\n"));
-        let shown = [
-            ("Reference: all light", &target.full.display),
-            ("Reference: bounced light alone", &target.indirect.display),
-        ];
-        self.figures(&shown);
+    /// # Errors
+    /// When a picture in full size cannot be written.
+    pub fn camera(&mut self, camera: &Camera, target: &Target) -> Result<(), Failure> {
+        self.camera.clone_from(&camera.name);
+        let stem = format!("{} {}", self.world, self.camera);
+        let shown = |what, caption: &str, picture| Figure {
+            what,
+            caption: caption.to_owned(),
+            picture: Show::Picture(picture),
+        };
+        self.figures(
+            &format!("<h3>Camera {}</h3>\n", escaped(&camera.name)),
+            &stem,
+            &[
+                shown("reference", "Reference: all light", &target.full.display),
+                shown(
+                    "reference bounced",
+                    "Reference: bounced light alone",
+                    &target.indirect.display,
+                ),
+            ],
+        )
     }
 
-    pub fn row(&mut self, row: &Row, pictures: &Pictures) {
-        let size = row.full.size;
-        let [full_map, indirect_map] =
-            [&pictures.full_map, &pictures.indirect_map].map(|map| heat_map(size, map));
-        self.add(format_args!(
-            "<h4>{}, {} rays</h4>\n",
-            escaped(&row.layout),
-            row.rays
-        ));
-        let captions = [&row.full, &row.indirect].map(|figures| {
+    /// # Errors
+    /// As [`camera`](Self::camera).
+    pub fn row(&mut self, row: &Row, pictures: &Pictures) -> Result<(), Failure> {
+        let caption = |of: &crate::measure::comparison::Comparison| {
             format!(
                 "FLIP: mean {:.4}, p99 {:.4}; absolute {:.4}; energy {:.3}",
-                figures.flip.mean, figures.flip.p99, figures.abs_sum.mean, figures.energy_ratio
+                of.flip.mean, of.flip.p99, of.abs_sum.mean, of.energy_ratio
             )
-        });
-        self.figures(&[
-            ("DDGI: all light", &pictures.full.display),
-            (&captions[0], &full_map),
-        ]);
-        self.add(format_args!(
-            "<details><summary>Bounced light alone</summary>\n"
-        ));
-        self.figures(&[
-            ("DDGI: bounced light alone", &pictures.indirect.display),
-            (&captions[1], &indirect_map),
-        ]);
-        self.add(format_args!("</details>\n"));
+        };
+        let size = row.full.size;
+        let (heading, who) = match row.direct_alone {
+            true => (escaped(&row.layout), "No probes"),
+            false => (
+                format!(
+                    "{}, {} rays{}",
+                    escaped(&row.layout),
+                    row.rays,
+                    row.settings.note()
+                ),
+                "DDGI",
+            ),
+        };
+        let stem = format!("{} {} {}", self.world, self.camera, row.layout);
+        self.figures(
+            &format!("<h4>{heading}</h4>\n"),
+            &stem,
+            &[
+                Figure {
+                    what: "all",
+                    caption: format!("{who}: all light"),
+                    picture: Show::Picture(&pictures.full.display),
+                },
+                Figure {
+                    what: "all flip",
+                    caption: caption(&row.full),
+                    picture: Show::Map(size, &pictures.full_map),
+                },
+                Figure {
+                    what: "bounced",
+                    caption: format!("{who}: bounced light alone"),
+                    picture: Show::Picture(&pictures.indirect.display),
+                },
+                Figure {
+                    what: "bounced flip",
+                    caption: caption(&row.indirect),
+                    picture: Show::Map(size, &pictures.indirect_map),
+                },
+            ],
+        )
     }
 
-    fn figures(&mut self, all: &[(&str, &Picture)]) {
-        self.add(format_args!("<div class=\"row\">\n"));
-        for (caption, picture) in all {
-            let caption = escaped(caption);
-            let png = base64::encode(&picture_file::png_bytes(picture));
+    /// In the page under a heading, and in full size in files whose names hold `stem`.
+    fn figures(&mut self, heading: &str, stem: &str, all: &[Figure<'_>]) -> Result<(), Failure> {
+        self.sections += 1;
+        let mut texts = String::new();
+        // Two pictures of a reference stand over the four of a row.
+        let class = if all.len() == 2 {
+            " class=\"wide\""
+        } else {
+            ""
+        };
+        for figure in all {
+            let file = match &self.folder {
+                None => None,
+                Some(folder) => {
+                    let name = format!(
+                        "{}.png",
+                        file_stem(&format!("{:03} {stem} {}", self.sections, figure.what))
+                    );
+                    picture_file::write_png(&folder.join(&name), &figure.picture.full())?;
+                    Some(name)
+                }
+            };
+            if self.width == 0 {
+                continue;
+            }
+            let small = figure.picture.small(self.width);
+            let (caption, [width, height]) =
+                (escaped(&figure.caption), [small.width, small.height]);
+            let data = BASE64_STANDARD.encode(jpeg(&small));
+            let image = format!(
+                "<img alt=\"{caption}\" width=\"{width}\" height=\"{height}\" loading=\"lazy\" \
+                 src=\"data:image/jpeg;base64,{data}\">"
+            );
+            let image = match file {
+                Some(name) => format!("<a href=\"{PICTURES}/{name}\">{image}</a>"),
+                None => image,
+            };
+            texts +=
+                &format!("<figure{class}>{image}<figcaption>{caption}</figcaption></figure>\n");
+        }
+        if self.width > 0 {
             self.add(format_args!(
-                "<figure><img alt=\"{caption}\" width=\"{}\" height=\"{}\" loading=\"lazy\" \
-                 src=\"data:image/png;base64,{png}\"><figcaption>{caption}</figcaption></figure>\n",
-                picture.width, picture.height
+                "{heading}<div class=\"row\">\n{texts}</div>\n"
             ));
         }
-        self.add(format_args!("</div>\n"));
+        Ok(())
     }
 
     fn add(&mut self, text: impl Display) {
@@ -98,61 +228,64 @@ impl Page {
         let _ = write!(self.pictures, "{text}");
     }
 
-    /// The whole page.
-    pub fn finish(self, report: &Report<'_>) -> String {
-        let adapter = report.adapter;
-        let [width, height] = report.size;
-        let software = if adapter.is_software() {
-            "<p class=\"warn\">A software adapter made these pictures: they are those of a GPU, but for \
-             rounding.</p>\n"
-        } else {
-            ""
-        };
-        let head: String = HEADS
-            .iter()
-            .map(|head| format!("<th>{head}</th>"))
+    /// The whole page with these tables.
+    pub fn with(&self, report: &Report<'_>) -> String {
+        let warnings = report.warnings().into_iter();
+        let warnings: String = warnings
+            .map(|warning| format!("<p class=\"warn\">{}</p>\n", escaped(warning)))
             .collect();
-        let body: String = report.rows.iter().map(table_row).collect();
         let failures: String = report
             .failures
             .iter()
             .map(|missing| format!("<pre class=\"warn\">{}</pre>\n", escaped(&missing.message)))
             .collect();
+        let settings = match &report.by_setting[..] {
+            [] => String::new(),
+            settings => of_settings(settings, report.varied).html(),
+        };
+        let maps = match self.width {
+            0 => "",
+            _ => " Heat maps show FLIP in magma: black is 0, pale yellow is 1.",
+        };
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width\">\n\
              <title>grotto judge</title>\n<style>{STYLE}</style>\n\
-             <h1>DDGI against path-traced references</h1>\n\
-             <p>grotto {} on {} ({}, {}, {}), {width} × {height} pixels; references of {} paths a pixel.</p>\n\
-             {software}{failures}<div class=\"scroll\"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n\
-             {body}</tbody></table></div>\n{LEGEND}{}</html>\n",
-            escaped(report.version),
-            escaped(&adapter.name),
-            escaped(adapter.kind),
-            escaped(&adapter.backend),
-            escaped(&adapter.driver),
-            report.spp,
+             <h1>DDGI against path-traced references</h1>\n<p>{}</p>\n\
+             {warnings}{failures}{settings}{}<p>{LEGEND}{maps}</p>\n{}</html>\n",
+            escaped(&report.made_by()),
+            of_rows(report.rows, report.varied).html(),
             self.pictures
         )
     }
 }
 
-const LEGEND: &str = "<p><b>FLIP</b> (mean; 0 is no visible difference) and <b>absolute</b> (mean sum over RGB \
-of the absolute difference, 0 to 3) compare the tone-mapped pictures. <b>Energy</b> is the light of DDGI over that of \
-the reference. <b>Leak</b> is the light that DDGI adds where the reference has none, over the light of the world's \
-brightest camera. <b>Stability</b> is the mean change of a pixel between consecutive frames of the still scene, sum \
-over RGB. The last two columns count frames until 90&nbsp;% of a change of the indirect light are there. Heat maps show \
-FLIP in magma: black is 0, pale yellow is 1.</p>\n";
+impl Show<'_> {
+    fn full(&self) -> Picture {
+        match self {
+            Self::Picture(picture) => (*picture).clone(),
+            Self::Map(size, values) => heat_map(*size, values),
+        }
+    }
 
-fn table_row(row: &Row) -> String {
-    let cells: String = cells(row)
-        .iter()
-        .map(|cell| format!("<td>{}</td>", escaped(cell)))
-        .collect();
-    format!("<tr>{cells}</tr>\n")
+    fn small(&self, width: u32) -> Picture {
+        match self {
+            Self::Picture(picture) => reduced(picture, width),
+            Self::Map(size, values) => {
+                let (size, values) = reduced_map(*size, values, width);
+                heat_map(size, &values)
+            }
+        }
+    }
 }
 
-fn escaped(text: &str) -> String {
+/// A name that every file system and every page takes as it is.
+fn file_stem(text: &str) -> String {
+    let letter = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
+    text.chars().map(letter).collect()
+}
+
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
@@ -166,5 +299,10 @@ mod tests {
     #[test]
     fn names_cannot_become_markup() {
         assert_eq!(escaped("<b a=\"&\">"), "&lt;b a=&quot;&amp;&quot;&gt;");
+    }
+
+    #[test]
+    fn names_cannot_leave_their_folder() {
+        assert_eq!(file_stem("../a b/ü\"c"), "---a-b---c");
     }
 }

@@ -7,6 +7,7 @@ use super::{
         Failure,
         driver::Driver,
         dynamics::{self, Responses},
+        settings::Setting,
     },
     cache::Truth,
 };
@@ -28,6 +29,10 @@ pub struct Row {
     pub world: String,
     pub camera: String,
     pub layout: String,
+    /// Values of the keys that vary.
+    pub settings: Setting,
+    /// Whether this is direct light without any probes: the worst that DDGI may be.
+    pub direct_alone: bool,
     /// Rays per probe and frame.
     pub rays: u32,
     pub hysteresis: f32,
@@ -44,6 +49,8 @@ pub struct Row {
     pub stability: Option<Stability>,
     /// `null` when it was left out.
     pub response: Option<Responses>,
+    /// Bytes of the probes on the adapter.
+    pub probe_bytes: u64,
 }
 
 /// The pictures of a row, as a display shows them, and FLIP of each pixel.
@@ -146,11 +153,22 @@ impl Plan {
     }
 }
 
+/// Whose row it is.
+pub struct Names<'a> {
+    pub world: &'a World,
+    pub camera: &'a Camera,
+    pub layout: &'a str,
+    pub settings: &'a Setting,
+}
+
+/// The layout of rows without probes.
+const NO_LAYOUT: &str = "direct light alone";
+
 /// Fills a row; the driver has fresh probes. Its pictures are rounded to what the adapter's f16
 /// holds.
 pub fn judge(
     driver: &mut Driver<'_>,
-    (world, camera, layout): (&World, &Camera, &str),
+    names: &Names<'_>,
     lights: &Lights,
     target: &Target,
     plan: &Plan,
@@ -158,16 +176,70 @@ pub fn judge(
 ) -> Result<(Row, Pictures), Failure> {
     let size = driver.view().size;
     let exposure_ev = driver.view().exposure_ev;
-    driver.look(camera, ViewMode::Full);
+    driver.look(names.camera, ViewMode::Full);
     driver.advance(lights, plan.frames + 1, after)?;
     let full = Shown::from_linear(driver.radiance()?, exposure_ev);
     let stability = plan
         .stability
         .then(|| dynamics::stability(driver, lights, after))
         .transpose()?;
-    driver.look(camera, ViewMode::Indirect);
+    driver.look(names.camera, ViewMode::Indirect);
     driver.advance(lights, 1, after)?;
     let indirect = Shown::from_linear(driver.radiance()?, exposure_ev);
+    let (rays, hysteresis) = (driver.rays(), driver.hysteresis());
+    let probe_bytes = driver.probe_bytes();
+    let response = match plan.watched {
+        Some(watched) => {
+            let frames = [plan.frames, watched];
+            let (world, camera) = (names.world, names.camera);
+            let all = dynamics::responses(driver, world, lights, camera, frames, after)?;
+            driver.resize(size)?;
+            Some(all)
+        }
+        None => None,
+    };
+    let (row, pictures) = compared(names, full, indirect, target)?;
+    let row = Row {
+        rays,
+        hysteresis,
+        frames: plan.frames,
+        stability,
+        response,
+        probe_bytes,
+        ..row
+    };
+    Ok((row, pictures))
+}
+
+/// A row of what is there without probes: direct light, and no bounced light at all.
+pub fn direct_alone(
+    driver: &mut Driver<'_>,
+    names: &Names<'_>,
+    lights: &Lights,
+    target: &Target,
+) -> Result<(Row, Pictures), Failure> {
+    let exposure_ev = driver.view().exposure_ev;
+    driver.look(names.camera, ViewMode::Direct);
+    driver.advance(lights, 1, &|| {})?;
+    let direct = driver.radiance()?;
+    let dark = Picture::new(direct.width, direct.height);
+    let [full, indirect] = [direct, dark].map(|light| Shown::from_linear(light, exposure_ev));
+    let (row, pictures) = compared(names, full, indirect, target)?;
+    let row = Row {
+        layout: NO_LAYOUT.to_owned(),
+        direct_alone: true,
+        ..row
+    };
+    Ok((row, pictures))
+}
+
+/// The figures that two pictures give; what is not read from them is left at nothing.
+fn compared(
+    names: &Names<'_>,
+    full: Shown,
+    indirect: Shown,
+    target: &Target,
+) -> Result<(Row, Pictures), Failure> {
     let everywhere = Selection::ALL;
     let (full_figures, full_map) =
         compare(&full, &target.full, &everywhere).map_err(Failure::fault)?;
@@ -178,29 +250,21 @@ pub fn judge(
             luminance(&full.linear, &dark.pixels) - luminance(&target.full.linear, &dark.pixels);
         added / dark.bright
     };
-    let leak_ratio = target.dark.as_ref().map(leak);
-    let (rays, hysteresis) = (driver.rays(), driver.hysteresis());
-    let response = match plan.watched {
-        Some(watched) => {
-            let frames = [plan.frames, watched];
-            let all = dynamics::responses(driver, world, lights, camera, frames, after)?;
-            driver.resize(size)?;
-            Some(all)
-        }
-        None => None,
-    };
     let row = Row {
-        world: world.name.clone(),
-        camera: camera.name.clone(),
-        layout: layout.to_owned(),
-        rays,
-        hysteresis,
-        frames: plan.frames,
+        world: names.world.name.clone(),
+        camera: names.camera.name.clone(),
+        layout: names.layout.to_owned(),
+        settings: names.settings.clone(),
+        direct_alone: false,
+        rays: 0,
+        hysteresis: 0.0,
+        frames: 0,
         full: full_figures,
         indirect: indirect_figures,
-        leak_ratio,
-        stability,
-        response,
+        leak_ratio: target.dark.as_ref().map(leak),
+        stability: None,
+        response: None,
+        probe_bytes: 0,
     };
     let pictures = Pictures {
         full,

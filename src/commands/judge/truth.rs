@@ -1,6 +1,6 @@
 //! The picture that DDGI is judged by: path-traced, or from the cache.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::ValueEnum;
 
@@ -51,6 +51,8 @@ pub struct Tracer<'a> {
     pub cache: &'a Cache,
     pub gpu: &'a Gpu,
     pub against: Against,
+    /// Ends the tracing.
+    pub stop: &'a AtomicBool,
     /// For the CPU; made when the first reference is traced.
     pub voxels: Option<Voxels>,
 }
@@ -74,7 +76,8 @@ impl<'a> Tracer<'a> {
     /// The reference, traced if it is not in the cache. `stage` is the world on the adapter.
     ///
     /// # Errors
-    /// When it cannot be traced. A cache that fails is no failure.
+    /// When it cannot be traced, and when it was stopped: then nothing is kept. A cache that fails is no
+    /// failure.
     pub fn truth(&mut self, film: &Film<'_>, stage: &Stage) -> Result<Truth, Failure> {
         let key = self.key(film)?;
         match self.cache.load(&key) {
@@ -145,9 +148,8 @@ impl<'a> Tracer<'a> {
             bar.set_length(total);
             bar.set_position(done);
         };
-        let never = AtomicBool::new(false);
         let picture = match self.against {
-            Against::Cpu => self.on_the_cpu(film, view, &progress, &never),
+            Against::Cpu => self.on_the_cpu(film, view, &progress, self.stop),
             Against::Reference => {
                 let request = TraceRequest {
                     camera: film.camera,
@@ -159,10 +161,14 @@ impl<'a> Tracer<'a> {
                     antialias: false,
                 };
                 let (gpu, world) = (self.gpu, self.world);
-                trace(gpu, stage, world, self.lights, &request, &progress, &never)?.picture
+                let stop = self.stop;
+                trace(gpu, stage, world, self.lights, &request, &progress, stop)?.picture
             }
         };
         bar.finish_and_clear();
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(Failure::interrupted("stopped"));
+        }
         Ok(picture)
     }
 

@@ -1,10 +1,6 @@
 //! `grotto compare`, driven as a user drives it.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
-};
+use std::{fs, path::Path};
 
 use grotto::measure::{
     comparison::{Shown, compare},
@@ -12,69 +8,9 @@ use grotto::measure::{
     picture_file,
     selection::Selection,
 };
-use serde_json::Value;
-use tempfile::{TempDir, tempdir};
+use tempfile::tempdir;
 
-/// A folder of pictures, and the command line in it.
-struct Bench {
-    folder: TempDir,
-}
-
-impl Bench {
-    fn new() -> Self {
-        let folder = tempdir().expect("a temporary folder");
-        Self { folder }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn write(&self, name: &str, picture: &Picture) {
-        picture_file::write(&self.path(name), picture, 0.0).expect("writable");
-    }
-
-    fn compare(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_grotto"))
-            .current_dir(self.folder.path())
-            .arg("compare")
-            .args(arguments)
-            .stdin(Stdio::null())
-            .output()
-            .expect("the binary starts")
-    }
-
-    fn json(&self, arguments: &[&str]) -> Value {
-        let output = self.compare(&[arguments, &["--json"]].concat());
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-        assert_eq!(text(&output.stdout).lines().count(), 1);
-        serde_json::from_str(&text(&output.stdout)).expect("one JSON object")
-    }
-
-    /// Ends with this code, nothing on stdout, and a message with these parts.
-    fn refused(&self, arguments: &[&str], code: i32, parts: &[&str]) {
-        let output = self.compare(arguments);
-        let message = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-        assert_eq!(text(&output.stdout), "", "{arguments:?}");
-        for part in parts {
-            assert!(
-                message.contains(part),
-                "{arguments:?}: no {part} in {message}"
-            );
-        }
-        assert!(!message.contains("bug in grotto"), "{message}");
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).expect("UTF-8")
-}
-
-fn number(json: &Value, path: &str) -> f64 {
-    let found = path.split('.').fold(json, |value, key| &value[key]);
-    found.as_f64().unwrap_or_else(|| panic!("{path} in {json}"))
-}
+use super::{Bench, number, text};
 
 fn scene() -> Picture {
     let rgb = (0..48 * 27).map(|i| {
@@ -100,7 +36,7 @@ fn the_figures_are_those_of_the_metrics_and_of_the_hand() {
     let darkened = changed(|p| p.rgb.iter_mut().flatten().for_each(|value| *value *= 0.9));
     bench.write("a.exr", &darkened);
     bench.write("b.exr", &scene());
-    let json = bench.json(&["a.exr", "b.exr"]);
+    let json = bench.compared(&["a.exr", "b.exr"]);
     assert!((number(&json, "energy_ratio") - 0.9).abs() < 1e-6, "{json}");
     assert_eq!(json["size"], serde_json::json!([48, 27]));
     let shown = |picture| Shown::from_linear(picture, 0.0);
@@ -116,7 +52,7 @@ fn the_figures_are_those_of_the_metrics_and_of_the_hand() {
         let value = number(&json, name);
         assert!(value > 0.0 && (value - expected.metric(name).expect(name)).abs() < 1e-12);
     }
-    let same = bench.json(&["b.exr", "b.exr"]);
+    let same = bench.compared(&["b.exr", "b.exr"]);
     assert_eq!(number(&same, "flip.max"), 0.0);
     assert_eq!(number(&same, "energy_ratio"), 1.0);
     let spoken = text(&bench.compare(&["a.exr", "b.exr"]).stdout);
@@ -154,12 +90,12 @@ fn a_png_and_an_exr_of_the_same_picture_look_the_same() {
     bench.write("a.png", &scene());
     bench.write("a.exr", &scene());
     for pair in [["a.png", "a.exr"], ["a.exr", "a.png"]] {
-        let json = bench.json(&pair);
+        let json = bench.compared(&pair);
         assert_eq!(number(&json, "flip.max"), 0.0, "{json}");
         assert_eq!(number(&json, "abs_sum.max"), 0.0, "{json}");
     }
     // A stop more is another picture.
-    let brighter = bench.json(&["a.exr", "a.png", "--exposure", "1"]);
+    let brighter = bench.compared(&["a.exr", "a.png", "--exposure", "1"]);
     assert!(number(&brighter, "flip.mean") > 0.05, "{brighter}");
 }
 
@@ -180,7 +116,7 @@ fn regions_and_masks_choose_what_counts() {
         (["--mask", "near.png"], 1, true),
         (["--mask", "far.exr"], 1, false),
     ] {
-        let json = bench.json(&[&["a.exr", "b.exr"], &flags[..]].concat());
+        let json = bench.compared(&[&["a.exr", "b.exr"], &flags[..]].concat());
         assert_eq!(json["pixels"], pixels, "{flags:?}");
         assert_eq!(
             number(&json, "abs_sum.max") > 0.0,
@@ -237,13 +173,13 @@ fn a_heat_map_shows_where() {
     let bench = Bench::new();
     bench.write("a.exr", &scene());
     bench.write("b.exr", &changed(|p| p.rgb[13 * 48 + 24] = [9.0; 3]));
-    bench.json(&["a.exr", "b.exr", "--heatmap", "map.png"]);
+    bench.compared(&["a.exr", "b.exr", "--heatmap", "map.png"]);
     let (map, _) = picture_file::read(&bench.path("map.png")).expect("a picture");
     let brightness = |x: usize, y: usize| map.rgb[y * 48 + x].iter().sum::<f32>();
     assert_eq!((map.width, map.height), (48, 27));
     let (there, elsewhere) = (brightness(24, 13), brightness(0, 0));
     assert!(there > 0.4 && elsewhere < 0.1, "{there} {elsewhere}");
-    let names = || fs::read_dir(bench.folder.path()).expect("a folder").count();
+    let names = || fs::read_dir(bench.folder()).expect("a folder").count();
     let before = names();
     bench.refused(
         &["a.exr", "b.exr", "--heatmap", "map.exr"],

@@ -1,83 +1,14 @@
-//! `grotto judge` and the suites of `grotto bench` that measure light, on tiny pictures.
+//! `grotto judge` on tiny pictures.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Output, Stdio},
-};
+use std::{fs, path::Path};
 
 use grotto::measure::{picture::Picture, picture_file};
 use serde_json::Value;
-use tempfile::{TempDir, tempdir};
 
-fn grotto(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_grotto"))
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary starts")
-}
+use super::{Bench, number, text};
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).expect("UTF-8")
-}
-
-/// Folders for results and for references, and the flags that keep tests quick.
-struct Bench {
-    folder: TempDir,
-}
-
-impl Bench {
-    fn new() -> Self {
-        let folder = tempdir().expect("a temporary folder");
-        Self { folder }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    /// With these flags unless others are given.
-    fn judge(&self, arguments: &[&str]) -> Output {
-        let [out, cache] = ["out", "cache"].map(|name| self.path(name).display().to_string());
-        let usual = [
-            ["--out", &out],
-            ["--cache", &cache],
-            ["--size", "64x36"],
-            ["--frames", "20"],
-            ["--spp", "32"],
-            ["--against", "cpu"],
-            ["--rays", "32"],
-        ];
-        let missing = usual.iter().filter(|[flag, _]| !arguments.contains(flag));
-        let flags: Vec<&str> = missing.flatten().copied().collect();
-        grotto(&[&["judge"], &flags[..], arguments].concat())
-    }
-
-    fn judged(&self, arguments: &[&str]) -> (Value, String) {
-        let output = self.judge(&[arguments, &["--json"]].concat());
-        let said = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(0), "{said}");
-        let json = serde_json::from_str(&text(&output.stdout)).expect("one JSON object");
-        (json, said)
-    }
-
-    fn references(&self) -> Vec<PathBuf> {
-        let entries = fs::read_dir(self.path("cache")).expect("a cache");
-        entries
-            .map(|entry| entry.expect("an entry").path())
-            .collect()
-    }
-}
-
-fn number(row: &Value, path: &str) -> f64 {
-    let found = path.split('.').fold(row, |value, key| &value[key]);
-    found.as_f64().unwrap_or_else(|| panic!("{path} in {row}"))
-}
-
-const SKIP: [&str; 2] = ["--skip-response", "--skip-stability"];
-const CORNELL: &str = "worlds/cornell.ron";
+pub const SKIP: [&str; 2] = ["--skip-response", "--skip-stability"];
+pub const CORNELL: &str = "worlds/cornell.ron";
 
 #[test]
 fn a_world_from_end_to_end() {
@@ -117,9 +48,9 @@ fn a_world_from_end_to_end() {
     assert_eq!(cells[1][column].parse(), Ok(number(row, "full.flip.mean")));
     let page = read("judge.html");
     assert_eq!(page.matches("<img").count(), 6);
-    assert_eq!(page.matches("src=\"data:image/png;base64,iVBOR").count(), 6);
+    assert_eq!(page.matches("src=\"data:image/jpeg;base64,/9j/").count(), 6);
     assert!(!page.contains("http"), "the page needs nothing else");
-    assert!(page.contains("<td>cornell</td>"));
+    assert!(page.contains("<td class=\"name\">cornell</td>"));
 }
 
 #[test]
@@ -270,6 +201,24 @@ fn bad_flags_are_refused_before_any_work() {
             &["none.png", "no such file"],
         ),
         (&[CORNELL, "--no-cache"], &["--cache"]),
+        (
+            &[CORNELL, "--vary", "probes.relocation=off,sometimes"],
+            &[
+                "--vary",
+                "`probes.relocation`",
+                "statistical",
+                "`sometimes`",
+            ],
+        ),
+        (
+            &[CORNELL, "--vary", "textures.enabled=on,off"],
+            &["`textures.enabled`", "--set"],
+        ),
+        (
+            &[CORNELL, "--vary", "probes.rays=8,16"],
+            &["`probes.rays` varies twice"],
+        ),
+        (&[CORNELL, "--page-pictures", "-1"], &["0..=4096"]),
         (&["no/world.ron"], &["no/world.ron"]),
     ] {
         let output = bench.judge(flags);
@@ -284,77 +233,4 @@ fn bad_flags_are_refused_before_any_work() {
         !Path::new(&bench.path("cache")).exists(),
         "nothing was traced"
     );
-}
-
-#[test]
-fn more_rays_are_steadier() {
-    let layout = ["--layout", "layout1"];
-    let flags = [
-        "--size", "32x18", "--frames", "30", "--rays", "8,64", "--json",
-    ];
-    let output = grotto(&[&["bench", "stability", CORNELL], &flags[..], &layout].concat());
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let json: Value = serde_json::from_str(&text(&output.stdout)).expect("one JSON object");
-    let mean = |row: usize| number(&json["rows"][row], "stability.mean");
-    assert_eq!(
-        [&json["rows"][0]["rays"], &json["rows"][1]["rays"]],
-        [8, 64]
-    );
-    assert!(mean(1) < mean(0) && mean(1) > 0.0, "{json}");
-    assert_eq!(json["rows"][0]["stability"]["frames"], 50);
-}
-
-#[test]
-fn more_hysteresis_responds_later() {
-    let flags = ["--frames", "30", "--response-frames", "60", "--rays", "16"];
-    let small = ["--size", "16x9", "--layout", "layout1", "--json"];
-    let respond = |hysteresis: &str| {
-        let set = [
-            "probes.warmup_frames=0",
-            "probes.change_deviations=1000",
-            hysteresis,
-        ];
-        let set: Vec<&str> = set.iter().flat_map(|key| ["--set", key]).collect();
-        let all = [&["bench", "response", CORNELL], &flags[..], &small, &set].concat();
-        let output = grotto(&all);
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-        let json: Value = serde_json::from_str(&text(&output.stdout)).expect("one JSON object");
-        let response = &json["rows"][0]["response"];
-        for change in [
-            "lamp_on",
-            "lamp_off",
-            "lamp_moved",
-            "wall_opened",
-            "wall_closed",
-        ] {
-            assert!(response.get(change).is_some(), "{change} in {response}");
-        }
-        number(response, "lamp_off.to_90")
-    };
-    let (quick, slow) = (
-        respond("probes.hysteresis=0.5"),
-        respond("probes.hysteresis=0.9"),
-    );
-    assert!(quick < slow, "{quick} {slow}");
-    // One bounce alone takes ln 0.1 / ln h frames: 3.3 and 21.9. More bounces take longer.
-    assert!((3.0..12.0).contains(&quick), "{quick}");
-    assert!((18.0..60.0).contains(&slow), "{slow}");
-}
-
-/// Four frames to nine tenths of all bounces, and nothing of that is paid for with a shorter history.
-#[test]
-fn a_lamp_that_is_switched_is_seen_at_once() {
-    let frames = ["--frames", "12", "--response-frames", "64"];
-    let small = ["--size", "16x9", "--layout", "layout1", "--rays", "128"];
-    let set = ["--set", "probes.warmup_frames=10", "--json"];
-    let output = grotto(&[&["bench", "response", CORNELL], &frames[..], &small, &set].concat());
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let json: Value = serde_json::from_str(&text(&output.stdout)).expect("one JSON object");
-    let response = &json["rows"][0]["response"];
-    assert_eq!(json["rows"][0]["hysteresis"].as_f64(), Some(0.97));
-    // A plain average takes more than a hundred for either.
-    for (change, most) in [("lamp_on", 4.0), ("lamp_off", 10.0)] {
-        let frames = number(response, &format!("{change}.to_90"));
-        assert!(frames <= most, "{change}: {response}");
-    }
 }

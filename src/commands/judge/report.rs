@@ -1,0 +1,148 @@
+//! What is written: after each row, so that whoever stops the work keeps what is there.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::{
+    super::{Failure, out_file::OutFile},
+    page::Page,
+    row::Row,
+    summary::Summary,
+    table::{self, csv},
+};
+use crate::gpu::AdapterSummary;
+
+/// The `judge.json`, and what the other files are made of.
+#[derive(Serialize)]
+pub struct Report<'a> {
+    pub version: &'static str,
+    pub adapter: &'a AdapterSummary,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Paths per pixel of the references.
+    pub spp: u32,
+    /// Whether all rows are here: not while there is work left, nor when it was stopped.
+    pub complete: bool,
+    pub rows: &'a [Row],
+    /// Means over the rows of each setting, where rows have several.
+    pub by_setting: Vec<Summary>,
+    /// What is missing, and why.
+    pub failures: Vec<Missing>,
+    /// The keys that vary: a column for each.
+    #[serde(skip)]
+    pub varied: &'a [&'static str],
+}
+
+#[derive(Serialize)]
+pub struct Missing {
+    pub world: String,
+    pub message: String,
+}
+
+impl Report<'_> {
+    /// Both tables as a terminal shows them.
+    pub fn text(&self) -> String {
+        let rows = table::of_rows(self.rows, self.varied).text();
+        match &self.by_setting[..] {
+            [] => rows,
+            settings => format!(
+                "{rows}\n{}",
+                table::of_settings(settings, self.varied).text()
+            ),
+        }
+    }
+
+    /// Both tables as a page that needs no browser.
+    fn markdown(&self) -> String {
+        let mut text = format!(
+            "# DDGI against path-traced references\n\n{}\n",
+            self.made_by()
+        );
+        for warning in self.warnings() {
+            text += &format!("\n**{warning}**\n");
+        }
+        for missing in &self.failures {
+            text += &format!("\n```text\n{}\n```\n", missing.message);
+        }
+        if !self.by_setting.is_empty() {
+            text += &format!(
+                "\n{}",
+                table::of_settings(&self.by_setting, self.varied).markdown()
+            );
+        }
+        text + "\n"
+            + &table::of_rows(self.rows, self.varied).markdown()
+            + "\n"
+            + table::LEGEND
+            + "\n"
+    }
+
+    /// What made the table, in one sentence.
+    pub fn made_by(&self) -> String {
+        let AdapterSummary {
+            name,
+            kind,
+            driver,
+            backend,
+        } = self.adapter;
+        let [width, height] = self.size;
+        format!(
+            "grotto {} on {name} ({kind}, {backend}, {driver}), {width} × {height} pixels; references of {} \
+             paths a pixel.",
+            self.version, self.spp
+        )
+    }
+
+    /// What a reader must know before the figures.
+    pub fn warnings(&self) -> Vec<&'static str> {
+        let mut warnings = Vec::new();
+        if !self.complete {
+            warnings.push("Not complete: the work was stopped, or goes on.");
+        }
+        if self.adapter.is_software() {
+            warnings.push(
+                "A software adapter made these pictures: they are those of a GPU, but for rounding.",
+            );
+        }
+        warnings
+    }
+}
+
+/// The files of a table, in a folder of their own.
+pub struct Files {
+    folder: PathBuf,
+}
+
+const JSON: &str = "judge.json";
+const CSV: &str = "judge.csv";
+const HTML: &str = "judge.html";
+const MARKDOWN: &str = "judge.md";
+
+impl Files {
+    /// Makes the folder if need be; what lies there stays until there is a row.
+    ///
+    /// # Errors
+    /// When one of the files could not be written, with its path.
+    pub fn new(folder: &Path) -> Result<Self, Failure> {
+        for name in [JSON, CSV, HTML, MARKDOWN] {
+            // Dropped, it leaves no trace.
+            OutFile::new(folder, name)?;
+        }
+        Ok(Self {
+            folder: folder.to_owned(),
+        })
+    }
+
+    /// Puts a table in the place of the one before, each file at once.
+    ///
+    /// # Errors
+    /// When a file cannot be written, as on a full disk.
+    pub fn write(&self, report: &Report<'_>, page: &Page) -> Result<(), Failure> {
+        let file = |name| OutFile::new(&self.folder, name);
+        file(JSON)?.write_json(report)?;
+        file(CSV)?.write(&csv(report.rows, report.varied))?;
+        file(MARKDOWN)?.write(&report.markdown())?;
+        file(HTML)?.write(&page.with(report))
+    }
+}
