@@ -6,7 +6,7 @@
 //!     └ probe_seed (volumes that move) ─ what new ones show until they have looked
 //! camera_rays ─ surfaces ─────────────────────────────┐
 //! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ─ shade ─ hdr ─ tonemap ─ display
-//!     └────────────── atlas of the last frame ◄────────┘      └ probe_draw, atlas_view (if asked for)
+//!     └────────────── atlas of the last frame ◄────────┘      └ probe_draw, state_view, atlas_view (if asked for)
 //! ```
 
 mod inspect;

@@ -2,18 +2,17 @@
 
 use super::FrameError;
 use crate::{
-    gpu::{Bindings, Gpu, Recorder},
+    gpu::{Gpu, Recorder},
     passes::{
         Inspection, ProbeField, ViewMode, atlas_view::AtlasView, camera_rays::CameraRays,
-        probe_draw::ProbeDraw, probe_paint::ProbePaint, shade::Shade,
+        probe_draw::ProbeDraw, shade::Shade, state_view::StateView,
     },
 };
 
 #[derive(Default)]
 pub(super) struct Inspect {
     pub wanted: Inspection,
-    /// With what pass `shade` binds to gather colours in place of light.
-    states: Option<(ProbePaint, Bindings)>,
+    states: Option<StateView>,
     probes: Option<ProbeDraw>,
     atlas: Option<AtlasView>,
 }
@@ -34,9 +33,7 @@ impl Inspect {
         };
         let surfaces = &camera_rays.surfaces;
         if wanted.view == ViewMode::States {
-            let paint = ProbePaint::new(gpu, field)?;
-            let bindings = shade.bind(gpu, surfaces, field, &paint.cubes, resources);
-            made.states = Some((paint, bindings));
+            made.states = Some(StateView::new(gpu, &shade.hdr, surfaces, field, resources)?);
         }
         if let Some(layer) = wanted.atlas {
             layer.check(field)?;
@@ -55,9 +52,8 @@ impl Inspect {
         // Also below an atlas: pixels ask for probes, and looking at them must not put them to sleep.
         if mode == ViewMode::States {
             let states = self.states.as_ref();
-            let (paint, bindings) = states.expect("`Frame::inspect` comes before a view of states");
-            paint.record(recorder);
-            shade.record_with(recorder, bindings);
+            let states = states.expect("`Frame::inspect` comes before a view of states");
+            states.record(recorder);
         } else {
             shade.record(recorder);
         }
@@ -71,10 +67,7 @@ impl Inspect {
 
     /// Bytes of GPU memory, for a picture of this size.
     pub fn bytes(&self, size: [u32; 2]) -> u64 {
-        let states = self
-            .states
-            .as_ref()
-            .map_or(0, |(paint, _)| paint.cubes.size());
+        let states = self.states.as_ref().map_or(0, |states| states.cubes.size());
         states + u64::from(self.probes.is_some()) * ProbeDraw::bytes(size)
     }
 }

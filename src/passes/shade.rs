@@ -30,57 +30,24 @@ impl Shade {
             gpu,
             &KernelSpec {
                 shader: "passes/shade",
-                overrides: &[("EXACT", f64::from(u8::from(field.exact())))],
+                overrides: &field.gather_overrides(),
                 ..Default::default()
             },
         )?;
+        let hdr_view = hdr.create_view(&Default::default());
+        let mut all = resources.to_vec();
+        all.extend(field.resources());
+        all.push(("surfaces", surfaces.as_entire_binding()));
+        all.push(("hdr", wgpu::BindingResource::TextureView(&hdr_view)));
         Ok(Self {
-            bindings: bind(gpu, &kernel, &hdr, surfaces, field, None, resources),
+            bindings: kernel.bind(gpu, &all),
             kernel,
             hdr,
         })
     }
 
-    /// The same with others in the place of the field's ambient cubes: what the picture gathers.
-    pub fn bind(
-        &self,
-        gpu: &Gpu,
-        surfaces: &wgpu::Buffer,
-        field: &ProbeField,
-        gathered: &wgpu::Buffer,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
-    ) -> Bindings {
-        let (kernel, hdr) = (&self.kernel, &self.hdr);
-        bind(gpu, kernel, hdr, surfaces, field, Some(gathered), resources)
-    }
-
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        self.record_with(recorder, &self.bindings);
-    }
-
-    /// With bindings of [`Self::bind`].
-    pub fn record_with(&self, recorder: &mut Recorder<'_>, bindings: &Bindings) {
         let [columns, rows] = self.kernel.groups_of([self.hdr.width(), self.hdr.height()]);
-        recorder.run(&self.kernel, bindings, rectangle(columns * rows));
+        recorder.run(&self.kernel, &self.bindings, rectangle(columns * rows));
     }
-}
-
-fn bind(
-    gpu: &Gpu,
-    kernel: &Kernel,
-    hdr: &wgpu::Texture,
-    surfaces: &wgpu::Buffer,
-    field: &ProbeField,
-    gathered: Option<&wgpu::Buffer>,
-    resources: &[(&str, wgpu::BindingResource<'_>)],
-) -> Bindings {
-    let hdr_view = hdr.create_view(&Default::default());
-    // The first of a name is bound.
-    let cubes = gathered.map(|cubes| ("ambient_cubes", cubes.as_entire_binding()));
-    let mut all: Vec<_> = cubes.into_iter().collect();
-    all.extend_from_slice(resources);
-    all.extend(field.resources());
-    all.push(("surfaces", surfaces.as_entire_binding()));
-    all.push(("hdr", wgpu::BindingResource::TextureView(&hdr_view)));
-    kernel.bind(gpu, &all)
 }

@@ -129,7 +129,7 @@ fn probes_and_their_maps_are_drawn_where_they_are_asked_for() {
     let (plain, record) = picture("plain.png", &[]);
     assert!(record["passes"]["probe_draw"].is_null());
     for (name, flags, pass) in [
-        ("states.png", &["--view", "states"][..], "probe_paint"),
+        ("states.png", &["--view", "states"][..], "state_view"),
         ("probes.png", &["--probes", "state"], "probe_draw"),
         (
             "atlas.png",

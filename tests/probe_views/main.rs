@@ -8,12 +8,12 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 use grotto::{
-    frame::{Frame, Stage},
+    frame::{self, Frame, Stage},
     gpu::{Gpu, Recorder, ShaderChecks},
     lights::Lights,
     measure::picture::Picture,
     parameters::{ProbeParameters, ProbeStates, Relocation},
-    passes::{Inspection, ProbeColour, View, ViewMode, probe_paint::ProbePaint},
+    passes::{GpuLights, Inspection, ProbeColour, View, ViewMode, state_view::StateView},
     probes::Layout as _,
     world::{World, file},
 };
@@ -296,10 +296,16 @@ fn painted_cubes_count_as_the_states_do() {
     let mut watched = Watched::new("furnace", "fine", [16, 9], parameters);
     watched.settle(4);
     let field = watched.frame.field();
-    let paint = ProbePaint::new(&watched.gpu, field).expect("it fits");
-    let mut recorder = Recorder::new(&watched.gpu, None);
+    let gpu = &watched.gpu;
+    let surfaces = gpu.storage_buffer("surfaces", 16 * 9 * 8).expect("it fits");
+    let format = wgpu::TextureFormat::Rgba16Float;
+    let hdr = gpu.texture("hdr", [16, 9, 1], format).expect("it fits");
+    let (view, lights) = (View::buffer(gpu), GpuLights::new(gpu));
+    let resources = frame::resources(&watched.frame.stage, &view, &lights);
+    let paint = StateView::new(gpu, &hdr, &surfaces, field, &resources).expect("it fits");
+    let mut recorder = Recorder::new(gpu, None);
     paint.record(&mut recorder);
-    recorder.submit(&watched.gpu).expect("submits");
+    recorder.submit(gpu).expect("submits");
     let cubes: Vec<[[u32; 4]; 3]> = watched.gpu.read_buffer(&paint.cubes).expect("reads back");
     let updates = field.updates(&watched.gpu).expect("reads back");
     let [mut alive, mut sleeping, mut dead] = [0, 0, 0];
