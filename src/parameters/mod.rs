@@ -155,6 +155,16 @@ choice! {
     }
 }
 
+choice! {
+    /// Whether the stone beside a point of a face is looked up.
+    Contact {
+        /// Probes alone light it: soft at the feet of walls and on steps.
+        Off = "off",
+        /// The part of its view that the stone takes is lit as the stone is.
+        On = "on",
+    }
+}
+
 parameters! {
     #[doc = "What is voxelised."]
     world: WorldParameters {
@@ -180,8 +190,10 @@ parameters! {
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
         #[doc = "How a probe behind a wall loses its weight: exact marches, leaks nothing and gives thin walls probes on both sides (cages of up to 14 voxels; larger ones take chebyshev), chebyshev guesses from distances, none is fastest and leaks."]
         visibility: Visibility = Visibility::Exact, Visibility::KIND, Probes;
+        #[doc = "Light between the faces of voxels that stand beside each other, which probes are too far apart to tell: on finds the shade at feet of walls and on steps, and the glow of the next voxel; off is faster."]
+        contact: Contact = Contact::On, Contact::KIND, Probes;
         #[doc = "Whether probes without surfaces in their cages sleep; off updates every probe that is not in stone."]
-        states: ProbeStates = ProbeStates::Off, ProbeStates::KIND, Nothing;
+        states: ProbeStates = ProbeStates::On, ProbeStates::KIND, Nothing;
         #[doc = "Whether probes sleep too that no pixel asks for; on saves most of their time, off reacts at once where nobody looks."]
         asking: bool = true, Kind::Flag, Nothing;
         #[doc = "Frames that a probe stays awake after it was last asked for; more finds each pixel's probes (64), less sleeps sooner."]

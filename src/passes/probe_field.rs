@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError},
-    parameters::{ProbeParameters, Relocation},
+    parameters::{Contact, ProbeParameters, Relocation},
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, ProbeError, Sight, Volume, atlas::ProbeMemory,
         sampling,
@@ -37,6 +37,7 @@ pub struct ProbeField {
     plan: ProbePlan,
     rays_per_probe: u32,
     distance_sharpness: u32,
+    contact: bool,
     info: wgpu::Buffer,
     ray_directions: wgpu::Buffer,
     rays: wgpu::Buffer,
@@ -151,6 +152,7 @@ impl ProbeField {
             }),
             rays_per_probe: parameters.rays,
             distance_sharpness: parameters.distance_sharpness,
+            contact: parameters.contact == Contact::On,
             motion: Motion::new(&volume),
             volume,
             atlas,
@@ -270,6 +272,14 @@ impl ProbeField {
     /// Whether probes know by marching what they see: asked for, and their cages are small enough.
     pub fn exact(&self) -> bool {
         self.sight.is_some()
+    }
+
+    /// The constants of kernels that gather: what is exact, and what is looked for.
+    pub fn gather_overrides(&self) -> [(&'static str, f64); 2] {
+        [
+            ("EXACT", f64::from(u8::from(self.exact()))),
+            ("CONTACT", f64::from(u8::from(self.contact))),
+        ]
     }
 
     /// Whether probes keep how far they see: nobody asks under exact visibility.

@@ -20,14 +20,13 @@ impl ProbeRays {
         field: &ProbeField,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
+        let mut overrides = vec![("COHERENT", 0.0)];
+        overrides.extend(field.gather_overrides());
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
                 shader: "passes/probe_rays",
-                overrides: &[
-                    ("COHERENT", 0.0),
-                    ("EXACT", f64::from(u8::from(field.exact()))),
-                ],
+                overrides: &overrides,
                 ..Default::default()
             },
         )?;

@@ -1,7 +1,8 @@
 //! What measures light, driven as a user drives it: `grotto compare`, `grotto judge`, and the suites of
-//! `grotto bench` about stability and response.
+//! `grotto bench` about stability and response; and what that says of light.
 
 mod compare;
+mod contact;
 mod dynamics;
 mod judge;
 mod tables;

@@ -1,4 +1,7 @@
-//! Lamps, sky, materials and tone mapping on the GPU against the same on the CPU, value for value.
+//! Lamps, sky, materials, tone mapping and what stands beside a face on the GPU against the same on the CPU,
+//! value for value.
+
+mod contact;
 
 use glam::{DVec3, IVec3, Vec3};
 use grotto::{

@@ -1,0 +1,72 @@
+//! Light between faces that stand beside each other, against the path tracer.
+
+use std::fs;
+
+use crate::{Bench, number};
+
+/// A closed room with stairs of one voxel, and a block that glows on its floor: what probes that stand
+/// voxels apart cannot tell.
+const STAIRS: &str = r#"(
+    title: "Stairs, and a block that glows.",
+    size: (32, 16, 32),
+    origin: (-16, -4, -16),
+    shape: Union([
+        Subtraction([
+            Translate(by: (0, 4, 0), of: Box(half: (10, 6, 10))),
+            Translate(by: (0, 4, 0), of: Box(half: (8, 4, 8))),
+        ]),
+        Translate(by: (-5, 0, 0), of: Box(half: (3, 1, 8))),
+        Translate(by: (-6, 0, 0), of: Box(half: (2, 2, 8))),
+        Translate(by: (-7, 0, 0), of: Box(half: (1, 3, 8))),
+        Translate(by: (4.5, 0.5, 0.5), of: Box(half: (0.5, 0.5, 0.5))),
+    ]),
+    materials: {
+        "glow": (a: Flat(0.3, 0.3, 0.3), emission: (6, 4, 2)),
+        "plaster": (a: Flat(0.6, 0.6, 0.6)),
+    },
+    rules: [
+        (material: "glow", when: InBox(min: (4, 0, 0), max: (5, 1, 1))),
+        (material: "plaster"),
+    ],
+    lamps: [(name: "one", lamps: [Point(position: (3, 7, 5), power: 600)])],
+    cameras: [
+        (name: "stairs", position: (3, 5, 6), look_at: (-7, 1.5, -2), fov_deg: 60),
+        (name: "glow", position: (0, 4, -4), look_at: (4.5, 0, 1), fov_deg: 60),
+    ],
+    layouts: [(name: "fine", counts: (6, 4, 6), spacing: 4, centre: (0.5, 4.5, 0.5))],
+)"#;
+
+#[test]
+fn steps_and_what_glows_beside_are_nearer_to_the_truth() {
+    let bench = Bench::new();
+    let world = bench.path("stairs.ron");
+    fs::write(&world, STAIRS).expect("writable");
+    let world = world.display().to_string();
+    let (judged, _) = bench.judged(&[
+        &world,
+        "--vary",
+        "probes.contact=off,on",
+        "--skip-response",
+        "--skip-stability",
+        "--spp",
+        "256",
+        "--against",
+        "gpu",
+    ]);
+    let rows = judged["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 4);
+    for pair in rows.chunks(2) {
+        let [off, on] = pair else { unreachable!() };
+        let error = |row| number(row, "rel_mse");
+        assert_eq!(off["settings"]["probes.contact"], "off");
+        assert!(
+            error(on) < 0.75 * error(off),
+            "{}: {} with contact, {} without",
+            off["camera"],
+            error(on),
+            error(off)
+        );
+        let energy = number(on, "indirect.energy_ratio");
+        assert!((0.93..1.07).contains(&energy), "{energy}");
+    }
+}
