@@ -356,7 +356,7 @@ impl ProbeField {
     }
 
     /// Irradiance over π along six axes, and whether there is any: 48 bytes a probe
-    /// (`shaders/probes/ambient_cube.wesl`).
+    /// (`shaders/probes/probe_cube.wesl`).
     pub fn ambient_cubes(&self) -> &wgpu::Buffer {
         &self.ambient_cubes
     }
