@@ -355,12 +355,6 @@ impl ProbeField {
         &self.rays
     }
 
-    /// Irradiance over π along six axes, and whether there is any: 48 bytes a probe
-    /// (`shaders/probes/probe_cube.wesl`).
-    pub fn ambient_cubes(&self) -> &wgpu::Buffer {
-        &self.ambient_cubes
-    }
-
     /// Irradiance over π (RGB) and whether the probe gives light (A): rgba16float.
     pub fn irradiance_atlas(&self) -> &wgpu::Texture {
         &self.irradiance_atlas

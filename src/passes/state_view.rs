@@ -8,7 +8,8 @@ pub struct StateView {
     main: (Kernel, Bindings),
     probes: [u32; 2],
     tiles: [u32; 2],
-    /// Like [`ProbeField::ambient_cubes`], with the colour of the state (linear for the display) on all sides.
+    /// Light along the axes, packed as `shaders/probes/probe_cube.wesl` has it, but with the colour of the
+    /// state (linear for the display) on all sides.
     pub cubes: wgpu::Buffer,
 }
 
@@ -25,7 +26,7 @@ impl StateView {
         field: &ProbeField,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
-        let cubes = gpu.storage_buffer("painted_cubes", field.ambient_cubes().size())?;
+        let cubes = gpu.storage_buffer("painted_cubes", field.memory().ambient_cubes)?;
         let exact = [("EXACT", f64::from(u8::from(field.exact())))];
         let kernel = |entry| {
             let spec = KernelSpec {
