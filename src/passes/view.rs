@@ -27,8 +27,8 @@ pub enum ViewMode {
     /// As full, with every texture replaced by its mean.
     TexturesOff,
     /// What the probes that light each point are doing, weighted as their light. Green: alive; amber: alive
-    /// and moved out of stone; magenta: twins; cyan: updated now and then; blue: asleep; red: only dead
-    /// ones.
+    /// and moved out of stone; magenta: twins; cyan: updated now and then; blue: asleep; red: none
+    /// gives light there.
     States,
 }
 
