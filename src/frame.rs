@@ -6,14 +6,17 @@
 //!     └ probe_seed (volumes that move) ─ what new ones show until they have looked
 //! camera_rays ─ surfaces ─────────────────────────────┐
 //! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ─ shade ─ hdr ─ tonemap ─ display
-//!     └────────────── atlas of the last frame ◄────────┘
+//!     └────────────── atlas of the last frame ◄────────┘      └ probe_draw, state_view, atlas_view (if asked for)
 //! ```
 
+mod inspect;
 mod stage;
 
 pub use stage::{BuildReport, Stage};
 
 use std::mem;
+
+use inspect::Inspect;
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
@@ -21,10 +24,10 @@ use crate::{
     measure::picture::Picture,
     parameters::{ProbeParameters, Relocation},
     passes::{
-        GpuLights, MemoryUse, ProbeField, ProbeFieldError, View, camera_rays::CameraRays,
-        probe_blend::ProbeBlend, probe_due::ProbeDue, probe_rays::ProbeRays, probe_seed::ProbeSeed,
-        probe_sight::ProbeSight, probe_states::ProbeStates, shade::Shade, shadow_count,
-        tonemap::Tonemap,
+        GpuLights, Inspection, InspectionError, MemoryUse, ProbeField, ProbeFieldError, View,
+        camera_rays::CameraRays, probe_blend::ProbeBlend, probe_due::ProbeDue,
+        probe_rays::ProbeRays, probe_seed::ProbeSeed, probe_sight::ProbeSight,
+        probe_states::ProbeStates, shade::Shade, shadow_count, tonemap::Tonemap,
     },
     probes::{ProbeError, Volume},
     world::{
@@ -40,6 +43,8 @@ pub enum FrameError {
     Gpu(#[from] GpuError),
     #[error(transparent)]
     Probes(#[from] ProbeError),
+    #[error(transparent)]
+    Inspection(#[from] InspectionError),
 }
 
 impl From<ProbeFieldError> for FrameError {
@@ -73,6 +78,7 @@ struct Passes {
     probe_rays: ProbeRays,
     probe_blend: ProbeBlend,
     shade: Shade,
+    inspect: Inspect,
     tonemap: Tonemap,
 }
 
@@ -89,7 +95,8 @@ impl Frame {
         let view = View::buffer(gpu);
         let lights = GpuLights::new(gpu);
         let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
-        let passes = Passes::new(gpu, size, &field, &resources(&stage, &view, &lights))?;
+        let resources = resources(&stage, &view, &lights);
+        let passes = Passes::new(gpu, size, &field, Inspection::default(), &resources)?;
         Ok(Self {
             stage,
             size,
@@ -145,8 +152,7 @@ impl Frame {
         if probes.relocation == Relocation::Statistical {
             self.passes.probe_states.record_walk(recorder);
         }
-        self.passes.shade.record(recorder);
-        self.passes.tonemap.record(recorder);
+        self.passes.record_picture(recorder, view);
         self.frames += 1;
     }
 
@@ -158,8 +164,25 @@ impl Frame {
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         self.passes.camera_rays.record(recorder);
-        self.passes.shade.record(recorder);
-        self.passes.tonemap.record(recorder);
+        self.passes.record_picture(recorder, view);
+    }
+
+    /// What the next pictures show of the probes themselves. Before the first one of view
+    /// [`ViewMode::States`](crate::passes::ViewMode::States).
+    ///
+    /// # Errors
+    /// [`FrameError`] for a layer that there is not, and when the adapter cannot hold what it takes; the
+    /// frame is as before then.
+    pub fn inspect(&mut self, gpu: &Gpu, wanted: Inspection) -> Result<(), FrameError> {
+        if wanted != self.passes.inspect.wanted {
+            let resources = resources(&self.stage, &self.view, &self.lights);
+            let Passes {
+                camera_rays, shade, ..
+            } = &self.passes;
+            self.passes.inspect =
+                Inspect::new(gpu, wanted, camera_rays, shade, &self.field, &resources)?;
+        }
+        Ok(())
     }
 
     /// Frames that the probes have lived through.
@@ -178,12 +201,14 @@ impl Frame {
     /// [`FrameError::Gpu`] when the adapter cannot hold it; the frame is as before then.
     pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), FrameError> {
         let resources = resources(&self.stage, &self.view, &self.lights);
-        self.passes = Passes::new(gpu, size, &self.field, &resources)?;
+        let wanted = self.passes.inspect.wanted;
+        self.passes = Passes::new(gpu, size, &self.field, wanted, &resources)?;
         self.size = size;
         Ok(())
     }
 
-    /// Replaces the probes: another layout, or parameters that their buffers depend on.
+    /// Replaces the probes: another layout, or parameters that their buffers depend on. An atlas that was
+    /// shown no longer is.
     ///
     /// # Errors
     /// [`FrameError`] when the adapter cannot hold them; the frame is as before then.
@@ -195,7 +220,11 @@ impl Frame {
     ) -> Result<(), FrameError> {
         let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
         let resources = resources(&self.stage, &self.view, &self.lights);
-        self.passes = Passes::new(gpu, self.size, &field, &resources)?;
+        let wanted = Inspection {
+            atlas: None,
+            ..self.passes.inspect.wanted
+        };
+        self.passes = Passes::new(gpu, self.size, &field, wanted, &resources)?;
         self.field = field;
         self.frames = 0;
         Ok(())
@@ -289,10 +318,11 @@ impl Frame {
         let picture = self.passes.camera_rays.surfaces.size() + pixels * (8 + 4);
         let voxels = self.stage.voxels.bytes();
         let probes = self.field.memory().total();
+        let inspect = self.passes.inspect.bytes(self.size);
         MemoryUse {
             voxels,
             probes,
-            total: voxels + probes + picture,
+            total: voxels + probes + picture + inspect,
         }
     }
 }
@@ -302,8 +332,9 @@ impl Passes {
         gpu: &Gpu,
         size: [u32; 2],
         field: &ProbeField,
+        wanted: Inspection,
         resources: &[(&str, wgpu::BindingResource<'_>)],
-    ) -> Result<Self, GpuError> {
+    ) -> Result<Self, FrameError> {
         let camera_rays = CameraRays::new(gpu, size, resources)?;
         let shade = Shade::new(gpu, size, &camera_rays.surfaces, field, resources)?;
         let hdr = shade.hdr.create_view(&Default::default());
@@ -315,9 +346,16 @@ impl Passes {
             probe_seed: ProbeSeed::new(gpu, field)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
+            inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, resources)?,
             camera_rays,
             shade,
         })
+    }
+
+    /// From what the camera rays hit to the display.
+    fn record_picture(&self, recorder: &mut Recorder<'_>, view: &View) {
+        self.inspect.record(recorder, &self.shade, view.mode);
+        self.tonemap.record(recorder);
     }
 }
 

@@ -11,7 +11,9 @@ use grotto::{
     },
     passes::{
         GpuView,
+        atlas_view::GpuAtlasJob,
         path_trace::GpuTraceJob,
+        probe_draw::GpuDrawing,
         voxelise::{GpuVoxeliseCounters, GpuVoxeliseJob},
     },
     world::materials::table::{CAPACITY, GpuMaterial},
@@ -181,6 +183,23 @@ fn path_tracing() {
             scatter_bits,
             antialias,
         })
+    );
+}
+
+#[test]
+fn what_is_drawn_of_probes() {
+    assert_eq!(
+        shader_layout("passes::atlas_view", "AtlasJob"),
+        rust_layout!(GpuAtlasJob { layer, map, extent })
+    );
+    assert_eq!(
+        shader_layout("passes::probe_draw", "Drawing").members,
+        rust_layout!(GpuDrawing {
+            colour,
+            stage,
+            lines
+        })
+        .members
     );
 }
 

@@ -22,10 +22,15 @@ fn linear() -> Picture {
 }
 
 fn map_on_gpu(gpu: &Gpu, exposure_ev: f32, mode: ViewMode) -> Picture {
+    map_marked(gpu, exposure_ev, mode, 1.0)
+}
+
+/// With this alpha, which says how pixels are shown.
+fn map_marked(gpu: &Gpu, exposure_ev: f32, mode: ViewMode, alpha: f32) -> Picture {
     let texels: Vec<[f32; 4]> = linear()
         .rgb
         .iter()
-        .map(|&[r, g, b]| [r, g, b, 1.0])
+        .map(|&[r, g, b]| [r, g, b, alpha])
         .collect();
     let size = wgpu::Extent3d {
         width: SIZE[0],
@@ -96,6 +101,19 @@ fn data_is_encoded_but_neither_exposed_nor_mapped() {
     let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
     let shown = map_on_gpu(&gpu, 3.0, ViewMode::Albedo);
     assert!(worst(&shown, &tonemap::encoded(&linear())) < 0.75 / 255.0);
+}
+
+#[test]
+fn probes_are_shown_as_light_or_data_whatever_the_view_is_of() {
+    let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
+    let [light, data] = [ViewMode::Full, ViewMode::Albedo];
+    let shown = |mode, alpha| map_marked(&gpu, 1.0, mode, alpha);
+    let [of_light, of_data] = [shown(light, 1.0), shown(data, 1.0)];
+    assert!(of_light != of_data);
+    for mode in [light, data] {
+        assert!(shown(mode, 2.0) == of_light, "{mode:?}");
+        assert!(shown(mode, 3.0) == of_data, "{mode:?}");
+    }
 }
 
 #[test]

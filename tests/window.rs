@@ -69,6 +69,21 @@ fn the_path_traced_reference_is_shown_in_the_window() {
 }
 
 #[test]
+fn probes_and_atlases_are_shown_in_the_window() {
+    for shown in [
+        &["--view", "states", "--probes", "offset"][..],
+        &["--atlas", "irradiance:0"],
+        // The window shows the last one in its place.
+        &["--atlas", "irradiance:9"],
+    ] {
+        let arguments = ["worlds/minimal.ron", "--frames", "2", "--size", "160x96"];
+        let output = play(&[&arguments[..], &["--set", "probes.rays=16"], shown].concat());
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{shown:?}: {stderr}");
+    }
+}
+
+#[test]
 fn shaders_from_a_folder_run_and_broken_ones_leave_those_of_the_binary() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     copy(Path::new("shaders"), folder.path());

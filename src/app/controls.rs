@@ -21,6 +21,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("P", "pause time"),
     ("F1", "this panel"),
     ("F2", "save a screenshot"),
+    ("F3", "draw the probes, by another colour"),
     ("F5", "read world and shaders again"),
     ("F6", "path-traced reference"),
     ("F11", "full screen"),

@@ -18,6 +18,7 @@ mod screenshot;
 mod session;
 mod show;
 mod truth;
+mod views;
 mod widgets;
 
 use std::{
@@ -37,7 +38,7 @@ use crate::{
     frame::FrameError,
     gpu::GpuError,
     parameters::Parameters,
-    passes::ViewMode,
+    passes::Inspection,
     world::{Camera, World},
 };
 use session::Session;
@@ -54,7 +55,7 @@ pub struct Options {
     pub camera: Camera,
     /// Name of a probe layout of the world.
     pub layout: String,
-    pub view: ViewMode,
+    pub inspection: Inspection,
     /// Path-traced in place of lit by probes.
     pub traced: bool,
     /// Width and height of the window in pixels.

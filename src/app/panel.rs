@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use clap::ValueEnum as _;
 use egui::{Align, Color32, Grid, Layout, RichText, ScrollArea, Slider, Ui};
 
 use super::{
@@ -10,12 +9,12 @@ use super::{
     clock::{FrameRate, WorldClock},
     controls,
     show::{Choice, Show},
-    widgets,
+    views, widgets,
 };
 use crate::{
     gpu::PassTimes,
     parameters::{KEYS, Kind},
-    passes::{StateCounts, ViewMode},
+    passes::{Inspection, StateCounts},
     probes::Layout as _,
     world::Camera,
 };
@@ -25,7 +24,7 @@ use crate::{
 pub struct Settings {
     /// What takes work to show.
     pub choice: Choice,
-    pub view: ViewMode,
+    pub inspection: Inspection,
     /// Edge of the picture in parts of the window's.
     pub scale: f32,
     pub vsync: bool,
@@ -247,9 +246,7 @@ fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut O
         }
         ui.end_row();
 
-        ui.label("view").on_hover_text("What the picture shows");
-        view(ui, &mut settings.view);
-        ui.end_row();
+        views::rows(ui, facts.show, &mut settings.inspection);
 
         ui.label("resolution").on_hover_text(
             "Edge of the picture in parts of the window's; time grows with its square",
@@ -269,22 +266,6 @@ fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut O
         ui.checkbox(&mut settings.vsync, "");
         ui.end_row();
     });
-}
-
-fn view(ui: &mut Ui, mode: &mut ViewMode) {
-    let value = |mode: &ViewMode| mode.to_possible_value().expect("no view is hidden");
-    let name = |mode: &ViewMode| value(mode).get_name().replace('-', " ");
-    egui::ComboBox::from_id_salt("view")
-        .selected_text(name(mode))
-        .width(ui.spacing().slider_width)
-        .show_ui(ui, |ui| {
-            for other in ViewMode::value_variants() {
-                let response = ui.selectable_value(mode, *other, name(other));
-                if let Some(help) = value(other).get_help() {
-                    response.on_hover_text(help.to_string());
-                }
-            }
-        });
 }
 
 fn time(ui: &mut Ui, clock: &mut WorldClock) {

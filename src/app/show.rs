@@ -11,7 +11,7 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{Parameters, Remake},
-    passes::{View, ViewMode},
+    passes::{Inspection, View},
     world::{
         self, Camera, LampPreset, LayoutSpec, World,
         file::Overrides,
@@ -63,6 +63,7 @@ pub struct Show {
     /// While it is chosen.
     truth: Option<Truth>,
     choice: Choice,
+    inspection: Inspection,
     /// The voxels as the GPU has them, once an edit has needed them.
     voxels: Option<Voxels>,
 }
@@ -96,6 +97,7 @@ impl Show {
             frame,
             truth: None,
             choice,
+            inspection: Inspection::default(),
             voxels: None,
         };
         show.truth = show.traced(&show.choice)?;
@@ -223,6 +225,20 @@ impl Show {
         Ok(())
     }
 
+    /// Shows another view, and more or less of the probes themselves; where there is no such layer of an
+    /// atlas, the last one.
+    ///
+    /// # Errors
+    /// [`FrameError`] when it cannot be shown; then all is as before.
+    pub fn inspect(&mut self, wanted: &mut Inspection) -> Result<(), FrameError> {
+        if let Some(atlas) = &mut wanted.atlas {
+            atlas.layer = atlas.layer.min(self.frame.field().atlas().layers - 1);
+        }
+        self.frame.inspect(&self.gpu, *wanted)?;
+        self.inspection = *wanted;
+        Ok(())
+    }
+
     /// Records a frame, as seen from `camera` at world time `time_s`.
     ///
     /// # Errors
@@ -231,7 +247,6 @@ impl Show {
         &mut self,
         recorder: &mut Recorder<'_>,
         camera: &Camera,
-        mode: ViewMode,
         time_s: f64,
         seed: u32,
     ) -> Result<(), GpuError> {
@@ -242,7 +257,7 @@ impl Show {
             frame: self.frame.frames(),
             seed,
             exposure_ev: parameters.picture.exposure_ev,
-            mode,
+            mode: self.inspection.view,
             time_s,
             textures: parameters.textures.enabled,
         };

@@ -72,7 +72,7 @@ impl Truth {
         let mut uniform = view.to_gpu();
         let mode = match view.mode {
             // They show how probes light a picture.
-            ViewMode::Steps | ViewMode::Cage => ViewMode::Full,
+            ViewMode::Steps | ViewMode::Cage | ViewMode::States => ViewMode::Full,
             mode => mode,
         };
         uniform.mode = mode as u32;

@@ -114,6 +114,7 @@ impl From<FrameError> for Failure {
         match error {
             FrameError::Gpu(error) => error.into(),
             FrameError::Probes(error) => Self::bad_input(error),
+            FrameError::Inspection(error) => Self::bad_input(error),
         }
     }
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use super::Failure;
 use crate::{
     parameters::{Parameters, nearest},
-    passes::ViewMode,
+    passes::{AtlasLayer, Inspection, ProbeColour, ViewMode},
     world::{self, Camera, LampPreset, LayoutSpec, World, file::Overrides},
 };
 
@@ -57,6 +57,31 @@ pub struct PictureOptions {
     /// What the picture shows
     #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
     pub view: ViewMode,
+}
+
+/// Options that show the probes themselves.
+#[derive(Args, Clone, Copy)]
+pub struct InspectionOptions {
+    /// Draw the probes as spheres over any view, coloured by this; dead ones are red rings
+    #[arg(long, value_name = "COLOUR", value_enum)]
+    pub probes: Option<ProbeColour>,
+    /// Show a layer of the probes' maps in place of the picture: irradiance:LAYER or distance:LAYER,
+    /// numbered from 0
+    #[arg(long, value_name = "MAP:LAYER", value_parser = AtlasLayer::parse,
+          conflicts_with_all = ["probes", "view"])]
+    pub atlas: Option<AtlasLayer>,
+}
+
+impl InspectionOptions {
+    /// In pictures of this view.
+    pub fn with(self, view: ViewMode) -> Inspection {
+        let Self { probes, atlas } = self;
+        Inspection {
+            view,
+            probes,
+            atlas,
+        }
+    }
 }
 
 /// Settling frames of those who ask for no number.

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{
     Failure,
-    options::{PictureOptions, RunOptions, Scene, assignment, picture_size},
+    options::{InspectionOptions, PictureOptions, RunOptions, Scene, assignment, picture_size},
 };
 use crate::{
     app::{self, AppError},
@@ -31,6 +31,8 @@ pub struct Arguments {
     /// What the picture shows
     #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
     view: ViewMode,
+    #[command(flatten)]
+    inspection: InspectionOptions,
     /// Begin with the path-traced reference (F6), and with time standing still
     #[arg(long)]
     reference: bool,
@@ -83,7 +85,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         parameters: scene.parameters,
         camera: scene.camera,
         layout: scene.layout.name,
-        view: arguments.view,
+        inspection: arguments.inspection.with(arguments.view),
         traced: arguments.reference,
         size: arguments.size,
         adapter: run.adapter,

@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum as _};
 
 use super::{
     Failure, memory,
-    options::{DEFAULT_FRAMES, PictureOptions, RunOptions, Scene},
+    options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Scene},
     output,
     record::{FrameTimes, ProbeCounts, Rays, Record, median_passes, mrays_per_s},
 };
@@ -39,9 +39,11 @@ pub struct Arguments {
     #[command(flatten)]
     picture: PictureOptions,
     #[command(flatten)]
+    inspection: InspectionOptions,
+    #[command(flatten)]
     run: RunOptions,
     /// Path-trace on the CPU: needs no GPU, uses no probes
-    #[arg(long, conflicts_with = "adapter")]
+    #[arg(long, conflicts_with_all = ["adapter", "probes", "atlas"])]
     cpu: bool,
     /// With --cpu: samples per pixel; noise falls with the root, time grows with it
     #[arg(long, value_name = "N", requires = "cpu", default_value_t = 64,
@@ -59,13 +61,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         on_the_gpu(arguments, &scene)?
     };
-    let exposure_ev = scene.parameters.picture.exposure_ev;
-    store(
-        &arguments.output,
-        &picture,
-        arguments.picture.view,
-        exposure_ev,
-    )?;
+    if shows_as_displayed(arguments)? {
+        picture_file::write_png(&arguments.output, &picture)?;
+    } else {
+        let exposure_ev = scene.parameters.picture.exposure_ev;
+        let view = arguments.picture.view;
+        store(&arguments.output, &picture, view, exposure_ev)?;
+    }
     if arguments.run.json {
         output::print_json(&record)?;
     } else {
@@ -177,6 +179,7 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     spinner.finish_and_clear();
     let probes = &scene.parameters.probes;
     let mut frame = Frame::new(&gpu, stage, &scene.layout, probes, options.size)?;
+    frame.inspect(&gpu, arguments.inspection.with(options.view))?;
     let mut timing = Timing::new(&gpu)?;
     let lights = Lights::at(&scene.world, &scene.lamps, scene.lamp_time_s);
     let settling = options.frames.unwrap_or(DEFAULT_FRAMES);
@@ -204,7 +207,11 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let picture = frame.read_radiance(&gpu)?;
+    let picture = if shows_as_displayed(arguments)? {
+        frame.read_display(&gpu)?
+    } else {
+        frame.read_radiance(&gpu)?
+    };
 
     // The passes' own times know nothing of the waits in between.
     let frames_ms = if timing.supported() && !times.is_empty() {
@@ -230,7 +237,10 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         world: scene.world.name.clone(),
         camera: scene.camera.name.clone(),
         layout: Some(scene.layout.name.clone()),
-        view: view_name(options.view),
+        view: match arguments.inspection.atlas {
+            Some(_) => "atlas".to_owned(),
+            None => view_name(options.view),
+        },
         size: options.size,
         frames: settling,
         adapter: gpu.summary.clone(),
@@ -248,6 +258,13 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         build: frame.stage.built.map(Into::into),
     };
     Ok((picture, record))
+}
+
+/// Whether the file holds what a display shows: in a picture with probes light and data lie side by side,
+/// and only the GPU knows which is which.
+fn shows_as_displayed(arguments: &Arguments) -> Result<bool, Failure> {
+    let plain = arguments.inspection.with(arguments.picture.view).is_plain();
+    Ok(!plain && PictureFormat::of(&arguments.output)? == PictureFormat::Png)
 }
 
 /// Refuses pictures that the adapter cannot hold before the voxels are built for them.
@@ -321,7 +338,7 @@ pub(super) fn traced_view(view: ViewMode) -> Result<reference::View, Failure> {
         ViewMode::Albedo => reference::View::Albedo,
         ViewMode::Normal => reference::View::Normal,
         ViewMode::Depth => reference::View::Depth,
-        ViewMode::Steps | ViewMode::Cage => {
+        ViewMode::Steps | ViewMode::Cage | ViewMode::States => {
             return Err(Failure::bad_input(format!(
                 "--view {} shows how probes light a picture; path tracing has full, direct, indirect, \
                  irradiance, albedo, normal, depth and textures-off",

@@ -1,13 +1,16 @@
 //! One file a pass: its kernel, its own buffers, how it is recorded. Passes never import each
 //! other; what several need lies here.
 
+pub mod atlas_view;
 pub mod camera_rays;
 pub mod distances;
+mod inspection;
 mod lighting;
 pub mod overlay;
 pub mod path_trace;
 pub mod probe_blend;
 mod probe_changes;
+pub mod probe_draw;
 pub mod probe_due;
 mod probe_field;
 mod probe_info;
@@ -22,10 +25,12 @@ mod scene;
 mod schedule;
 pub mod shade;
 pub mod shadow_count;
+pub mod state_view;
 pub mod tonemap;
 mod view;
 pub mod voxelise;
 
+pub use inspection::{AtlasLayer, AtlasMap, Inspection, InspectionError, ProbeColour};
 pub use lighting::{GpuEmitters, GpuLights, GpuMaterials};
 pub use probe_changes::{GpuChanges, GpuEditSphere};
 pub use probe_field::{ProbeField, ProbeFieldError};

@@ -26,13 +26,17 @@ pub enum ViewMode {
     Cage,
     /// As full, with every texture replaced by its mean.
     TexturesOff,
+    /// What the probes that light each point are doing, weighted as their light. Green: alive; amber: alive
+    /// and moved out of stone; magenta: twins; cyan: updated now and then; blue: asleep; red: none
+    /// gives light there.
+    States,
 }
 
 impl ViewMode {
     /// Views of data are not light: no exposure and no tone mapping.
     pub fn is_data(self) -> bool {
-        use ViewMode::{Albedo, Cage, Depth, Normal, Steps};
-        matches!(self, Albedo | Normal | Depth | Steps | Cage)
+        use ViewMode::{Albedo, Cage, Depth, Normal, States, Steps};
+        matches!(self, Albedo | Normal | Depth | Steps | Cage | States)
     }
 
     /// What the view of depth shows of a surface so many voxels away; `shaders/passes/shade.wesl`

@@ -30,6 +30,23 @@ fn bad_flags_are_refused_before_any_work() {
         (&["--spp", "4"], &["--cpu"]),
         (&["--cpu", "--spp", "0"], &["--spp"]),
         (&["--cpu", "--view", "cage"], &["--view cage", "irradiance"]),
+        (&["--cpu", "--view", "states"], &["--view states"]),
+        (
+            &["--probes", "light"],
+            &["--probes", "irradiance", "state", "offset", "cascade"],
+        ),
+        (&["--cpu", "--probes", "state"], &["--probes", "--cpu"]),
+        (&["--cpu", "--atlas", "irradiance:0"], &["--atlas", "--cpu"]),
+        (&["--atlas", "depth:0"], &["irradiance:LAYER"]),
+        (&["--atlas", "distance:-1"], &["distance:LAYER"]),
+        (
+            &["--atlas", "irradiance:0", "--probes", "state"],
+            &["--atlas", "--probes"],
+        ),
+        (
+            &["--atlas", "irradiance:0", "--view", "full"],
+            &["--atlas", "--view"],
+        ),
         (
             &["--set", "probes.ray=64"],
             &["probes.ray", "`probes.rays`"],
@@ -69,6 +86,29 @@ fn bad_flags_are_refused_before_any_work() {
             parts,
         );
     }
+    assert!(listing(folder.path()).is_empty());
+}
+
+#[test]
+fn a_layer_beyond_the_atlas_is_refused_with_how_many_there_are() {
+    let folder = folder();
+    let mut command = grotto();
+    command
+        .args([
+            "render",
+            MINIMAL,
+            "--size",
+            "8x8",
+            "--atlas",
+            "irradiance:1",
+            "-o",
+        ])
+        .arg(folder.path().join("a.png"));
+    refused(
+        &mut command,
+        2,
+        &["the atlas of irradiance has 1 layer", "no layer 1"],
+    );
     assert!(listing(folder.path()).is_empty());
 }
 

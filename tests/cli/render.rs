@@ -114,6 +114,42 @@ fn a_picture_from_the_gpu_with_its_record() {
 }
 
 #[test]
+fn probes_and_their_maps_are_drawn_where_they_are_asked_for() {
+    let folder = folder();
+    let picture = |name: &str, flags: &[&str]| {
+        let output = folder.path().join(name);
+        let ended = end(grotto()
+            .args(["render", MINIMAL, "--size", "48x32", "--frames", "1"])
+            .args(["--set", "probes.rays=8", "--json", "-o"])
+            .arg(&output)
+            .args(flags));
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        (fs::read(&output).expect("the picture"), ended.json())
+    };
+    let (plain, record) = picture("plain.png", &[]);
+    assert!(record["passes"]["probe_draw"].is_null());
+    for (name, flags, pass) in [
+        ("states.png", &["--view", "states"][..], "state_view"),
+        ("probes.png", &["--probes", "state"], "probe_draw"),
+        (
+            "atlas.png",
+            &[
+                "--atlas",
+                "distance:0",
+                "--set",
+                "probes.visibility=chebyshev",
+            ],
+            "atlas_view",
+        ),
+        ("atlas.exr", &["--atlas", "irradiance:0"], "atlas_view"),
+    ] {
+        let (bytes, record) = picture(name, flags);
+        assert!(bytes != plain, "{name} is the plain picture");
+        assert!(record["passes"][pass].is_number(), "{}", record["passes"]);
+    }
+}
+
+#[test]
 fn another_seed_gives_another_picture() {
     let folder = folder();
     let picture = |seed: &str| {

@@ -28,7 +28,7 @@ const STAIRS: &str = r#"(
         (material: "glow", when: InBox(min: (4, 0, 0), max: (5, 1, 1))),
         (material: "plaster"),
     ],
-    lamps: [(name: "one", lamps: [Point(position: (3, 7, 5), power: 600)])],
+    lamps: [(name: "one", lamps: [(name: "lamp", position: (3, 7, 5), power: 600, radius: 0.5)])],
     cameras: [
         (name: "stairs", position: (3, 5, 6), look_at: (-7, 1.5, -2), fov_deg: 60),
         (name: "glow", position: (0, 4, -4), look_at: (4.5, 0, 1), fov_deg: 60),
@@ -51,13 +51,13 @@ fn steps_and_what_glows_beside_are_nearer_to_the_truth() {
         "--spp",
         "256",
         "--against",
-        "gpu",
+        "reference",
     ]);
     let rows = judged["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 4);
     for pair in rows.chunks(2) {
         let [off, on] = pair else { unreachable!() };
-        let error = |row| number(row, "rel_mse");
+        let error = |row| number(row, "indirect.rel_mse");
         assert_eq!(off["settings"]["probes.contact"], "off");
         assert!(
             error(on) < 0.75 * error(off),

@@ -14,6 +14,9 @@ proptest! {
     ) {
         let mut bytes = FULL.as_bytes().to_vec();
         for (index, edit, byte) in edits {
+            if bytes.is_empty() {
+                break;
+            }
             let at = index.index(bytes.len());
             // Mostly characters that mean something here.
             let signs = b"()[]{},:\"\\/*-.0123456789eNr#'";

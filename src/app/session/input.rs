@@ -91,6 +91,7 @@ impl Session {
             KeyCode::Escape => self.release_mouse(),
             KeyCode::F1 => self.panel_open = !self.panel_open,
             KeyCode::F2 => self.screenshot_wanted = true,
+            KeyCode::F3 => self.next_probes(),
             KeyCode::F5 => self.reload(true, true),
             KeyCode::F6 => self.toggle_reference(),
             KeyCode::F11 => {

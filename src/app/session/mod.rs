@@ -2,6 +2,7 @@
 
 mod input;
 mod times;
+mod views;
 
 use std::{
     path::{Path, PathBuf},
@@ -31,7 +32,6 @@ use crate::{
     frame::FrameError,
     gpu::{self, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
-    parameters::Remake,
     passes::overlay::{Overlay, PanelShapes},
     world::Camera,
 };
@@ -96,7 +96,7 @@ impl Session {
         let choice = Choice {
             parameters: options.parameters.clone(),
             layout: options.layout.clone(),
-            size: scaled(screen.size(), scale),
+            size: views::scaled(screen.size(), scale),
             traced: options.traced,
         };
         let mut messages = Messages::default();
@@ -119,7 +119,7 @@ impl Session {
             timing: Timing::new(&gpu)?,
             settings: Settings {
                 choice: show.choice().clone(),
-                view: options.view,
+                inspection: options.inspection,
                 scale,
                 vsync: true,
                 clock: WorldClock {
@@ -187,6 +187,7 @@ impl Session {
         self.follow_files(now);
         self.screen.set_vsync(self.settings.vsync);
         self.apply_settings();
+        self.inspect_probes();
 
         // X11 hands out textures for a minimised window too.
         let acquired = if self.window.is_minimized() == Some(true) {
@@ -204,9 +205,8 @@ impl Session {
         let gpu = self.show.gpu.clone();
         let mut recorder = Recorder::new(&gpu, Some(&mut self.timing));
         let time_s = self.settings.clock.time_s;
-        let mode = self.settings.view;
         self.show
-            .record(&mut recorder, &self.camera, mode, time_s, self.seed)?;
+            .record(&mut recorder, &self.camera, time_s, self.seed)?;
         let size = [texture.texture.width(), texture.texture.height()];
         let picture = self.show.display();
         self.overlay
@@ -284,32 +284,6 @@ impl Session {
         }
         // Probes may have come out of stone, or got into it.
         self.probes = None;
-    }
-
-    /// Shows what was chosen: at once if that is no work, else when the mouse is let go.
-    fn apply_settings(&mut self) {
-        let dragging = self.egui.egui_ctx().input(|input| input.pointer.any_down());
-        let minimised = self.screen.size().contains(&0);
-        let mut next = self.settings.choice.clone();
-        next.size = if dragging || minimised {
-            self.show.frame().size()
-        } else {
-            scaled(self.screen.size(), self.settings.scale)
-        };
-        let shown = self.show.choice();
-        let remake = shown.parameters.remake_for(&next.parameters);
-        if next == *shown || (dragging && remake != Remake::Nothing) {
-            return;
-        }
-        match self.show.apply(next) {
-            Ok(true) => self.remade(),
-            Ok(false) => {}
-            Err(error) => {
-                self.messages.toast_error(error.to_string());
-            }
-        }
-        // What the world lacks or the adapter cannot hold is taken back.
-        self.settings.choice = self.show.choice().clone();
     }
 
     /// After work that no frame should be measured by.
@@ -393,8 +367,4 @@ fn build(
         }
     }
     new(gpu.clone())
-}
-
-fn scaled(size: [u32; 2], scale: f32) -> [u32; 2] {
-    size.map(|edge| ((edge as f32 * scale).round() as u32).max(1))
 }

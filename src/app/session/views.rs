@@ -1,0 +1,84 @@
+//! What was chosen becomes what the window shows.
+
+use clap::ValueEnum as _;
+
+use super::Session;
+use crate::{
+    app::views::name,
+    parameters::Remake,
+    passes::{Inspection, ProbeColour},
+};
+
+impl Session {
+    /// Shows what was chosen: at once if that is no work, else when the mouse is let go.
+    pub(super) fn apply_settings(&mut self) {
+        let dragging = self.egui.egui_ctx().input(|input| input.pointer.any_down());
+        let minimised = self.screen.size().contains(&0);
+        let mut next = self.settings.choice.clone();
+        next.size = if dragging || minimised {
+            self.show.frame().size()
+        } else {
+            scaled(self.screen.size(), self.settings.scale)
+        };
+        let shown = self.show.choice();
+        let remake = shown.parameters.remake_for(&next.parameters);
+        if next == *shown || (dragging && remake != Remake::Nothing) {
+            return;
+        }
+        match self.show.apply(next) {
+            Ok(true) => self.remade(),
+            Ok(false) => {}
+            Err(error) => {
+                self.messages.toast_error(error.to_string());
+            }
+        }
+        // What the world lacks or the adapter cannot hold is taken back.
+        self.settings.choice = self.show.choice().clone();
+    }
+
+    /// Shows what was chosen of the probes. What cannot be shown is taken back.
+    pub(super) fn inspect_probes(&mut self) {
+        if let Err(error) = self.show.inspect(&mut self.settings.inspection) {
+            self.messages.toast_error(error.to_string());
+            self.settings.inspection = Inspection::default();
+        }
+    }
+
+    /// From no probes in the picture through all that they can be coloured by, and back to none.
+    pub(super) fn next_probes(&mut self) {
+        let inspection = &mut self.settings.inspection;
+        inspection.atlas = None;
+        inspection.probes = after(inspection.probes);
+        self.messages.toast(match inspection.probes {
+            Some(colour) => format!("probes by {}", name(&colour)),
+            None => "no probes in the picture".to_owned(),
+        });
+    }
+}
+
+pub(super) fn scaled(size: [u32; 2], scale: f32) -> [u32; 2] {
+    size.map(|edge| ((edge as f32 * scale).round() as u32).max(1))
+}
+
+fn after(shown: Option<ProbeColour>) -> Option<ProbeColour> {
+    let all = ProbeColour::value_variants();
+    let at = shown.and_then(|shown| all.iter().position(|colour| *colour == shown));
+    all.get(at.map_or(0, |at| at + 1)).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_key_goes_round_through_all_colours() {
+        let mut shown = None;
+        let mut seen = Vec::new();
+        for _ in ProbeColour::value_variants() {
+            shown = after(shown);
+            seen.push(shown.expect("a colour"));
+        }
+        assert_eq!(seen, ProbeColour::value_variants());
+        assert_eq!(after(shown), None);
+    }
+}

@@ -1,0 +1,86 @@
+//! Rows of the panel that choose what the picture shows: the view, the probes in it, an atlas.
+
+use clap::ValueEnum;
+use egui::{ComboBox, DragValue, Ui};
+
+use super::show::Show;
+use crate::passes::{AtlasLayer, AtlasMap, Inspection, ProbeColour, ViewMode};
+
+/// Rows of a grid of two columns.
+pub fn rows(ui: &mut Ui, show: &Show, inspection: &mut Inspection) {
+    ui.label("view").on_hover_text("What the picture shows");
+    combo(ui, "view", name(&inspection.view), |ui| {
+        for view in ViewMode::value_variants() {
+            variant(ui, &mut inspection.view, view, *view);
+        }
+    });
+    ui.end_row();
+    if show.choice().traced {
+        ui.label("probes");
+        ui.weak("the reference has none");
+        ui.end_row();
+        return;
+    }
+
+    ui.label("probes")
+        .on_hover_text("Spheres where the probes stand, and what they are coloured by (F3)");
+    let shown = inspection.probes.as_ref().map_or_else(none, name);
+    combo(ui, "probes drawn", shown, |ui| {
+        ui.selectable_value(&mut inspection.probes, None, none());
+        for colour in ProbeColour::value_variants() {
+            variant(ui, &mut inspection.probes, colour, Some(*colour));
+        }
+    });
+    ui.end_row();
+
+    ui.label("atlas")
+        .on_hover_text("A layer of the textures that hold the maps of the probes");
+    ui.horizontal(|ui| atlas(ui, show, &mut inspection.atlas));
+    ui.end_row();
+}
+
+fn atlas(ui: &mut Ui, show: &Show, atlas: &mut Option<AtlasLayer>) {
+    let field = show.frame().field();
+    let shown = atlas.map_or_else(none, |atlas| atlas.map.name().to_owned());
+    combo(ui, "atlas", shown, |ui| {
+        ui.selectable_value(atlas, None, none());
+        for map in AtlasMap::ALL {
+            let layer = atlas.map_or(0, |atlas| atlas.layer);
+            let kept = map != AtlasMap::Distance || field.keeps_distances();
+            ui.add_enabled_ui(kept, |ui| {
+                ui.selectable_value(atlas, Some(AtlasLayer { map, layer }), map.name());
+            });
+        }
+    });
+    let layers = field.atlas().layers;
+    if let Some(atlas) = atlas {
+        ui.add(DragValue::new(&mut atlas.layer).range(0..=layers - 1))
+            .on_hover_text(format!("Layer, of {layers}"));
+    }
+}
+
+fn none() -> String {
+    "none".to_owned()
+}
+
+fn combo(ui: &mut Ui, id: &str, shown: String, add: impl FnOnce(&mut Ui)) {
+    ComboBox::from_id_salt(id)
+        .selected_text(shown)
+        .width(ui.spacing().slider_width)
+        .show_ui(ui, add);
+}
+
+/// An entry of a list of `chosen` values: what `variant` is called, and on hover its help.
+fn variant<T: PartialEq>(ui: &mut Ui, chosen: &mut T, variant: &impl ValueEnum, value: T) {
+    let response = ui.selectable_value(chosen, value, name(variant));
+    let known = variant.to_possible_value();
+    if let Some(help) = known.as_ref().and_then(|known| known.get_help()) {
+        response.on_hover_text(help.to_string());
+    }
+}
+
+/// As the command line spells it, words apart.
+pub fn name(variant: &impl ValueEnum) -> String {
+    let value = variant.to_possible_value().expect("no variant is hidden");
+    value.get_name().replace('-', " ")
+}

@@ -1,0 +1,73 @@
+//! What a frame draws of the probes themselves: made when it is asked for.
+
+use super::FrameError;
+use crate::{
+    gpu::{Gpu, Recorder},
+    passes::{
+        Inspection, ProbeField, ViewMode, atlas_view::AtlasView, camera_rays::CameraRays,
+        probe_draw::ProbeDraw, shade::Shade, state_view::StateView,
+    },
+};
+
+#[derive(Default)]
+pub(super) struct Inspect {
+    pub wanted: Inspection,
+    states: Option<StateView>,
+    probes: Option<ProbeDraw>,
+    atlas: Option<AtlasView>,
+}
+
+impl Inspect {
+    /// `resources` are those of every pass.
+    pub fn new(
+        gpu: &Gpu,
+        wanted: Inspection,
+        camera_rays: &CameraRays,
+        shade: &Shade,
+        field: &ProbeField,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, FrameError> {
+        let mut made = Self {
+            wanted,
+            ..Self::default()
+        };
+        let surfaces = &camera_rays.surfaces;
+        if wanted.view == ViewMode::States {
+            made.states = Some(StateView::new(gpu, &shade.hdr, surfaces, field, resources)?);
+        }
+        if let Some(layer) = wanted.atlas {
+            layer.check(field)?;
+            made.atlas = Some(AtlasView::new(gpu, layer, &shade.hdr, field, resources)?);
+        } else if let Some(colour) = wanted.probes {
+            let hdr = &shade.hdr;
+            made.probes = Some(ProbeDraw::new(
+                gpu, colour, hdr, surfaces, field, resources,
+            )?);
+        }
+        Ok(made)
+    }
+
+    /// Records what lies between the camera rays and the tone mapper. `mode` is the view's.
+    pub fn record(&self, recorder: &mut Recorder<'_>, shade: &Shade, mode: ViewMode) {
+        // Also below an atlas: pixels ask for probes, and looking at them must not put them to sleep.
+        if mode == ViewMode::States {
+            let states = self.states.as_ref();
+            let states = states.expect("`Frame::inspect` comes before a view of states");
+            states.record(recorder);
+        } else {
+            shade.record(recorder);
+        }
+        if let Some(probes) = &self.probes {
+            probes.record(recorder);
+        }
+        if let Some(atlas) = &self.atlas {
+            atlas.record(recorder);
+        }
+    }
+
+    /// Bytes of GPU memory, for a picture of this size.
+    pub fn bytes(&self, size: [u32; 2]) -> u64 {
+        let states = self.states.as_ref().map_or(0, |states| states.cubes.size());
+        states + u64::from(self.probes.is_some()) * ProbeDraw::bytes(size)
+    }
+}
