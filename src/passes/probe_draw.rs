@@ -26,6 +26,8 @@ pub struct ProbeDraw {
     pixels: [u32; 2],
 }
 
+/// Workgroups that share the pixels of a probe.
+const SHARES: u32 = 16;
 /// Nearest distance and its owner.
 const MARK_BYTES: u64 = 8;
 
@@ -56,14 +58,16 @@ impl ProbeDraw {
             };
             gpu.uniform_buffer("drawing", &drawing)
         });
-        let kernel = |entry| {
+        let kernel = |entry, overrides| {
             let spec = KernelSpec {
                 shader: "passes/probe_draw",
                 entry,
+                overrides,
                 ..Default::default()
             };
             Kernel::new(gpu, &spec)
         };
+        let shares = [("SHARES", f64::from(SHARES))];
         let bind = |kernel: &Kernel, drawing: &wgpu::Buffer| {
             let mut all = resources.to_vec();
             all.extend(field.resources());
@@ -74,10 +78,14 @@ impl ProbeDraw {
             all.push(("drawing", drawing.as_entire_binding()));
             kernel.bind(gpu, &all)
         };
-        let (clear, splat, draw) = (kernel("clear")?, kernel("splat")?, kernel("draw")?);
+        let (clear, splat, draw) = (
+            kernel("clear", &[])?,
+            kernel("splat", &shares)?,
+            kernel("draw", &[])?,
+        );
         Ok(Self {
             pixels: clear.groups_of(size),
-            probes: rectangle(field.atlas().slots),
+            probes: rectangle(field.atlas().slots * SHARES),
             stages: [bind(&splat, &drawings[0]), bind(&splat, &drawings[1])],
             clear: (clear.clone(), bind(&clear, &drawings[0])),
             draw: (draw.clone(), bind(&draw, &drawings[0])),

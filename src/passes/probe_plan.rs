@@ -49,6 +49,8 @@ pub struct StateCounts {
 const RAY_GROUP: u32 = 64;
 /// Words in front of the list, as `LIST` of `shaders/data/plan.wesl`.
 const LIST: u64 = 4;
+/// Alerts above this are of a lamp that is switched, or of an edit, and not of one that wanders.
+const SUDDEN: f32 = 0.5;
 /// Farther than any world reaches (voxels).
 const EVERYWHERE: f32 = 1e9;
 
@@ -81,7 +83,8 @@ impl ProbePlan {
         })
     }
 
-    pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, frame: u64) {
+    /// `alert`: how sure it is that light changes now, from 0 to 1.
+    pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, alert: f32, frame: u64) {
         let (low, high) = self.changed.unwrap_or((Vec3::INFINITY, Vec3::NEG_INFINITY));
         let plan = GpuProbePlan {
             changed_low_gs: low.to_array(),
@@ -93,7 +96,12 @@ impl ProbePlan {
                 (ProbeStates::On, true) => 2,
             },
             alive_frames: parameters.alive_frames,
-            fed_interval: parameters.fed_interval,
+            // Where light changes at once, what feeds the picture is wanted at once.
+            fed_interval: if alert > SUDDEN {
+                1
+            } else {
+                parameters.fed_interval
+            },
             asleep_interval: parameters.asleep_interval,
             rays_rows: self.rays_rows,
             probe_rows: self.probe_rows,

@@ -18,7 +18,9 @@ fn is_pebble(voxel: UVec3) -> bool {
     match (voxel / 8).to_array() {
         [0, 1, 2] => false,
         [2, 1, 0] => true,
-        _ => (voxel.x * 7 + voxel.y * 13 + voxel.z * 29 + voxel.x * voxel.y * voxel.z) % 3 == 0,
+        _ => {
+            (voxel.x * 7 + voxel.y * 13 + voxel.z * 29 + voxel.element_product()).is_multiple_of(3)
+        }
     }
 }
 

@@ -49,7 +49,11 @@ fn steps_and_what_glows_beside_are_nearer_to_the_truth() {
         "--skip-response",
         "--skip-stability",
         "--spp",
-        "256",
+        "512",
+        "--frames",
+        "48",
+        "--rays",
+        "96",
         "--against",
         "reference",
     ]);

@@ -131,6 +131,11 @@ impl Slab {
 
     /// A pixel that shows this point of a surface gathers, as in pass `shade`.
     fn look_at(&self, point: Vec3, normal: Vec3) {
+        self.ask(point, normal, 0.0);
+    }
+
+    /// `by_ray`: 1 for the hit of a probe's ray, 0 for a pixel.
+    fn ask(&self, point: Vec3, normal: Vec3, by_ray: f32) {
         let kernel = Kernel::new(
             &self.gpu,
             &KernelSpec {
@@ -140,7 +145,10 @@ impl Slab {
             },
         )
         .expect("compiles");
-        let places = [point.extend(0.0).to_array(), normal.extend(0.0).to_array()];
+        let places = [
+            point.extend(0.0).to_array(),
+            normal.extend(by_ray).to_array(),
+        ];
         let place = self.gpu.storage_buffer_of("place", &places).expect("fits");
         let mut resources = self.field.resources().to_vec();
         resources.push(("place", place.as_entire_binding()));
@@ -158,12 +166,12 @@ impl Slab {
 }
 
 const LOOK: &str = "
-import package::probes::asking::{gather_for, PIXEL};
+import package::probes::asking::{gather_for, PIXEL, RAY};
 import package::probes::gather::gather;
 @group(3) @binding(0) var<storage, read_write> place: array<vec4f>;
 @compute @workgroup_size(1)
 fn main() {
-    gather_for(PIXEL);
+    gather_for(select(PIXEL, RAY, place[1].w > 0.0));
     place[0] = vec4f(gather(place[0].xyz, place[1].xyz, place[1].xyz), 0.0);
 }
 ";
@@ -255,6 +263,30 @@ fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
     }
     slab.update();
     assert_eq!(slab.update(), turn(&all, 11, 10), "asleep again");
+}
+
+#[test]
+fn what_feeds_the_picture_is_due_at_once_when_light_changes() {
+    let mut slab = Slab::new(on());
+    for _ in 0..2 {
+        slab.update();
+    }
+    slab.ask(Vec3::new(16.0, 24.5, 24.5), Vec3::X, 1.0);
+    let fed: BTreeSet<u32> = [(0, 0), (1, 0), (0, 1), (1, 1)]
+        .map(|(y, z)| 2 + 6 * (y + 3 * z))
+        .into();
+    let asleep = &columns(2..6) - &fed;
+    for frame in 2..6 {
+        let due = &turn(&fed, frame, 4) | &turn(&asleep, frame, 10);
+        assert_eq!(slab.update(), due, "frame {frame}");
+    }
+    slab.field.changes.begin_frame(1.0, 6);
+    assert_eq!(slab.update(), &fed | &turn(&asleep, 6, 10));
+    // A lamp that wanders is no reason to hurry.
+    for _ in 0..200 {
+        slab.field.changes.begin_frame(0.02, 7);
+    }
+    assert_eq!(slab.update(), &turn(&fed, 7, 4) | &turn(&asleep, 7, 10));
 }
 
 #[test]
