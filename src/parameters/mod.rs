@@ -202,6 +202,8 @@ parameters! {
         fed_interval: u32 = 4, Kind::Count { min: 1, max: 1000 }, Nothing;
         #[doc = "Frames between updates of a sleeping probe; more is faster, less is fresher when it wakes."]
         asleep_interval: u32 = 10, Kind::Count { min: 1, max: 1000 }, Nothing;
+        #[doc = "Most rays of all probes in a frame, from the second frame on; 0 sets no limit. Less is faster; probes take turns then, those first whose light changes."]
+        budget: u32 = 0, Kind::Count { min: 0, max: 1_000_000_000 }, Nothing;
         #[doc = "Unrest (how much its light changes now) above which a probe is updated in every frame, whoever asks; less follows lamps sooner, 1 never does."]
         restless: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "What becomes of probes in stone: exact moves them to the nearest air, statistical lets them walk until their rays are free, off leaves them dead; exact lights corners truer and traces more probes."]

@@ -28,8 +28,7 @@ pub struct GpuProbePlan {
     pub stone_threshold: f32,
     pub clearance: f32,
     pub restless: f32,
-    /// A uniform's size is a multiple of 16 bytes.
-    pub _pad: u32,
+    pub budget: u32,
 }
 
 /// How many probes are in each state, as pass `probe_due` last judged them.
@@ -78,7 +77,7 @@ impl ProbePlan {
             changed: Some((Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE))),
             uniform: gpu.uniform_buffer("probe_plan", &GpuProbePlan::default()),
             work: gpu.storage_buffer("probe_work", (LIST + 3 * all) * 4)?,
-            dispatch: gpu.storage_buffer("probe_dispatch", 32)?,
+            dispatch: gpu.storage_buffer("probe_dispatch", 48)?,
             walks: gpu.storage_buffer("probe_walks", all * 8)?,
         })
     }
@@ -119,7 +118,10 @@ impl ProbePlan {
             stone_threshold: parameters.stone_threshold,
             clearance: parameters.clearance,
             restless: parameters.restless,
-            _pad: 0,
+            budget: match parameters.budget {
+                0 => 0,
+                rays => (rays / parameters.rays).max(1),
+            },
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&plan));

@@ -22,6 +22,8 @@ use crate::gpu;
 const SIZE: u32 = 56;
 /// Stone lies below this x.
 const WALL: i32 = 16;
+/// Of each probe.
+const RAYS: u32 = 8;
 const COUNTS: UVec3 = UVec3::new(6, 3, 3);
 const SPACING: f32 = 8.0;
 
@@ -63,7 +65,7 @@ impl Slab {
             relocation: Relocation::Off,
             visibility: Visibility::Chebyshev,
             warmup_frames: 2,
-            rays: 8,
+            rays: RAYS,
             ..parameters
         };
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
@@ -85,8 +87,13 @@ impl Slab {
 
     /// All rays of a probe are this long, or begin in stone (negative).
     fn set_rays(&self, slot: u32, length: f32) {
-        let rays = [[0.0, 0.0, 0.0, length]; 8];
-        let offset = u64::from(slot) * 128;
+        self.set_light(slot, length, 0.0);
+    }
+
+    /// And they bring so much light (radiance).
+    fn set_light(&self, slot: u32, length: f32, light: f32) {
+        let rays = [[light, light, light, length]; RAYS as usize];
+        let offset = u64::from(slot) * size_of_val(&rays) as u64;
         let bytes = bytemuck::cast_slice(&rays);
         self.gpu
             .queue
@@ -287,6 +294,65 @@ fn what_feeds_the_picture_is_due_at_once_when_light_changes() {
         slab.field.changes.begin_frame(0.02, 7);
     }
     assert_eq!(slab.update(), &turn(&fed, 7, 4) | &turn(&asleep, 7, 10));
+}
+
+/// A quarter of the probes at a time, each in its turn; and those whose light changes come first.
+#[test]
+fn a_budget_is_kept_and_starves_nobody() {
+    let all = columns(2..6);
+    let mut slab = Slab::new(ProbeParameters {
+        states: Sleep::Off,
+        restless: 1.0,
+        budget: RAYS * all.len() as u32 / 4,
+        ..Default::default()
+    });
+    // Nothing is known yet; then new ones are restless, and after a while all are still.
+    assert_eq!(slab.update(), all);
+    let mut counts = Vec::new();
+    let mut seen = BTreeSet::new();
+    for _ in 0..12 {
+        let due = slab.update();
+        counts.push(due.len());
+        seen.extend(due);
+    }
+    assert_eq!(seen, all, "{counts:?}");
+    assert!(counts.iter().sum::<usize>() <= 12 * 9, "{counts:?}");
+    for round in 0..4 {
+        let mut seen = BTreeSet::new();
+        for _ in 0..4 {
+            let due = slab.update();
+            assert!((7..=11).contains(&due.len()), "{round}: {}", due.len());
+            seen.extend(due);
+        }
+        assert_eq!(seen, all, "round {round}");
+    }
+}
+
+#[test]
+fn a_budget_goes_first_to_light_that_changes() {
+    let near = columns(2..3);
+    let mut slab = Slab::new(ProbeParameters {
+        states: Sleep::Off,
+        budget: RAYS * 18,
+        ..Default::default()
+    });
+    for _ in 0..40 {
+        slab.update();
+    }
+    // The light before the wall turns far brighter.
+    near.iter()
+        .for_each(|slot| slab.set_light(*slot, 100.0, 9.0));
+    let mut updates = vec![0; COUNTS.element_product() as usize];
+    for _ in 0..12 {
+        let due = slab.update();
+        due.iter().for_each(|slot| updates[*slot as usize] += 1);
+    }
+    let mean = |slots: &BTreeSet<u32>| {
+        let sum: i32 = slots.iter().map(|slot| updates[*slot as usize]).sum();
+        f64::from(sum) / slots.len() as f64
+    };
+    let (restless, still) = (mean(&near), mean(&columns(3..6)));
+    assert!(restless > 1.3 * still && still > 2.0, "{restless} {still}");
 }
 
 #[test]
