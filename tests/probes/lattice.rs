@@ -106,7 +106,8 @@ fn the_plan_lies_in_memory_as_the_shader_reads_it() {
         stone_hysteresis,
         stone_threshold,
         clearance,
-        restless
+        restless,
+        budget
     );
     assert_eq!(
         layout_of("ProbePlan"),
