@@ -4,9 +4,10 @@
 //! probe_states (new probes, volumes that move, edits) ─ where probes stand ─ probe_due ─ which are updated
 //!     ├ probe_sight (exact visibility) ─ what they see
 //!     └ probe_seed (volumes that move) ─ what new ones show until they have looked
-//! camera_rays ─ surfaces ─────────────────────────────┐
-//! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ─ shade ─ hdr ─ tonemap ─ display
-//!     └────────────── atlas of the last frame ◄────────┘      └ probe_draw, state_view, atlas_view (if asked for)
+//! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ───┬─────────────┐
+//!     └────────────── atlas of the last frame ◄─────────┤             │
+//! camera_rays ─ surfaces ─ face_mark ─ which are seen ─ face_rays ─ face_blend ─ shade ─ hdr ─ tonemap ─ display
+//!                  └───────────────────────────────────────────────────┘     └ probe_draw, state_view, atlas_view
 //! ```
 
 mod inspect;
@@ -24,10 +25,11 @@ use crate::{
     measure::picture::Picture,
     parameters::{ProbeParameters, Relocation},
     passes::{
-        GpuLights, Inspection, InspectionError, MemoryUse, ProbeField, ProbeFieldError, View,
-        camera_rays::CameraRays, probe_blend::ProbeBlend, probe_due::ProbeDue,
-        probe_rays::ProbeRays, probe_seed::ProbeSeed, probe_sight::ProbeSight,
-        probe_states::ProbeStates, shade::Shade, shadow_count, tonemap::Tonemap,
+        FaceTable, GpuLights, Inspection, InspectionError, MemoryUse, ProbeField, ProbeFieldError,
+        View, camera_rays::CameraRays, face_blend::FaceBlend, face_mark::FaceMark,
+        face_rays::FaceRays, probe_blend::ProbeBlend, probe_due::ProbeDue, probe_rays::ProbeRays,
+        probe_seed::ProbeSeed, probe_sight::ProbeSight, probe_states::ProbeStates, shade::Shade,
+        shadow_count, tonemap::Tonemap,
     },
     probes::{ProbeError, Volume},
     world::{
@@ -66,6 +68,7 @@ pub struct Frame {
     /// Of the last frame.
     lights_before: Option<Lights>,
     field: ProbeField,
+    faces: FaceTable,
     passes: Passes,
 }
 
@@ -77,6 +80,9 @@ struct Passes {
     probe_seed: ProbeSeed,
     probe_rays: ProbeRays,
     probe_blend: ProbeBlend,
+    face_mark: FaceMark,
+    face_rays: FaceRays,
+    face_blend: FaceBlend,
     shade: Shade,
     inspect: Inspect,
     tonemap: Tonemap,
@@ -95,8 +101,10 @@ impl Frame {
         let view = View::buffer(gpu);
         let lights = GpuLights::new(gpu);
         let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let faces = FaceTable::new(gpu, probes)?;
         let resources = resources(&stage, &view, &lights);
-        let passes = Passes::new(gpu, size, &field, Inspection::default(), &resources)?;
+        let wanted = Inspection::default();
+        let passes = Passes::new(gpu, size, &field, &faces, wanted, &resources)?;
         Ok(Self {
             stage,
             size,
@@ -105,6 +113,7 @@ impl Frame {
             lights,
             lights_before: None,
             field,
+            faces,
             passes,
         })
     }
@@ -135,6 +144,7 @@ impl Frame {
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
+        self.faces.begin_frame(gpu, probes, view.seed);
         self.passes.camera_rays.record(recorder);
         if self.field.misplaced() {
             self.passes.probe_states.record(recorder);
@@ -151,6 +161,11 @@ impl Frame {
         self.passes.probe_blend.record(recorder);
         if probes.relocation == Relocation::Statistical {
             self.passes.probe_states.record_walk(recorder);
+        }
+        if self.faces.is_used() {
+            self.passes.face_mark.record(recorder);
+            self.passes.face_rays.record(recorder);
+            self.passes.face_blend.record(recorder);
         }
         self.passes.record_picture(recorder, view);
         self.frames += 1;
@@ -202,7 +217,7 @@ impl Frame {
     pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), FrameError> {
         let resources = resources(&self.stage, &self.view, &self.lights);
         let wanted = self.passes.inspect.wanted;
-        self.passes = Passes::new(gpu, size, &self.field, wanted, &resources)?;
+        self.passes = Passes::new(gpu, size, &self.field, &self.faces, wanted, &resources)?;
         self.size = size;
         Ok(())
     }
@@ -219,13 +234,15 @@ impl Frame {
         probes: &ProbeParameters,
     ) -> Result<(), FrameError> {
         let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let faces = FaceTable::new(gpu, probes)?;
         let resources = resources(&self.stage, &self.view, &self.lights);
         let wanted = Inspection {
             atlas: None,
             ..self.passes.inspect.wanted
         };
-        self.passes = Passes::new(gpu, self.size, &field, wanted, &resources)?;
+        self.passes = Passes::new(gpu, self.size, &field, &faces, wanted, &resources)?;
         self.field = field;
+        self.faces = faces;
         self.frames = 0;
         Ok(())
     }
@@ -245,7 +262,9 @@ impl Frame {
         self.stage.voxels.write(gpu, voxels, edit);
         if let Some((first, last)) = edit.region {
             let (low, high) = (first.as_ivec3(), last.as_ivec3());
-            self.field.note_change(low.as_vec3(), high.as_vec3() + 1.0);
+            let (low_gs, high_gs) = (low.as_vec3(), high.as_vec3() + 1.0);
+            self.field.note_change(low_gs, high_gs);
+            self.faces.note_change(low_gs, high_gs);
             let origin = self.stage.voxels.origin;
             self.field
                 .changes
@@ -296,6 +315,11 @@ impl Frame {
         &self.field
     }
 
+    /// The faces that have light of their own.
+    pub fn faces(&self) -> &FaceTable {
+        &self.faces
+    }
+
     /// Shadow rays of the last frame; `pixels`: whether the picture's own count, as they do in views
     /// of direct light.
     ///
@@ -319,10 +343,11 @@ impl Frame {
         let voxels = self.stage.voxels.bytes();
         let probes = self.field.memory().total();
         let inspect = self.passes.inspect.bytes(self.size);
+        let faces = self.faces.bytes();
         MemoryUse {
             voxels,
             probes,
-            total: voxels + probes + picture + inspect,
+            total: voxels + probes + faces + picture + inspect,
         }
     }
 }
@@ -332,11 +357,13 @@ impl Passes {
         gpu: &Gpu,
         size: [u32; 2],
         field: &ProbeField,
+        faces: &FaceTable,
         wanted: Inspection,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, FrameError> {
         let camera_rays = CameraRays::new(gpu, size, resources)?;
-        let shade = Shade::new(gpu, size, &camera_rays.surfaces, field, resources)?;
+        let surfaces = &camera_rays.surfaces;
+        let shade = Shade::new(gpu, size, surfaces, field, faces, resources)?;
         let hdr = shade.hdr.create_view(&Default::default());
         Ok(Self {
             tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
@@ -346,6 +373,9 @@ impl Passes {
             probe_seed: ProbeSeed::new(gpu, field)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
+            face_mark: FaceMark::new(gpu, size, surfaces, faces, resources)?,
+            face_rays: FaceRays::new(gpu, field, faces, resources)?,
+            face_blend: FaceBlend::new(gpu, field, faces, resources)?,
             inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, resources)?,
             camera_rays,
             shade,

@@ -33,6 +33,7 @@ pub struct Gpu {
     pub first_groups: u32,
     /// Where dispatches begin (`slices` knows).
     pub(super) first_rows: wgpu::Buffer,
+    pub(super) slice_arguments: slices::SliceArguments,
     /// What has been compiled so far, so that a resize need not compile again.
     pub(super) kernels: Arc<Mutex<HashMap<u64, Kernel>>>,
 }
@@ -178,15 +179,20 @@ impl Gpu {
             reason: format!("`{}`: {error}", adapter.get_info().name),
         })?;
         let summary = AdapterSummary::of(&adapter.get_info());
+        let first_rows = slices::table(&device);
         Ok(Self {
             first_groups: if summary.is_software() {
                 SOFTWARE_FIRST_GROUPS
             } else {
                 FIRST_GROUPS
             },
-            first_rows: slices::table(&device),
+            slice_arguments: slices::SliceArguments::new(&device, &first_rows),
+            first_rows,
             summary,
-            shaders: Arc::new(ShaderLibrary::embedded()),
+            shaders: Arc::new(std::env::var("XSH").map_or_else(
+                |_| ShaderLibrary::embedded(),
+                |f| ShaderLibrary::from_folder(std::path::Path::new(&f)).unwrap(),
+            )),
             kernels: Arc::default(),
             instance,
             adapter,

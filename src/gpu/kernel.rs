@@ -220,15 +220,16 @@ impl Kernel {
         self.dispatch(pass, bindings, groups);
     }
 
-    /// Dispatches as many workgroups as three u32 at `offset` of `buffer` say.
+    /// Dispatches as many workgroups as three u32 at `offset` of `buffer` say, from a row on.
     pub fn dispatch_indirect(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         bindings: &Bindings,
+        first_row: u32,
         buffer: &wgpu::Buffer,
         offset: u64,
     ) {
-        self.set(pass, bindings, 0);
+        self.set(pass, bindings, first_row);
         pass.dispatch_workgroups_indirect(buffer, offset);
     }
 

@@ -51,8 +51,49 @@ pub(super) fn table(device: &wgpu::Device) -> wgpu::Buffer {
     device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some(FIRST_ROW),
         contents: bytemuck::cast_slice(&rows),
-        usage: wgpu::BufferUsages::UNIFORM,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_SRC,
     })
+}
+
+/// The workgroups of a slice of an indirect dispatch, made on the GPU, which alone knows how many columns
+/// there are. One slice after another uses the same words.
+#[derive(Clone, Debug)]
+pub(super) struct SliceArguments {
+    rows: wgpu::Buffer,
+    words: wgpu::Buffer,
+}
+
+impl SliceArguments {
+    /// `rows` is the [`table`] of first rows.
+    pub(super) fn new(device: &wgpu::Device, rows: &wgpu::Buffer) -> Self {
+        let words = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("slice_arguments"),
+            contents: bytemuck::cast_slice(&[0u32, 0, 1]),
+            usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
+        });
+        Self {
+            rows: rows.clone(),
+            words,
+        }
+    }
+
+    /// As many columns as the dispatch at a byte of a buffer has, and less than [`MOST_ROWS`] rows.
+    pub(super) fn write(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        (whole, offset): (&wgpu::Buffer, u64),
+        rows: u32,
+    ) {
+        let word = size_of::<u32>() as u64;
+        encoder.copy_buffer_to_buffer(whole, offset, &self.words, 0, word);
+        // The table's entry of a row holds its number.
+        let entry = u64::from(rows) * u64::from(STRIDE);
+        encoder.copy_buffer_to_buffer(&self.rows, entry, &self.words, word, word);
+    }
+
+    pub(super) fn buffer(&self) -> &wgpu::Buffer {
+        &self.words
+    }
 }
 
 /// What is known of the time that a row takes.

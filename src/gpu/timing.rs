@@ -12,7 +12,7 @@ use wgpu_profiler::{GpuProfiler, GpuProfilerQuery, GpuProfilerSettings, GpuTimer
 
 use super::{
     Bindings, Gpu, GpuError, Kernel,
-    slices::{MOST_ROWS, Pace, Slices},
+    slices::{MOST_ROWS, Pace, SliceArguments, Slices},
 };
 
 /// Milliseconds of each pass in one frame, by label, in the order of the alphabet, and the span
@@ -122,6 +122,7 @@ pub struct Recorder<'a> {
     queue: wgpu::Queue,
     timing: Option<&'a mut Timing>,
     first_groups: u32,
+    arguments: SliceArguments,
 }
 
 impl<'a> Recorder<'a> {
@@ -132,6 +133,7 @@ impl<'a> Recorder<'a> {
             queue: gpu.queue.clone(),
             timing,
             first_groups: gpu.first_groups,
+            arguments: gpu.slice_arguments.clone(),
         }
     }
 
@@ -147,8 +149,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// The same for work of which the GPU says how much there is: columns and rows in three u32 at
-    /// `offset` of `buffer`, with as many rows as `most` and at most its columns. Where it must go out
-    /// in slices, all of `most` does, and the shader leaves out what is too many.
+    /// `offset` of `buffer`, with as many rows as `most` and at most its columns.
     ///
     /// # Panics
     /// With more than 4096 rows.
@@ -170,33 +171,67 @@ impl<'a> Recorder<'a> {
         indirect: Option<(&wgpu::Buffer, u64)>,
     ) {
         assert!(rows <= MOST_ROWS, "`{}` has {rows} rows", kernel.label);
-        let dispatch = |pass: &mut wgpu::ComputePass<'_>, slice: Range<u32>| match indirect {
-            Some((buffer, offset)) if slice == (0..rows) => {
-                kernel.dispatch_indirect(pass, bindings, buffer, offset);
-            }
-            _ => kernel.dispatch_rows(pass, bindings, width, slice),
-        };
         let (label, pace) = (&*kernel.label, &bindings.pace);
         let slices = Slices::new(pace, [width, rows], self.first_groups);
-        if let Some(Clock::Wall { .. }) = self.timing.as_ref().map(|timing| &timing.clock) {
-            for slice in slices {
-                let count = slice.end - slice.start;
-                let elapsed_ms = self.compute_timed(label, |pass| dispatch(pass, slice));
-                let elapsed_ms = elapsed_ms.unwrap_or_default();
-                tracing::trace!("{label}: {count} of {rows} rows in {elapsed_ms:.1} ms");
-                pace.learn(count, elapsed_ms);
+        let by_the_wall = matches!(
+            self.timing.as_ref().map(|timing| &timing.clock),
+            Some(Clock::Wall { .. })
+        );
+        match indirect {
+            None if !by_the_wall => self.compute(label, |pass| {
+                for slice in slices {
+                    kernel.dispatch_rows(pass, bindings, width, slice);
+                }
+            }),
+            _ => {
+                for slice in slices {
+                    let count = slice.end - slice.start;
+                    let elapsed_ms = match indirect {
+                        Some(arguments) => {
+                            self.run_some_rows(kernel, bindings, slice, rows, arguments)
+                        }
+                        None => self.compute_timed(label, |pass| {
+                            kernel.dispatch_rows(pass, bindings, width, slice);
+                        }),
+                    };
+                    if by_the_wall {
+                        let elapsed_ms = elapsed_ms.unwrap_or_default();
+                        tracing::trace!("{label}: {count} of {rows} rows in {elapsed_ms:.1} ms");
+                        pace.learn(count, elapsed_ms);
+                    }
+                }
             }
-            return;
         }
-        self.compute(label, |pass| {
-            for slice in slices {
-                dispatch(pass, slice);
-            }
-        });
-        if let Some(timing) = &mut self.timing {
+        if let (Some(timing), false) = (&mut self.timing, by_the_wall) {
             let learning = (pace.clone(), rows);
             timing.learning.insert(label.to_owned(), learning);
         }
+    }
+
+    /// A slice of work of which the GPU says how many columns it has; milliseconds, where they are known
+    /// at once.
+    fn run_some_rows(
+        &mut self,
+        kernel: &Kernel,
+        bindings: &Bindings,
+        slice: Range<u32>,
+        rows: u32,
+        (buffer, offset): (&wgpu::Buffer, u64),
+    ) -> Option<f64> {
+        let arguments = self.arguments.clone();
+        self.pass(&kernel.label, |encoder, query| {
+            let is_whole = slice == (0..rows);
+            if !is_whole {
+                arguments.write(encoder, (buffer, offset), slice.end - slice.start);
+            }
+            let pass = &mut begin_compute_pass(encoder, &kernel.label, query);
+            let (buffer, offset) = if is_whole {
+                (buffer, offset)
+            } else {
+                (arguments.buffer(), 0)
+            };
+            kernel.dispatch_indirect(pass, bindings, slice.start, buffer, offset);
+        })
     }
 
     /// A compute pass under this label.
@@ -211,12 +246,7 @@ impl<'a> Recorder<'a> {
         record: impl FnOnce(&mut wgpu::ComputePass<'_>),
     ) -> Option<f64> {
         self.pass(label, |encoder, query| {
-            record(
-                &mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: Some(label),
-                    timestamp_writes: query.and_then(|query| query.compute_pass_timestamp_writes()),
-                }),
-            );
+            record(&mut begin_compute_pass(encoder, label, query));
         })
     }
 
@@ -301,6 +331,17 @@ impl<'a> Recorder<'a> {
             .map_err(|error| GpuError::Device(error.to_string()))?;
         Ok(index)
     }
+}
+
+fn begin_compute_pass<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    label: &str,
+    query: Option<&'a GpuProfilerQuery>,
+) -> wgpu::ComputePass<'a> {
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+        label: Some(label),
+        timestamp_writes: query.and_then(|query| query.compute_pass_timestamp_writes()),
+    })
 }
 
 /// Submits and waits. A device that is lost here is still lost, and said to be, at the next wait

@@ -165,6 +165,16 @@ choice! {
     }
 }
 
+choice! {
+    /// Whether what the camera sees looks for its light itself.
+    FinalGather {
+        /// The probes around it say what light it gets.
+        Off = "off",
+        /// Rays from each face find it; the probes say what those rays see.
+        On = "on",
+    }
+}
+
 parameters! {
     #[doc = "What is voxelised."]
     world: WorldParameters {
@@ -192,6 +202,12 @@ parameters! {
         visibility: Visibility = Visibility::Exact, Visibility::KIND, Probes;
         #[doc = "Light between the faces of voxels that stand beside each other, which probes are too far apart to tell: on finds the shade at feet of walls and on steps, and the glow of the next voxel; off is faster."]
         contact: Contact = Contact::On, Contact::KIND, Probes;
+        #[doc = "Whether the faces that the camera sees send rays of their own: on shows light as it falls on each face, off as the nearest probes have it, with contact where that is on."]
+        final_gather: FinalGather = FinalGather::On, FinalGather::KIND, Probes;
+        #[doc = "Final gather: most rays that the light of a quarter of a face is the mean of; more is less noisy, less follows small changes sooner."]
+        face_samples: u32 = 4096, Kind::Count { min: 16, max: 1_000_000 }, Nothing;
+        #[doc = "Final gather: pixels of width below which a voxel's faces are left to the probes; more is faster far away, less is truer there."]
+        face_pixels: f32 = 2.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;
         #[doc = "Whether probes without surfaces in their cages sleep; off updates every probe that is not in stone."]
         states: ProbeStates = ProbeStates::On, ProbeStates::KIND, Nothing;
         #[doc = "Whether probes sleep too that no pixel asks for; on saves most of their time, off reacts at once where nobody looks."]

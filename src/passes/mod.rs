@@ -4,6 +4,10 @@
 pub mod atlas_view;
 pub mod camera_rays;
 pub mod distances;
+pub mod face_blend;
+pub mod face_mark;
+pub mod face_rays;
+mod face_table;
 mod inspection;
 mod lighting;
 pub mod overlay;
@@ -30,6 +34,7 @@ pub mod tonemap;
 mod view;
 pub mod voxelise;
 
+pub use face_table::{FaceTable, GpuFaceInfo};
 pub use inspection::{AtlasLayer, AtlasMap, Inspection, InspectionError, ProbeColour};
 pub use lighting::{GpuEmitters, GpuLights, GpuMaterials};
 pub use probe_changes::{GpuChanges, GpuEditSphere};

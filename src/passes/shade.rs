@@ -1,6 +1,6 @@
 //! Pass `shade`: lights what the camera rays hit.
 
-use super::ProbeField;
+use super::{FaceTable, ProbeField};
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 /// The kernel and the picture that it writes.
@@ -22,21 +22,25 @@ impl Shade {
         size: [u32; 2],
         surfaces: &wgpu::Buffer,
         field: &ProbeField,
+        faces: &FaceTable,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
         let format = wgpu::TextureFormat::Rgba16Float;
         let hdr = gpu.texture("hdr", [size[0], size[1], 1], format)?;
+        let mut overrides = field.gather_overrides().to_vec();
+        overrides.extend(faces.overrides());
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
                 shader: "passes/shade",
-                overrides: &field.gather_overrides(),
+                overrides: &overrides,
                 ..Default::default()
             },
         )?;
         let hdr_view = hdr.create_view(&Default::default());
         let mut all = resources.to_vec();
         all.extend(field.resources());
+        all.extend(faces.resources());
         all.push(("surfaces", surfaces.as_entire_binding()));
         all.push(("hdr", wgpu::BindingResource::TextureView(&hdr_view)));
         Ok(Self {

@@ -1,0 +1,56 @@
+//! Pass `face_mark`: which faces the camera sees, and how many workgroups it takes to light them.
+
+use super::FaceTable;
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
+
+pub struct FaceMark {
+    mark: (Kernel, Bindings),
+    arguments: (Kernel, Bindings),
+    groups: [u32; 2],
+}
+
+impl FaceMark {
+    /// For pictures of `size` pixels. `surfaces` is what the camera rays hit; `resources` are those of the
+    /// voxels and the view.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        surfaces: &wgpu::Buffer,
+        faces: &FaceTable,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, GpuError> {
+        let mut all = resources.to_vec();
+        all.extend(faces.update_resources());
+        all.push(("surfaces", surfaces.as_entire_binding()));
+        let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
+            let spec = KernelSpec {
+                shader: "passes/face_mark",
+                entry,
+                ..Default::default()
+            };
+            let kernel = Kernel::new(gpu, &spec)?;
+            let bindings = kernel.bind(gpu, &all);
+            Ok((kernel, bindings))
+        };
+        let mark = entry("mark")?;
+        let [columns, rows] = mark.0.groups_of(size);
+        Ok(Self {
+            mark,
+            arguments: entry("arguments")?,
+            groups: rectangle(columns * rows),
+        })
+    }
+
+    /// After pass `camera_rays`.
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        let (kernel, bindings) = &self.mark;
+        recorder.run(kernel, bindings, self.groups);
+        let (kernel, bindings) = &self.arguments;
+        recorder.compute(&kernel.label, |pass| {
+            kernel.dispatch(pass, bindings, [1, 1, 1]);
+        });
+    }
+}

@@ -1,0 +1,224 @@
+//! Faces of voxels that have light of their own: what passes `face_mark`, `face_rays`, `face_blend` and `shade`
+//! share.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::{
+    gpu::{Gpu, GpuError, rectangle},
+    parameters::{FinalGather, ProbeParameters},
+};
+
+/// `FaceInfo` of `shaders/data/faces.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuFaceInfo {
+    pub edited_low_gs: [f32; 3],
+    pub frame: u32,
+    pub edited_high_gs: [f32; 3],
+    pub edited_frame: u32,
+    pub bucket_mask: u32,
+    pub most_senders: u32,
+    pub rays_rows: u32,
+    pub blend_rows: u32,
+    pub most_samples: f32,
+    pub widest_pixel: f32,
+    pub seed: u32,
+    pub _pad: u32,
+}
+
+/// Faces that look the same way and have a place in the table.
+const BUCKETS: u32 = 1 << 15;
+/// Ways that faces look.
+const FACINGS: u32 = 6;
+/// `ENTRY_WORDS` of `shaders/data/faces.wesl`, in bytes.
+const ENTRY_BYTES: u64 = 48;
+/// `FaceHistory` of `shaders/data/face_list.wesl`.
+const HISTORY_BYTES: u64 = 144;
+/// `ListedFace` of the same.
+const LISTED_BYTES: u64 = 16;
+/// Faces that can send rays in a frame.
+const MOST_SENDERS: u32 = 1 << 15;
+/// `FACE_RAYS` of the same, and bytes of each.
+const FACE_RAYS: u32 = 32;
+const RAY_BYTES: u64 = 8;
+/// Threads of a workgroup of pass `face_rays`.
+const RAYS_A_GROUP: u32 = 64;
+/// Faces of a workgroup of pass `face_blend`.
+const FACES_A_GROUP: u32 = 16;
+/// Voxels from an edit within which light is another at once.
+const EDIT_REACH: f32 = 3.0;
+
+/// The table, the list of a frame's faces, and what the rays of each have found.
+pub struct FaceTable {
+    is_used: bool,
+    entries: u32,
+    most_senders: u32,
+    frame: u32,
+    /// Box of voxels (grid space, with what they reach) that edits changed for this frame or an earlier one,
+    /// and that frame.
+    edited: Option<(Vec3, Vec3, u32)>,
+    info: wgpu::Buffer,
+    table: wgpu::Buffer,
+    counts: wgpu::Buffer,
+    list: wgpu::Buffer,
+    senders: wgpu::Buffer,
+    rays: wgpu::Buffer,
+    histories: wgpu::Buffer,
+    dispatch: wgpu::Buffer,
+}
+
+impl FaceTable {
+    /// Byte in [`Self::dispatch`] of the workgroups of pass `face_rays`.
+    pub const RAYS_OFFSET: u64 = 0;
+    /// Byte in [`Self::dispatch`] of those of pass `face_blend`.
+    pub const BLEND_OFFSET: u64 = 16;
+
+    /// An empty table; where there is no final gather, one that takes next to no memory.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter cannot hold it.
+    pub fn new(gpu: &Gpu, parameters: &ProbeParameters) -> Result<Self, GpuError> {
+        let is_used = parameters.final_gather == FinalGather::On;
+        let entries = FACINGS * if is_used { BUCKETS } else { 1 };
+        let all = u64::from(entries);
+        let most_senders = entries.min(MOST_SENDERS);
+        Ok(Self {
+            is_used,
+            entries,
+            most_senders,
+            frame: 0,
+            edited: None,
+            info: gpu.uniform_buffer("face_info", &GpuFaceInfo::default()),
+            table: gpu.storage_buffer("face_table", all * ENTRY_BYTES)?,
+            counts: gpu.storage_buffer("face_counts", 16)?,
+            // Lists begin with a count.
+            list: gpu.storage_buffer("face_list", (1 + all) * LISTED_BYTES)?,
+            senders: gpu
+                .storage_buffer("face_senders", (1 + u64::from(most_senders)) * LISTED_BYTES)?,
+            rays: gpu.storage_buffer(
+                "face_rays",
+                u64::from(most_senders) * u64::from(FACE_RAYS) * RAY_BYTES,
+            )?,
+            histories: gpu.storage_buffer("face_histories", all * HISTORY_BYTES)?,
+            dispatch: gpu.storage_buffer("face_dispatch", 32)?,
+        })
+    }
+
+    /// Whether faces are lit on their own at all.
+    pub fn is_used(&self) -> bool {
+        self.is_used
+    }
+
+    /// Voxels of a box (grid space, from low to high corner) have changed: the next frame is the first
+    /// that shows it.
+    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
+        let frame = self.frame + 1;
+        let (low, high) = (low_gs - EDIT_REACH, high_gs + EDIT_REACH);
+        self.edited = Some(match self.edited {
+            Some((known_low, known_high, known)) if known == frame => {
+                (known_low.min(low), known_high.max(high), frame)
+            }
+            _ => (low, high, frame),
+        });
+    }
+
+    /// Writes the uniform of the next frame and empties the list. Once before each submission that updates
+    /// the faces: the writes take effect at its start.
+    pub fn begin_frame(&mut self, gpu: &Gpu, parameters: &ProbeParameters, seed: u32) {
+        self.frame += 1;
+        let (low, high, edited_frame) = self.edited.unwrap_or_default();
+        let info = GpuFaceInfo {
+            edited_low_gs: low.to_array(),
+            frame: self.frame,
+            edited_high_gs: high.to_array(),
+            edited_frame,
+            bucket_mask: self.entries / FACINGS - 1,
+            most_senders: self.most_senders,
+            rays_rows: self.rays_most()[1],
+            blend_rows: self.blend_most()[1],
+            most_samples: parameters.face_samples as f32,
+            widest_pixel: parameters.face_pixels.recip(),
+            seed,
+            ..Default::default()
+        };
+        gpu.queue
+            .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
+        // Nothing is on either list.
+        gpu.queue.write_buffer(&self.counts, 0, &[0; 8]);
+    }
+
+    /// Most workgroups of pass `face_rays`.
+    pub fn rays_most(&self) -> [u32; 2] {
+        rectangle((self.most_senders * FACE_RAYS).div_ceil(RAYS_A_GROUP))
+    }
+
+    /// Most workgroups of pass `face_blend`.
+    pub fn blend_most(&self) -> [u32; 2] {
+        rectangle(self.entries.div_ceil(FACES_A_GROUP))
+    }
+
+    /// Workgroups that the listed faces take, as pass `face_mark` writes them.
+    pub fn dispatch(&self) -> &wgpu::Buffer {
+        &self.dispatch
+    }
+
+    /// The constant of kernels that shade what the camera sees.
+    pub fn overrides(&self) -> [(&'static str, f64); 1] {
+        [("FINAL_GATHER", f64::from(u8::from(self.is_used)))]
+    }
+
+    /// The bindings of `shaders/data/faces.wesl`: what it takes to look a face's light up.
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+        [
+            ("face_info", self.info.as_entire_binding()),
+            ("face_table", self.table.as_entire_binding()),
+        ]
+    }
+
+    /// What the passes that light faces read and write besides.
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 12] {
+        let of = wgpu::Buffer::as_entire_binding;
+        [
+            ("face_info", of(&self.info)),
+            ("marked_table", of(&self.table)),
+            ("face_table_out", of(&self.table)),
+            ("face_counts", of(&self.counts)),
+            ("face_list_out", of(&self.list)),
+            ("face_list", of(&self.list)),
+            ("face_senders_out", of(&self.senders)),
+            ("face_senders", of(&self.senders)),
+            ("known_faces", of(&self.histories)),
+            ("face_histories", of(&self.histories)),
+            ("face_dispatch", of(&self.dispatch)),
+            // Pass `face_rays` writes them.
+            ("face_rays", of(&self.rays)),
+        ]
+    }
+
+    /// Where pass `face_rays` writes.
+    pub fn rays(&self) -> &wgpu::Buffer {
+        &self.rays
+    }
+
+    /// How many faces the last frame has listed.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn listed(&self, gpu: &Gpu) -> Result<u32, GpuError> {
+        let count: Vec<u32> = gpu.read_buffer_range(&self.counts, 0, 4)?;
+        Ok(count[0])
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        let buffers = [
+            &self.table,
+            &self.list,
+            &self.senders,
+            &self.rays,
+            &self.histories,
+        ];
+        buffers.iter().map(|buffer| buffer.size()).sum()
+    }
+}
