@@ -10,6 +10,7 @@
 //!                  └───────────────────────────────────────────────────┘     └ probe_draw, state_view, atlas_view
 //! ```
 
+mod face_light;
 mod inspect;
 mod stage;
 
@@ -17,6 +18,7 @@ pub use stage::{BuildReport, Stage};
 
 use std::mem;
 
+use face_light::FaceLight;
 use inspect::Inspect;
 
 use crate::{
@@ -26,10 +28,9 @@ use crate::{
     parameters::{ProbeParameters, Relocation},
     passes::{
         FaceTable, GpuLights, Inspection, InspectionError, MemoryUse, ProbeField, ProbeFieldError,
-        View, camera_rays::CameraRays, face_blend::FaceBlend, face_mark::FaceMark,
-        face_rays::FaceRays, probe_blend::ProbeBlend, probe_due::ProbeDue, probe_rays::ProbeRays,
-        probe_seed::ProbeSeed, probe_sight::ProbeSight, probe_states::ProbeStates, shade::Shade,
-        shadow_count, tonemap::Tonemap,
+        View, camera_rays::CameraRays, probe_blend::ProbeBlend, probe_due::ProbeDue,
+        probe_rays::ProbeRays, probe_seed::ProbeSeed, probe_sight::ProbeSight,
+        probe_states::ProbeStates, shade::Shade, shadow_count, tonemap::Tonemap,
     },
     probes::{ProbeError, Volume},
     world::{
@@ -80,9 +81,7 @@ struct Passes {
     probe_seed: ProbeSeed,
     probe_rays: ProbeRays,
     probe_blend: ProbeBlend,
-    face_mark: FaceMark,
-    face_rays: FaceRays,
-    face_blend: FaceBlend,
+    face_light: FaceLight,
     shade: Shade,
     inspect: Inspect,
     tonemap: Tonemap,
@@ -140,11 +139,12 @@ impl Frame {
         {
             self.frames = 0;
             self.field.changes.forget_edits();
+            self.faces.forget(&mut recorder.encoder);
         }
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
-        self.faces.begin_frame(gpu, probes, view.seed);
+        self.faces.begin_frame(gpu, probes, view, self.frames);
         self.passes.camera_rays.record(recorder);
         if self.field.misplaced() {
             self.passes.probe_states.record(recorder);
@@ -163,9 +163,7 @@ impl Frame {
             self.passes.probe_states.record_walk(recorder);
         }
         if self.faces.is_used() {
-            self.passes.face_mark.record(recorder);
-            self.passes.face_rays.record(recorder);
-            self.passes.face_blend.record(recorder);
+            self.passes.face_light.record(recorder);
         }
         self.passes.record_picture(recorder, view);
         self.frames += 1;
@@ -373,9 +371,7 @@ impl Passes {
             probe_seed: ProbeSeed::new(gpu, field)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
-            face_mark: FaceMark::new(gpu, size, surfaces, faces, resources)?,
-            face_rays: FaceRays::new(gpu, field, faces, resources)?,
-            face_blend: FaceBlend::new(gpu, field, faces, resources)?,
+            face_light: FaceLight::new(gpu, size, &camera_rays, field, faces, resources)?,
             inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, resources)?,
             camera_rays,
             shade,

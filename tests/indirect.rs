@@ -5,11 +5,11 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Recorder, ShaderChecks},
     lights::{LampShape, LampState, Lights},
-    parameters::{ProbeParameters, ProbeStates as States, Relocation},
+    parameters::{FinalGather, ProbeParameters, ProbeStates as States, Relocation},
     passes::{
-        GpuLights, GpuMaterials, GpuVoxels, ProbeField, View, ViewMode, camera_rays::CameraRays,
-        probe_blend::ProbeBlend, probe_due::ProbeDue, probe_rays::ProbeRays,
-        probe_sight::ProbeSight, probe_states::ProbeStates, shade::Shade,
+        FaceTable, GpuLights, GpuMaterials, GpuVoxels, ProbeField, View, ViewMode,
+        camera_rays::CameraRays, probe_blend::ProbeBlend, probe_due::ProbeDue,
+        probe_rays::ProbeRays, probe_sight::ProbeSight, probe_states::ProbeStates, shade::Shade,
     },
     probes::{Layout as _, Volume},
     world::{
@@ -184,7 +184,14 @@ impl Stage {
         resources.extend(self.lights.resources());
         resources.push(("view", buffer.as_entire_binding()));
         let camera = CameraRays::new(&self.gpu, size, &resources).expect("compiles");
-        let shade = Shade::new(&self.gpu, size, &camera.surfaces, &self.field, &resources)
+        // What is judged here is the light of the probes themselves.
+        let probes_alone = ProbeParameters {
+            final_gather: FinalGather::Off,
+            ..self.parameters.clone()
+        };
+        let faces = FaceTable::new(&self.gpu, &probes_alone).expect("fits");
+        let surfaces = &camera.surfaces;
+        let shade = Shade::new(&self.gpu, size, surfaces, &self.field, &faces, &resources)
             .expect("compiles");
         let mut recorder = Recorder::new(&self.gpu, None);
         camera.record(&mut recorder);

@@ -10,7 +10,7 @@ use grotto::{
         table::{self as lights, GpuLamp, GpuLightsHeader, GpuSky},
     },
     passes::{
-        GpuView,
+        FaceTable, GpuFaceInfo, GpuView,
         atlas_view::GpuAtlasJob,
         path_trace::GpuTraceJob,
         probe_draw::GpuDrawing,
@@ -130,6 +130,34 @@ fn materials() {
         whole.members["details"],
         CAPACITY * size_of::<GpuMaterial>()
     );
+}
+
+#[test]
+fn faces() {
+    assert_eq!(
+        shader_layout("data::faces", "FaceInfo"),
+        rust_layout!(GpuFaceInfo {
+            edited_low_gs,
+            frame,
+            edited_high_gs,
+            edited_frame,
+            bucket_mask,
+            most_senders,
+            rays_rows,
+            blend_rows,
+            most_samples,
+            widest_pixel,
+            seed,
+        })
+    );
+    for (name, bytes) in [
+        ("ListedFace", FaceTable::LISTED_BYTES),
+        ("SendingFace", FaceTable::SENDING_BYTES),
+        ("FaceHistory", FaceTable::HISTORY_BYTES),
+    ] {
+        let layout = shader_layout("data::face_list", name);
+        assert_eq!(layout.stride as u64, bytes, "{name}");
+    }
 }
 
 #[test]

@@ -83,7 +83,8 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
             if index == 0 {
                 passes.extend(["probe_sight", "probe_states"]);
             }
-            passes.extend(["shade", "tonemap"]);
+            passes.extend(["face_blend", "face_mark", "face_rays", "shade", "tonemap"]);
+            passes.sort();
             assert_eq!(labels, passes, "one row a pass, however it went out");
         }
     }

@@ -189,10 +189,7 @@ impl Gpu {
             slice_arguments: slices::SliceArguments::new(&device, &first_rows),
             first_rows,
             summary,
-            shaders: Arc::new(std::env::var("XSH").map_or_else(
-                |_| ShaderLibrary::embedded(),
-                |f| ShaderLibrary::from_folder(std::path::Path::new(&f)).unwrap(),
-            )),
+            shaders: Arc::new(ShaderLibrary::embedded()),
             kernels: Arc::default(),
             instance,
             adapter,

@@ -36,7 +36,8 @@ impl FaceMark {
             Ok((kernel, bindings))
         };
         let mark = entry("mark")?;
-        let [columns, rows] = mark.0.groups_of(size);
+        // One thread for four pixels.
+        let [columns, rows] = mark.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
         Ok(Self {
             mark,
             arguments: entry("arguments")?,

@@ -4,6 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use super::View;
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
     parameters::{FinalGather, ProbeParameters},
@@ -31,21 +32,22 @@ pub struct GpuFaceInfo {
 const BUCKETS: u32 = 1 << 15;
 /// Ways that faces look.
 const FACINGS: u32 = 6;
-/// `ENTRY_WORDS` of `shaders/data/faces.wesl`, in bytes.
-const ENTRY_BYTES: u64 = 48;
-/// `FaceHistory` of `shaders/data/face_list.wesl`.
-const HISTORY_BYTES: u64 = 144;
-/// `ListedFace` of the same.
-const LISTED_BYTES: u64 = 16;
 /// Faces that can send rays in a frame.
 const MOST_SENDERS: u32 = 1 << 15;
 /// `FACE_RAYS` of the same, and bytes of each.
 const FACE_RAYS: u32 = 32;
 const RAY_BYTES: u64 = 8;
+/// Pixels of the picture for each face that sends rays in a frame: a small picture is not to cost more than
+/// a large one.
+const PIXELS_A_SENDER: u32 = 32;
 /// Threads of a workgroup of pass `face_rays`.
 const RAYS_A_GROUP: u32 = 64;
 /// Faces of a workgroup of pass `face_blend`.
 const FACES_A_GROUP: u32 = 16;
+/// Frames that probes take to settle after their warm-up, and rays that a quarter's light is the mean of until
+/// then.
+const SETTLING_FRAMES: u32 = 24;
+const WARMUP_SAMPLES: u32 = 128;
 /// Voxels from an edit within which light is another at once.
 const EDIT_REACH: f32 = 3.0;
 
@@ -69,6 +71,14 @@ pub struct FaceTable {
 }
 
 impl FaceTable {
+    /// Bytes of `SendingFace` of the same.
+    pub const SENDING_BYTES: u64 = 16;
+    /// Bytes of `ListedFace` of the same.
+    pub const LISTED_BYTES: u64 = 20;
+    /// Bytes of `FaceHistory` of `shaders/data/face_list.wesl`.
+    pub const HISTORY_BYTES: u64 = 144;
+    /// Bytes of the `ENTRY_WORDS` of `shaders/data/faces.wesl`.
+    pub const ENTRY_BYTES: u64 = 48;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `face_rays`.
     pub const RAYS_OFFSET: u64 = 0;
     /// Byte in [`Self::dispatch`] of those of pass `face_blend`.
@@ -90,17 +100,19 @@ impl FaceTable {
             frame: 0,
             edited: None,
             info: gpu.uniform_buffer("face_info", &GpuFaceInfo::default()),
-            table: gpu.storage_buffer("face_table", all * ENTRY_BYTES)?,
+            table: gpu.storage_buffer("face_table", all * Self::ENTRY_BYTES)?,
             counts: gpu.storage_buffer("face_counts", 16)?,
             // Lists begin with a count.
-            list: gpu.storage_buffer("face_list", (1 + all) * LISTED_BYTES)?,
-            senders: gpu
-                .storage_buffer("face_senders", (1 + u64::from(most_senders)) * LISTED_BYTES)?,
+            list: gpu.storage_buffer("face_list", (1 + all) * Self::LISTED_BYTES)?,
+            senders: gpu.storage_buffer(
+                "face_senders",
+                (1 + u64::from(most_senders)) * Self::SENDING_BYTES,
+            )?,
             rays: gpu.storage_buffer(
                 "face_rays",
                 u64::from(most_senders) * u64::from(FACE_RAYS) * RAY_BYTES,
             )?,
-            histories: gpu.storage_buffer("face_histories", all * HISTORY_BYTES)?,
+            histories: gpu.storage_buffer("face_histories", all * Self::HISTORY_BYTES)?,
             dispatch: gpu.storage_buffer("face_dispatch", 32)?,
         })
     }
@@ -123,9 +135,28 @@ impl FaceTable {
         });
     }
 
+    /// Forgets all faces, as if the table were new.
+    pub fn forget(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        self.frame = 0;
+        self.edited = None;
+        for buffer in [&self.table, &self.histories, &self.counts] {
+            encoder.clear_buffer(buffer, 0, None);
+        }
+    }
+
     /// Writes the uniform of the next frame and empties the list. Once before each submission that updates
     /// the faces: the writes take effect at its start.
-    pub fn begin_frame(&mut self, gpu: &Gpu, parameters: &ProbeParameters, seed: u32) {
+    ///
+    /// In a picture of few pixels faces take turns. `age` is that of the probes in frames: what new ones say is soon out of date, so that it counts
+    /// little.
+    pub fn begin_frame(&mut self, gpu: &Gpu, parameters: &ProbeParameters, view: &View, age: u32) {
+        let settled = age >= parameters.warmup_frames + SETTLING_FRAMES;
+        let most_samples = if settled {
+            parameters.face_samples
+        } else {
+            parameters.face_samples.min(WARMUP_SAMPLES)
+        };
+        let pixels = view.size[0] * view.size[1];
         self.frame += 1;
         let (low, high, edited_frame) = self.edited.unwrap_or_default();
         let info = GpuFaceInfo {
@@ -134,12 +165,12 @@ impl FaceTable {
             edited_high_gs: high.to_array(),
             edited_frame,
             bucket_mask: self.entries / FACINGS - 1,
-            most_senders: self.most_senders,
+            most_senders: self.most_senders.min(pixels.div_ceil(PIXELS_A_SENDER)),
             rays_rows: self.rays_most()[1],
             blend_rows: self.blend_most()[1],
-            most_samples: parameters.face_samples as f32,
+            most_samples: most_samples as f32,
             widest_pixel: parameters.face_pixels.recip(),
-            seed,
+            seed: view.seed,
             ..Default::default()
         };
         gpu.queue

@@ -46,6 +46,8 @@ fn steps_and_what_glows_beside_are_nearer_to_the_truth() {
         &world,
         "--vary",
         "probes.contact=off,on",
+        "--set",
+        "probes.final_gather=off",
         "--skip-response",
         "--skip-stability",
         "--spp",
