@@ -144,7 +144,9 @@ impl Frame {
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
-        self.faces.begin_frame(gpu, probes, view, self.frames);
+        let alert = self.field.changes.alert();
+        let faces = &mut self.faces;
+        faces.begin_frame(gpu, probes, view, self.frames, alert);
         self.passes.camera_rays.record(recorder);
         if self.field.misplaced() {
             self.passes.probe_states.record(recorder);
@@ -336,12 +338,11 @@ impl Frame {
 
     /// Bytes of GPU memory.
     pub fn memory(&self) -> MemoryUse {
-        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
-        let picture = self.passes.camera_rays.surfaces.size() + pixels * (8 + 4);
+        let [width, height] = self.size.map(u64::from);
+        let picture = self.passes.camera_rays.surfaces.size() + width * height * (8 + 4);
         let voxels = self.stage.voxels.bytes();
         let probes = self.field.memory().total();
-        let inspect = self.passes.inspect.bytes(self.size);
-        let faces = self.faces.bytes();
+        let (inspect, faces) = (self.passes.inspect.bytes(self.size), self.faces.bytes());
         MemoryUse {
             voxels,
             probes,

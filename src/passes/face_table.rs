@@ -40,14 +40,17 @@ const RAY_BYTES: u64 = 8;
 /// Pixels of the picture for each face that sends rays in a frame: a small picture is not to cost more than
 /// a large one.
 const PIXELS_A_SENDER: u32 = 32;
+const LEAST_SENDERS: u32 = 256;
 /// Threads of a workgroup of pass `face_rays`.
 const RAYS_A_GROUP: u32 = 64;
 /// Faces of a workgroup of pass `face_blend`.
 const FACES_A_GROUP: u32 = 16;
-/// Frames that probes take to settle after their warm-up, and rays that a quarter's light is the mean of until
-/// then.
+/// Frames that probes take to settle after their warm-up.
 const SETTLING_FRAMES: u32 = 24;
-const WARMUP_SAMPLES: u32 = 128;
+/// Rays that a quarter's light is the mean of until then, and while light changes: at full alert this many,
+/// and the more the less sure it is.
+const LEAST_SAMPLES: f32 = 128.0;
+const SAMPLES_AT_ALERT: f32 = 16.0;
 /// Voxels from an edit within which light is another at once.
 const EDIT_REACH: f32 = 3.0;
 
@@ -147,15 +150,23 @@ impl FaceTable {
     /// Writes the uniform of the next frame and empties the list. Once before each submission that updates
     /// the faces: the writes take effect at its start.
     ///
-    /// In a picture of few pixels faces take turns. `age` is that of the probes in frames: what new ones say is soon out of date, so that it counts
-    /// little.
-    pub fn begin_frame(&mut self, gpu: &Gpu, parameters: &ProbeParameters, view: &View, age: u32) {
+    /// In a picture of few pixels faces take turns. `age` is that of the probes in frames, and `alert` says
+    /// how sure it is that light changes now (0 to 1): what is soon out of date counts little.
+    pub fn begin_frame(
+        &mut self,
+        gpu: &Gpu,
+        parameters: &ProbeParameters,
+        view: &View,
+        age: u32,
+        alert: f32,
+    ) {
         let settled = age >= parameters.warmup_frames + SETTLING_FRAMES;
         let most_samples = if settled {
-            parameters.face_samples
+            (SAMPLES_AT_ALERT / alert.max(f32::MIN_POSITIVE)).max(LEAST_SAMPLES)
         } else {
-            parameters.face_samples.min(WARMUP_SAMPLES)
+            LEAST_SAMPLES
         };
+        let most_samples = most_samples.min(parameters.face_samples as f32);
         let pixels = view.size[0] * view.size[1];
         self.frame += 1;
         let (low, high, edited_frame) = self.edited.unwrap_or_default();
@@ -165,10 +176,12 @@ impl FaceTable {
             edited_high_gs: high.to_array(),
             edited_frame,
             bucket_mask: self.entries / FACINGS - 1,
-            most_senders: self.most_senders.min(pixels.div_ceil(PIXELS_A_SENDER)),
+            most_senders: self
+                .most_senders
+                .min((pixels / PIXELS_A_SENDER).max(LEAST_SENDERS)),
             rays_rows: self.rays_most()[1],
             blend_rows: self.blend_most()[1],
-            most_samples: most_samples as f32,
+            most_samples,
             widest_pixel: parameters.face_pixels.recip(),
             seed: view.seed,
             ..Default::default()

@@ -76,3 +76,38 @@ fn steps_and_what_glows_beside_are_nearer_to_the_truth() {
         assert!((0.93..1.07).contains(&energy), "{energy}");
     }
 }
+
+#[test]
+fn faces_that_look_for_their_light_are_nearer_still() {
+    let bench = Bench::new();
+    let world = bench.path("stairs.ron");
+    fs::write(&world, STAIRS).expect("writable");
+    let world = world.display().to_string();
+    let (judged, _) = bench.judged(&[
+        &world,
+        "--vary",
+        "probes.final_gather=off,on",
+        "--skip-response",
+        "--skip-stability",
+        "--spp",
+        "512",
+        "--frames",
+        "64",
+        "--against",
+        "reference",
+    ]);
+    let rows = judged["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 4);
+    let flip = |setting: &str| -> f64 {
+        let chosen = rows
+            .iter()
+            .filter(|row| row["settings"]["probes.final_gather"] == setting);
+        chosen.map(|row| number(row, "picture.flip.mean")).sum()
+    };
+    let (off, on) = (flip("off"), flip("on"));
+    assert!(on > 0.0 && on < 0.8 * off, "{on} with, {off} without");
+    for row in rows {
+        let energy = number(row, "indirect.energy_ratio");
+        assert!((0.96..1.04).contains(&energy), "{energy}");
+    }
+}

@@ -1,0 +1,193 @@
+//! The final gather: faces that the camera sees look for their light themselves. (How near to the truth that
+//! is, is asked in tests/measuring/contact.rs.)
+
+use glam::{IVec3, Vec3};
+use grotto::{
+    frame::{Frame, Stage},
+    gpu::{Gpu, Recorder, ShaderChecks},
+    lights::Lights,
+    measure::picture::Picture,
+    parameters::{Contact, FinalGather, ProbeParameters},
+    passes::{View, ViewMode},
+    world::{World, file, voxels::Voxels},
+};
+
+/// A room with a lamp behind a pillar. Its floor's upper faces lie at y = 0.
+const ROOM: &str = "(
+    title: \"A room to change.\",
+    size: (24, 16, 24),
+    origin: (-12, -4, -12),
+    shape: Union([
+        Subtraction([
+            Translate(by: (0, 4, 0), of: Box(half: (10, 6, 10))),
+            Translate(by: (0, 4, 0), of: Box(half: (8, 4, 8))),
+        ]),
+        Translate(by: (3, 4, 0), of: Box(half: (1, 4, 2))),
+    ]),
+    materials: {\"plaster\": (a: Flat(0.6, 0.6, 0.6))},
+    lamps: [
+        (name: \"on\", lamps: [(position: (6, 6, 0), power: 900)]),
+        (name: \"off\"),
+    ],
+    cameras: [(name: \"down\", position: (-2, 5, 5), look_at: (-2, 0, -1), fov_deg: 60)],
+    layouts: [(name: \"fine\", counts: (6, 4, 6), spacing: 4, centre: (0.5, 4.5, 0.5))],
+)";
+
+const SIZE: [u32; 2] = [48, 36];
+
+struct Room {
+    gpu: Gpu,
+    world: World,
+    frame: Frame,
+    voxels: Voxels,
+    probes: ProbeParameters,
+    preset: usize,
+}
+
+impl Room {
+    fn new(probes: ProbeParameters) -> Self {
+        let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
+        let world = file::parse(ROOM, "room", None, &Default::default()).expect("a sound world");
+        let stage = Stage::build(&gpu, &world).expect("fits");
+        let voxels = stage.read_back(&gpu).expect("reads back");
+        let frame = Frame::new(&gpu, stage, &world.layouts[0], &probes, SIZE).expect("fits");
+        Self {
+            gpu,
+            world,
+            frame,
+            voxels,
+            probes,
+            preset: 0,
+        }
+    }
+
+    /// Irradiance (over π) of the last of so many frames.
+    fn after(&mut self, frames: u32) -> Picture {
+        let lights = Lights::at(&self.world, &self.world.lamp_presets[self.preset], 0.0);
+        for _ in 0..frames {
+            let view = View {
+                camera: self.world.cameras[0].clone(),
+                size: SIZE,
+                frame: self.frame.frames(),
+                seed: 3,
+                exposure_ev: 0.0,
+                mode: ViewMode::Irradiance,
+                time_s: 0.0,
+                textures: true,
+            };
+            let mut recorder = Recorder::new(&self.gpu, None);
+            self.frame
+                .record(&self.gpu, &mut recorder, &view, &lights, &self.probes);
+            recorder.submit(&self.gpu).expect("submits");
+        }
+        self.frame.read_radiance(&self.gpu).expect("reads back")
+    }
+
+    /// A block of stone on the floor, 3 × 2 × 3, in the middle of the picture.
+    fn build(&mut self) {
+        let low = IVec3::new(-3, 0, -1) - self.world.origin;
+        let edit = self.voxels.fill_box(low, low + IVec3::new(2, 1, 2), 1);
+        self.frame
+            .apply(&self.gpu, &self.voxels, &edit)
+            .expect("fits");
+    }
+}
+
+fn quick() -> ProbeParameters {
+    ProbeParameters {
+        rays: 64,
+        warmup_frames: 8,
+        ..Default::default()
+    }
+}
+
+fn mean(picture: &Picture) -> f64 {
+    let sum: f64 = picture.rgb.iter().map(|rgb| f64::from(rgb[1])).sum();
+    sum / picture.rgb.len() as f64
+}
+
+/// Mean distance of two pictures, relative to their mean.
+fn apart(a: &Picture, b: &Picture) -> f64 {
+    let pairs = a.rgb.iter().zip(&b.rgb);
+    let sum: f64 = pairs.map(|(a, b)| f64::from((a[1] - b[1]).abs())).sum();
+    sum / a.rgb.len() as f64 / mean(b)
+}
+
+#[test]
+fn faces_of_few_pixels_are_lit_by_the_probes_alone() {
+    let by_probes = ProbeParameters {
+        contact: Contact::Off,
+        final_gather: FinalGather::Off,
+        ..quick()
+    };
+    let too_small = ProbeParameters {
+        final_gather: FinalGather::On,
+        face_pixels: 1000.0,
+        ..by_probes.clone()
+    };
+    let (probes, faces) = (
+        Room::new(by_probes).after(6),
+        Room::new(too_small.clone()).after(6),
+    );
+    assert!(mean(&probes) > 1e-3);
+    assert!(probes == faces, "the very same");
+    let large = ProbeParameters {
+        face_pixels: 0.5,
+        ..too_small
+    };
+    assert!(apart(&Room::new(large).after(6), &probes) > 0.01);
+}
+
+#[test]
+fn a_still_picture_comes_to_rest() {
+    let mut room = Room::new(quick());
+    room.after(60);
+    let mut last = room.after(1);
+    for _ in 0..4 {
+        let next = room.after(1);
+        assert!(apart(&next, &last) < 0.01, "{}", apart(&next, &last));
+        last = next;
+    }
+    let listed = room.frame.faces().listed(&room.gpu).expect("reads back");
+    assert!((100..2000).contains(&listed), "{listed}");
+}
+
+/// What was known of the light is of no use then, and must not be shown.
+#[test]
+fn a_lamp_that_goes_out_leaves_no_light() {
+    let mut room = Room::new(quick());
+    let lit = mean(&room.after(60));
+    room.preset = 1;
+    let after = mean(&room.after(8));
+    assert!(after < 0.1 * lit, "{after} of {lit}");
+    room.preset = 0;
+    let again = mean(&room.after(8));
+    assert!((again / lit - 1.0).abs() < 0.1, "{again} of {lit}");
+}
+
+/// A block that is placed has its shade at once, and its own faces their light.
+#[test]
+fn an_edit_shows_at_once() {
+    let mut edited = Room::new(quick());
+    let before = edited.after(60);
+    edited.build();
+    let soon = edited.after(4);
+    let mut settled = Room::new(quick());
+    settled.build();
+    let truth = settled.after(90);
+    let (was, is) = (apart(&before, &truth), apart(&soon, &truth));
+    assert!(was > 0.08, "the block changes little: {was}");
+    assert!(is < 0.4 * was, "{is} apart, {was} before");
+    assert!(soon.rgb.iter().flatten().all(|value| value.is_finite()));
+    // None of its faces is black: they have found light.
+    let eye = Vec3::from(edited.world.cameras[0].position);
+    assert!(eye.y > 2.0);
+    let darkest = |picture: &Picture| {
+        picture
+            .rgb
+            .iter()
+            .map(|rgb| rgb[1])
+            .fold(f32::MAX, f32::min)
+    };
+    assert!(darkest(&soon) > 0.3 * darkest(&truth));
+}
