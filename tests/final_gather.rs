@@ -1,7 +1,7 @@
 //! The final gather: faces that the camera sees look for their light themselves. (How near to the truth that
 //! is, is asked in tests/measuring/contact.rs.)
 
-use glam::{IVec3, Vec3};
+use glam::IVec3;
 use grotto::{
     frame::{Frame, Stage},
     gpu::{Gpu, Recorder, ShaderChecks},
@@ -158,10 +158,10 @@ fn a_lamp_that_goes_out_leaves_no_light() {
     let mut room = Room::new(quick());
     let lit = mean(&room.after(60));
     room.preset = 1;
-    let after = mean(&room.after(8));
+    let after = mean(&room.after(12));
     assert!(after < 0.1 * lit, "{after} of {lit}");
     room.preset = 0;
-    let again = mean(&room.after(8));
+    let again = mean(&room.after(12));
     assert!((again / lit - 1.0).abs() < 0.1, "{again} of {lit}");
 }
 
@@ -169,19 +169,17 @@ fn a_lamp_that_goes_out_leaves_no_light() {
 #[test]
 fn an_edit_shows_at_once() {
     let mut edited = Room::new(quick());
-    let before = edited.after(60);
+    let before = edited.after(40);
     edited.build();
     let soon = edited.after(4);
     let mut settled = Room::new(quick());
     settled.build();
-    let truth = settled.after(90);
+    let truth = settled.after(60);
     let (was, is) = (apart(&before, &truth), apart(&soon, &truth));
     assert!(was > 0.08, "the block changes little: {was}");
     assert!(is < 0.4 * was, "{is} apart, {was} before");
     assert!(soon.rgb.iter().flatten().all(|value| value.is_finite()));
     // None of its faces is black: they have found light.
-    let eye = Vec3::from(edited.world.cameras[0].position);
-    assert!(eye.y > 2.0);
     let darkest = |picture: &Picture| {
         picture
             .rgb

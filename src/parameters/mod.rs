@@ -204,7 +204,7 @@ parameters! {
         contact: Contact = Contact::On, Contact::KIND, Probes;
         #[doc = "Whether the faces that the camera sees send rays of their own: on shows light as it falls on each face, off as the nearest probes have it, with contact where that is on."]
         final_gather: FinalGather = FinalGather::On, FinalGather::KIND, Probes;
-        #[doc = "Final gather: most rays that the light of a quarter of a face is the mean of; more is less noisy, less follows small changes sooner."]
+        #[doc = "Final gather: most rays that the light of a quarter of a face is the mean of; more is less noisy, less follows slow changes sooner."]
         face_samples: u32 = 8192, Kind::Count { min: 16, max: 1_000_000 }, Nothing;
         #[doc = "Final gather: pixels of width below which a voxel's faces are left to the probes; more is faster far away, less is truer there."]
         face_pixels: f32 = 2.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;

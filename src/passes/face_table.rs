@@ -49,7 +49,7 @@ const FACES_A_GROUP: u32 = 16;
 const SETTLING_FRAMES: u32 = 24;
 /// Rays that a quarter's light is the mean of until then, and while light changes: at full alert this many,
 /// and the more the less sure it is.
-const LEAST_SAMPLES: f32 = 128.0;
+const LEAST_SAMPLES: f32 = 64.0;
 const SAMPLES_AT_ALERT: f32 = 16.0;
 /// Voxels from an edit within which light is another at once.
 const EDIT_REACH: f32 = 3.0;
