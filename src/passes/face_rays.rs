@@ -34,7 +34,6 @@ impl FaceRays {
         let mut all = resources.to_vec();
         all.extend(field.resources());
         all.extend(faces.update_resources());
-        all.extend(faces.resources());
         all.push(("face_rays_out", faces.rays().as_entire_binding()));
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
