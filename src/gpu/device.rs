@@ -79,10 +79,9 @@ const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SUBGROUP)
     .union(wgpu::Features::SHADER_F16);
 
-/// Workgroups of a first dispatch: some milliseconds on the slowest integrated GPU.
+/// Workgroups of a first dispatch: some milliseconds on the slowest integrated GPU, and tens of them where a
+/// CPU does the work. There each dispatch has a price, so that fewer would cost more than they spare.
 const FIRST_GROUPS: u32 = 512;
-/// As much where a CPU does the work.
-const SOFTWARE_FIRST_GROUPS: u32 = 16;
 
 /// An adapter with all that decides whether and how grotto runs on it.
 #[derive(Clone, Debug)]
@@ -181,11 +180,7 @@ impl Gpu {
         let summary = AdapterSummary::of(&adapter.get_info());
         let first_rows = slices::table(&device);
         Ok(Self {
-            first_groups: if summary.is_software() {
-                SOFTWARE_FIRST_GROUPS
-            } else {
-                FIRST_GROUPS
-            },
+            first_groups: FIRST_GROUPS,
             slice_arguments: slices::SliceArguments::new(&device, &first_rows),
             first_rows,
             summary,
