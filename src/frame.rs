@@ -320,8 +320,7 @@ impl Frame {
         &self.faces
     }
 
-    /// Shadow rays of the last frame; `pixels`: whether the picture's own count, as they do in views
-    /// of direct light.
+    /// Shadow rays of the last frame; `pixels`: whether the picture's own count, as in views of direct light.
     ///
     /// # Errors
     /// [`GpuError::Shader`]; [`GpuError::Device`] when the device is lost.
@@ -329,6 +328,7 @@ impl Frame {
         shadow_count::count(
             gpu,
             &self.field,
+            &self.faces,
             &self.passes.camera_rays.surfaces,
             self.size,
             pixels,
@@ -342,11 +342,11 @@ impl Frame {
         let picture = self.passes.camera_rays.surfaces.size() + width * height * (8 + 4);
         let voxels = self.stage.voxels.bytes();
         let probes = self.field.memory().total();
-        let (inspect, faces) = (self.passes.inspect.bytes(self.size), self.faces.bytes());
+        let others = picture + self.passes.inspect.bytes(self.size) + self.faces.bytes();
         MemoryUse {
             voxels,
             probes,
-            total: voxels + probes + faces + picture + inspect,
+            total: voxels + probes + others,
         }
     }
 }

@@ -158,8 +158,17 @@ fn a_lamp_that_goes_out_leaves_no_light() {
     let mut room = Room::new(quick());
     let lit = mean(&room.after(60));
     room.preset = 1;
-    let after = mean(&room.after(12));
-    assert!(after < 0.1 * lit, "{after} of {lit}");
+    let after = mean(&room.after(8));
+    // As fast as the probes themselves.
+    let mut by_probes = Room::new(ProbeParameters {
+        final_gather: FinalGather::Off,
+        ..quick()
+    });
+    let lit_by_probes = mean(&by_probes.after(60));
+    by_probes.preset = 1;
+    let after_by_probes = mean(&by_probes.after(8));
+    let (left, left_by_probes) = (after / lit, after_by_probes / lit_by_probes);
+    assert!(left < 1.1 * left_by_probes, "{left}, {left_by_probes}");
     room.preset = 0;
     let again = mean(&room.after(12));
     assert!((again / lit - 1.0).abs() < 0.1, "{again} of {lit}");
@@ -177,7 +186,7 @@ fn an_edit_shows_at_once() {
     let truth = settled.after(90);
     let (was, is) = (apart(&before, &truth), apart(&soon, &truth));
     assert!(was > 0.06, "the block changes little: {was}");
-    assert!(is < 0.5 * was, "{is} apart, {was} before");
+    assert!(is < 0.4 * was, "{is} apart, {was} before");
     assert!(soon.rgb.iter().flatten().all(|value| value.is_finite()));
     // None of its faces is black: they have found light.
     let darkest = |picture: &Picture| {

@@ -148,6 +148,7 @@ fn faces() {
             most_samples,
             widest_pixel,
             seed,
+            alert,
         })
     );
     for (name, bytes) in [

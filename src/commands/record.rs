@@ -79,6 +79,8 @@ pub struct Rays<T> {
     pub camera: Option<T>,
     pub shadow: Option<T>,
     pub probe: Option<T>,
+    /// Those of the final gather.
+    pub face: Option<T>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

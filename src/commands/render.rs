@@ -155,13 +155,11 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         passes: [("path_trace".to_owned(), elapsed_ms)].into(),
         rays: Rays {
             camera: camera_rays,
-            shadow: None,
-            probe: None,
+            ..Default::default()
         },
         mrays_per_s: Rays {
             camera: mrays_per_s(camera_rays, Some(elapsed_ms)),
-            shadow: None,
-            probe: None,
+            ..Default::default()
         },
         probes: ProbeCounts::default(),
         memory_bytes: MemoryUse::default(),
@@ -227,10 +225,12 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         options.view,
         ViewMode::Full | ViewMode::Direct | ViewMode::TexturesOff
     );
+    let faces = frame.faces();
     let rays = Rays {
         camera: Some(width * height),
         shadow: Some(frame.count_shadow_rays(&gpu, direct)?),
         probe: Some(u64::from(probe_counts.due) * u64::from(frame.field().rays_per_probe())),
+        face: faces.is_used().then(|| faces.rays_sent(&gpu)).transpose()?,
     };
     let rate = |rays, pass: &str| mrays_per_s(rays, passes.get(pass).copied());
     let record = Record {
@@ -251,6 +251,7 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
             camera: rate(rays.camera, "camera_rays"),
             shadow: None,
             probe: rate(rays.probe, "probe_rays"),
+            face: rate(rays.face, "face_rays"),
         },
         passes,
         probes: probe_counts,

@@ -26,8 +26,8 @@ impl FaceLight {
     ) -> Result<Self, GpuError> {
         Ok(Self {
             mark: FaceMark::new(gpu, size, &camera_rays.surfaces, faces, resources)?,
-            rays: FaceRays::new(gpu, field, faces, resources)?,
-            blend: FaceBlend::new(gpu, field, faces, resources)?,
+            rays: FaceRays::new(gpu, size, field, faces, resources)?,
+            blend: FaceBlend::new(gpu, size, field, faces, resources)?,
         })
     }
 

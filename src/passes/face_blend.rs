@@ -11,12 +11,13 @@ pub struct FaceBlend {
 }
 
 impl FaceBlend {
-    /// `resources` are those of the voxels.
+    /// For pictures of `size` pixels. `resources` are those of the voxels.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(
         gpu: &Gpu,
+        size: [u32; 2],
         field: &ProbeField,
         faces: &FaceTable,
         resources: &[(&str, wgpu::BindingResource<'_>)],
@@ -35,7 +36,7 @@ impl FaceBlend {
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
             kernel,
-            most: faces.blend_most(),
+            most: faces.blend_most(size),
             dispatch: faces.dispatch().clone(),
         })
     }

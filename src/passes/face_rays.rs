@@ -11,12 +11,13 @@ pub struct FaceRays {
 }
 
 impl FaceRays {
-    /// `resources` are those of the voxels, the lights and the materials.
+    /// For pictures of `size` pixels. `resources` are those of the voxels, the lights and the materials.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(
         gpu: &Gpu,
+        size: [u32; 2],
         field: &ProbeField,
         faces: &FaceTable,
         resources: &[(&str, wgpu::BindingResource<'_>)],
@@ -38,7 +39,7 @@ impl FaceRays {
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
             kernel,
-            most: faces.rays_most(),
+            most: faces.rays_most(size),
             dispatch: faces.dispatch().clone(),
         })
     }

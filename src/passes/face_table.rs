@@ -25,7 +25,7 @@ pub struct GpuFaceInfo {
     pub most_samples: f32,
     pub widest_pixel: f32,
     pub seed: u32,
-    pub _pad: u32,
+    pub alert: f32,
 }
 
 /// Faces that look the same way and have a place in the table.
@@ -96,27 +96,28 @@ impl FaceTable {
         let entries = FACINGS * if is_used { BUCKETS } else { 1 };
         let all = u64::from(entries);
         let most_senders = entries.min(MOST_SENDERS);
-        Ok(Self {
-            is_used,
-            entries,
-            most_senders,
-            frame: 0,
-            edited: None,
-            info: gpu.uniform_buffer("face_info", &GpuFaceInfo::default()),
-            table: gpu.storage_buffer("face_table", all * Self::ENTRY_BYTES)?,
-            counts: gpu.storage_buffer("face_counts", 16)?,
-            // Lists begin with a count.
-            list: gpu.storage_buffer("face_list", (1 + all) * Self::LISTED_BYTES)?,
-            senders: gpu.storage_buffer(
-                "face_senders",
-                (1 + u64::from(most_senders)) * Self::SENDING_BYTES,
-            )?,
-            rays: gpu.storage_buffer(
-                "face_rays",
-                u64::from(most_senders) * u64::from(FACE_RAYS) * RAY_BYTES,
-            )?,
-            histories: gpu.storage_buffer("face_histories", all * Self::HISTORY_BYTES)?,
-            dispatch: gpu.storage_buffer("face_dispatch", 32)?,
+        let senders = u64::from(most_senders);
+        let bytes = all * (Self::ENTRY_BYTES + Self::LISTED_BYTES + Self::HISTORY_BYTES)
+            + senders * (Self::SENDING_BYTES + u64::from(FACE_RAYS) * RAY_BYTES);
+        let what = "the faces of the final gather (probes.final_gather)";
+        gpu.making(what, bytes, || {
+            Ok(Self {
+                is_used,
+                entries,
+                most_senders,
+                frame: 0,
+                edited: None,
+                info: gpu.uniform_buffer("face_info", &GpuFaceInfo::default()),
+                table: gpu.storage_buffer("face_table", all * Self::ENTRY_BYTES)?,
+                counts: gpu.storage_buffer("face_counts", 16)?,
+                // Lists begin with a count.
+                list: gpu.storage_buffer("face_list", (1 + all) * Self::LISTED_BYTES)?,
+                senders: gpu.storage_buffer("face_senders", (1 + senders) * Self::SENDING_BYTES)?,
+                rays: gpu
+                    .storage_buffer("face_rays", senders * u64::from(FACE_RAYS) * RAY_BYTES)?,
+                histories: gpu.storage_buffer("face_histories", all * Self::HISTORY_BYTES)?,
+                dispatch: gpu.storage_buffer("face_dispatch", 32)?,
+            })
         })
     }
 
@@ -167,7 +168,6 @@ impl FaceTable {
             LEAST_SAMPLES
         };
         let most_samples = most_samples.min(parameters.face_samples as f32);
-        let pixels = view.size[0] * view.size[1];
         self.frame += 1;
         let (low, high, edited_frame) = self.edited.unwrap_or_default();
         let info = GpuFaceInfo {
@@ -176,15 +176,13 @@ impl FaceTable {
             edited_high_gs: high.to_array(),
             edited_frame,
             bucket_mask: self.entries / FACINGS - 1,
-            most_senders: self
-                .most_senders
-                .min((pixels / PIXELS_A_SENDER).max(LEAST_SENDERS)),
-            rays_rows: self.rays_most()[1],
-            blend_rows: self.blend_most()[1],
+            most_senders: self.senders_of(view.size),
+            rays_rows: self.rays_most(view.size)[1],
+            blend_rows: self.blend_most(view.size)[1],
             most_samples,
             widest_pixel: parameters.face_pixels.recip(),
             seed: view.seed,
-            ..Default::default()
+            alert,
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
@@ -192,14 +190,21 @@ impl FaceTable {
         gpu.queue.write_buffer(&self.counts, 0, &[0; 8]);
     }
 
-    /// Most workgroups of pass `face_rays`.
-    pub fn rays_most(&self) -> [u32; 2] {
-        rectangle((self.most_senders * FACE_RAYS).div_ceil(RAYS_A_GROUP))
+    /// Most faces that send rays in a frame of `size` pixels.
+    fn senders_of(&self, [width, height]: [u32; 2]) -> u32 {
+        let share = width * height / PIXELS_A_SENDER;
+        self.most_senders.min(share.max(LEAST_SENDERS))
     }
 
-    /// Most workgroups of pass `face_blend`.
-    pub fn blend_most(&self) -> [u32; 2] {
-        rectangle(self.entries.div_ceil(FACES_A_GROUP))
+    /// Most workgroups of pass `face_rays` for pictures of `size` pixels.
+    pub fn rays_most(&self, size: [u32; 2]) -> [u32; 2] {
+        rectangle((self.senders_of(size) * FACE_RAYS).div_ceil(RAYS_A_GROUP))
+    }
+
+    /// Most workgroups of pass `face_blend` for pictures of `size` pixels: of four, one is looked at.
+    pub fn blend_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+        let listed = self.entries.min(width.div_ceil(2) * height.div_ceil(2));
+        rectangle(listed.div_ceil(FACES_A_GROUP))
     }
 
     /// Workgroups that the listed faces take, as pass `face_mark` writes them.
@@ -221,10 +226,11 @@ impl FaceTable {
     }
 
     /// What the passes that light faces read and write besides.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 12] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
         let of = wgpu::Buffer::as_entire_binding;
         [
             ("face_info", of(&self.info)),
+            ("face_table", of(&self.table)),
             ("marked_table", of(&self.table)),
             ("face_table_out", of(&self.table)),
             ("face_counts", of(&self.counts)),
@@ -252,6 +258,19 @@ impl FaceTable {
     pub fn listed(&self, gpu: &Gpu) -> Result<u32, GpuError> {
         let count: Vec<u32> = gpu.read_buffer_range(&self.counts, 0, 4)?;
         Ok(count[0])
+    }
+
+    /// How many rays faces have sent in the last frame.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn rays_sent(&self, gpu: &Gpu) -> Result<u64, GpuError> {
+        let list: Vec<u32> = gpu.read_buffer(&self.senders)?;
+        let words = Self::SENDING_BYTES as usize / size_of::<u32>();
+        let senders = list[1..].chunks_exact(words).take(list[0] as usize);
+        // The rounds come last.
+        let rounds: u64 = senders.map(|sender| u64::from(sender[words - 1])).sum();
+        Ok(rounds * u64::from(FACE_RAYS))
     }
 
     /// Bytes of GPU memory.

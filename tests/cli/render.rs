@@ -100,8 +100,13 @@ fn a_picture_from_the_gpu_with_its_record() {
     assert_eq!(record["rays"]["camera"], 48 * 32);
     let shadow = record["rays"]["shadow"].as_u64().expect("a number");
     let probe = record["rays"]["probe"].as_u64().expect("a number");
+    let face = record["rays"]["face"].as_u64().expect("a number");
     // One lamp and the sun.
-    assert!(shadow > 0 && shadow <= 2 * (48 * 32 + probe), "{shadow}");
+    assert!(
+        shadow > 0 && shadow <= 2 * (48 * 32 + probe + face),
+        "{shadow}"
+    );
+    assert!(face > 0 && face.is_multiple_of(32), "{face}");
     assert_eq!(record["probes"]["total"], 7 * 5 * 5);
     for field in ["voxels", "probes", "total"] {
         assert!(
