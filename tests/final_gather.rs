@@ -170,7 +170,7 @@ fn a_lamp_that_goes_out_leaves_no_light() {
     let (left, left_by_probes) = (after / lit, after_by_probes / lit_by_probes);
     assert!(left < 1.1 * left_by_probes, "{left}, {left_by_probes}");
     room.preset = 0;
-    let again = mean(&room.after(12));
+    let again = mean(&room.after(8));
     assert!((again / lit - 1.0).abs() < 0.1, "{again} of {lit}");
 }
 

@@ -226,11 +226,10 @@ impl FaceTable {
     }
 
     /// What the passes that light faces read and write besides.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 12] {
         let of = wgpu::Buffer::as_entire_binding;
         [
             ("face_info", of(&self.info)),
-            ("face_table", of(&self.table)),
             ("marked_table", of(&self.table)),
             ("face_table_out", of(&self.table)),
             ("face_counts", of(&self.counts)),
