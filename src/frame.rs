@@ -12,25 +12,22 @@
 
 mod face_light;
 mod inspect;
+mod passes;
 mod stage;
 
 pub use stage::{BuildReport, Stage};
 
-use std::mem;
-
-use face_light::FaceLight;
 use inspect::Inspect;
+use passes::Passes;
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
     lights::Lights,
     measure::picture::Picture,
-    parameters::{ProbeParameters, Relocation},
+    parameters::ProbeParameters,
     passes::{
         FaceTable, GpuLights, Inspection, InspectionError, MemoryUse, ProbeField, ProbeFieldError,
-        View, camera_rays::CameraRays, probe_blend::ProbeBlend, probe_due::ProbeDue,
-        probe_rays::ProbeRays, probe_seed::ProbeSeed, probe_sight::ProbeSight,
-        probe_states::ProbeStates, shade::Shade, shadow_count, tonemap::Tonemap,
+        View, shadow_count,
     },
     probes::{ProbeError, Volume},
     world::{
@@ -71,20 +68,6 @@ pub struct Frame {
     field: ProbeField,
     faces: FaceTable,
     passes: Passes,
-}
-
-struct Passes {
-    camera_rays: CameraRays,
-    probe_states: ProbeStates,
-    probe_sight: ProbeSight,
-    probe_due: ProbeDue,
-    probe_seed: ProbeSeed,
-    probe_rays: ProbeRays,
-    probe_blend: ProbeBlend,
-    face_light: FaceLight,
-    shade: Shade,
-    inspect: Inspect,
-    tonemap: Tonemap,
 }
 
 impl Frame {
@@ -147,7 +130,6 @@ impl Frame {
         let alert = self.field.changes.alert();
         let faces = &mut self.faces;
         faces.begin_frame(gpu, probes, view, self.frames, alert);
-        self.passes.camera_rays.record(recorder);
         if self.field.misplaced() {
             self.passes.probe_states.record(recorder);
             if self.field.exact() {
@@ -158,15 +140,8 @@ impl Frame {
             }
             self.field.set_placed();
         }
-        self.passes.probe_due.record(recorder);
-        self.passes.probe_rays.record(recorder);
-        self.passes.probe_blend.record(recorder);
-        if probes.relocation == Relocation::Statistical {
-            self.passes.probe_states.record_walk(recorder);
-        }
-        if self.faces.is_used() {
-            self.passes.face_light.record(recorder);
-        }
+        self.passes
+            .record_light(recorder, probes, self.faces.is_used());
         self.passes.record_picture(recorder, view);
         self.frames += 1;
     }
@@ -252,14 +227,19 @@ impl Frame {
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold the bricks; the frame is as before then.
     pub fn apply(&mut self, gpu: &Gpu, voxels: &Voxels, edit: &Edit) -> Result<(), FrameError> {
-        if let Some(larger) = self.stage.voxels.with_room_for(gpu, voxels)? {
-            let before = mem::replace(&mut self.stage.voxels, larger);
-            if let Err(error) = self.rebuild_passes(gpu) {
-                self.stage.voxels = before;
-                return Err(error);
-            }
+        let emitters = edit
+            .region
+            .and_then(|region| self.stage.emitters.known.after(voxels, region));
+        if let Some(before) = self.stage.make_room(gpu, voxels, emitters.as_ref())?
+            && let Err(error) = self.rebuild_passes(gpu)
+        {
+            self.stage.put_back(before);
+            return Err(error);
         }
         self.stage.voxels.write(gpu, voxels, edit);
+        if let Some(emitters) = emitters {
+            self.stage.emitters.write(gpu, emitters);
+        }
         if let Some((first, last)) = edit.region {
             let (low, high) = (first.as_ivec3(), last.as_ivec3());
             let (low_gs, high_gs) = (low.as_vec3(), high.as_vec3() + 1.0);
@@ -351,41 +331,6 @@ impl Frame {
     }
 }
 
-impl Passes {
-    fn new(
-        gpu: &Gpu,
-        size: [u32; 2],
-        field: &ProbeField,
-        faces: &FaceTable,
-        wanted: Inspection,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
-    ) -> Result<Self, FrameError> {
-        let camera_rays = CameraRays::new(gpu, size, resources)?;
-        let surfaces = &camera_rays.surfaces;
-        let shade = Shade::new(gpu, size, surfaces, field, faces, resources)?;
-        let hdr = shade.hdr.create_view(&Default::default());
-        Ok(Self {
-            tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
-            probe_states: ProbeStates::new(gpu, field, resources)?,
-            probe_sight: ProbeSight::new(gpu, field, resources)?,
-            probe_due: ProbeDue::new(gpu, field)?,
-            probe_seed: ProbeSeed::new(gpu, field)?,
-            probe_rays: ProbeRays::new(gpu, field, resources)?,
-            probe_blend: ProbeBlend::new(gpu, field)?,
-            face_light: FaceLight::new(gpu, size, &camera_rays, field, faces, resources)?,
-            inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, resources)?,
-            camera_rays,
-            shade,
-        })
-    }
-
-    /// From what the camera rays hit to the display.
-    fn record_picture(&self, recorder: &mut Recorder<'_>, view: &View) {
-        self.inspect.record(recorder, &self.shade, view.mode);
-        self.tonemap.record(recorder);
-    }
-}
-
 /// What every pass may bind by name.
 pub fn resources<'a>(
     stage: &'a Stage,
@@ -394,6 +339,7 @@ pub fn resources<'a>(
 ) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
     let mut all = stage.voxels.resources().to_vec();
     all.extend(stage.materials.resources());
+    all.extend(stage.emitters.resources());
     all.extend(lights.resources());
     all.push(("view", view.as_entire_binding()));
     all

@@ -142,7 +142,7 @@ fn faces() {
             edited_high_gs,
             edited_frame,
             bucket_mask,
-            most_senders,
+            most_batches,
             rays_rows,
             blend_rows,
             most_samples,
@@ -153,7 +153,7 @@ fn faces() {
     );
     for (name, bytes) in [
         ("ListedFace", FaceTable::LISTED_BYTES),
-        ("SendingFace", FaceTable::SENDING_BYTES),
+        ("FaceBatch", FaceTable::BATCH_BYTES),
         ("FaceHistory", FaceTable::HISTORY_BYTES),
     ] {
         let layout = shader_layout("data::face_list", name);

@@ -108,7 +108,7 @@ impl Show {
     fn traced(&self, choice: &Choice) -> Result<Option<Truth>, GpuError> {
         choice
             .traced
-            .then(|| Truth::new(&self.gpu, &self.frame.stage, &self.world, choice.size))
+            .then(|| Truth::new(&self.gpu, &self.frame.stage, choice.size))
             .transpose()
     }
 

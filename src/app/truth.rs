@@ -6,14 +6,13 @@ use std::collections::VecDeque;
 use crate::{
     frame::{self, Stage},
     gpu::{Gpu, GpuError, PassTimes, Recorder},
-    lights::{Emitters, Lights},
+    lights::Lights,
     measure::picture::Picture,
     passes::{
-        GpuEmitters, GpuLights, GpuView, Schedule, View, ViewMode,
+        GpuLights, GpuView, Schedule, View, ViewMode,
         path_trace::{PathTrace, Resolve},
         tonemap::Tonemap,
     },
-    world::World,
 };
 
 /// A picture of one size of a stage.
@@ -32,16 +31,12 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Reads the voxels of `stage` back, to find those that shine.
-    ///
     /// # Errors
     /// [`GpuError`] when the adapter cannot hold the picture, and when a shader does not compile.
-    pub fn new(gpu: &Gpu, stage: &Stage, world: &World, size: [u32; 2]) -> Result<Self, GpuError> {
-        let emitters = Emitters::find(&stage.read_back(gpu)?, &world.materials);
-        let emitters = GpuEmitters::upload(gpu, &emitters)?;
+    pub fn new(gpu: &Gpu, stage: &Stage, size: [u32; 2]) -> Result<Self, GpuError> {
         let (view, lights) = (View::buffer(gpu), GpuLights::new(gpu));
         let resources = frame::resources(stage, &view, &lights);
-        let pass = PathTrace::new(gpu, size, &emitters, &resources)?;
+        let pass = PathTrace::new(gpu, size, &resources)?;
         let resolve = pass.resolve(gpu, &resources)?;
         let hdr = resolve.hdr.create_view(&Default::default());
         let tonemap = Tonemap::new(gpu, size, &hdr, &resources)?;

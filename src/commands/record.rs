@@ -126,6 +126,16 @@ impl FrameTimes {
     }
 }
 
+/// Milliseconds of the frames that were timed as a whole, or of all where none was.
+pub fn frame_spans(frames: &[PassTimes]) -> Vec<f64> {
+    let some_whole = frames.iter().any(|frame| frame.passes_ms.is_empty());
+    frames
+        .iter()
+        .filter(|frame| !some_whole || frame.passes_ms.is_empty())
+        .map(|frame| frame.frame_ms)
+        .collect()
+}
+
 /// The median of each pass over the frames in which it ran.
 pub fn median_passes(frames: &[PassTimes]) -> BTreeMap<String, f64> {
     let mut all: BTreeMap<&str, Vec<f64>> = BTreeMap::new();

@@ -17,14 +17,14 @@ use super::{
 use crate::{
     frame::{self, Stage},
     gpu::{AdapterSummary, Gpu, GpuError, Recorder},
-    lights::{Emitters, Lights},
+    lights::Lights,
     measure::{
         picture::Picture,
         picture_file::{self, PictureFormat},
     },
-    passes::{GpuEmitters, GpuLights, Schedule, Slice, ViewMode, path_trace::PathTrace},
+    passes::{GpuLights, Schedule, Slice, ViewMode, path_trace::PathTrace},
     reference::View,
-    world::{Camera, World},
+    world::Camera,
 };
 
 /// Path-trace a picture on the GPU, as ground truth; Ctrl-C writes what there is
@@ -85,14 +85,11 @@ pub struct Traced {
 pub fn trace(
     gpu: &Gpu,
     stage: &Stage,
-    world: &World,
     lights: &Lights,
     request: &TraceRequest<'_>,
     progress: &dyn Fn(u64, u64),
     cancel: &AtomicBool,
 ) -> Result<Traced, Failure> {
-    let emitters = Emitters::find(&stage.read_back(gpu)?, &world.materials);
-    let gpu_emitters = GpuEmitters::upload(gpu, &emitters)?;
     let gpu_lights = GpuLights::new(gpu);
     gpu_lights.set(gpu, lights);
     let view = crate::passes::View {
@@ -107,7 +104,7 @@ pub fn trace(
     };
     let uniform = gpu.uniform_buffer("view", &view.to_gpu());
     let resources = frame::resources(stage, &uniform, &gpu_lights);
-    let pass = PathTrace::new(gpu, request.size, &gpu_emitters, &resources)?;
+    let pass = PathTrace::new(gpu, request.size, &resources)?;
 
     let run = |schedule: &mut Schedule, record: &dyn Fn(&mut Recorder<'_>, &Slice), stop: bool| {
         while !(stop && cancel.load(Ordering::Relaxed)) {
@@ -145,7 +142,7 @@ pub fn trace(
         } else {
             request.spp
         },
-        emitters: emitters.faces.len(),
+        emitters: stage.emitters.known.faces.len(),
     })
 }
 
@@ -220,15 +217,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         textures: scene.parameters.textures.enabled && options.view != ViewMode::TexturesOff,
         antialias: arguments.antialias,
     };
-    let traced = trace(
-        &gpu,
-        &stage,
-        &scene.world,
-        &lights,
-        &request,
-        &progress,
-        &cancel,
-    )?;
+    let traced = trace(&gpu, &stage, &lights, &request, &progress, &cancel)?;
     let seconds = start.elapsed().as_secs_f64();
     bar.finish_and_clear();
     if traced.spp == 0 {

@@ -12,7 +12,7 @@ use super::{
     Failure, memory,
     options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Scene},
     output,
-    record::{FrameTimes, ProbeCounts, Rays, Record, median_passes, mrays_per_s},
+    record::{FrameTimes, ProbeCounts, Rays, Record, frame_spans, median_passes, mrays_per_s},
 };
 use crate::{
     frame::{Frame, Stage},
@@ -196,7 +196,11 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
             time_s: options.time,
             textures: scene.parameters.textures.enabled,
         };
-        let mut recorder = Recorder::new(&gpu, Some(&mut timing));
+        let mut recorder = if index / 2 % 2 == 1 {
+            Recorder::new_whole(&gpu, &mut timing)
+        } else {
+            Recorder::new(&gpu, Some(&mut timing))
+        };
         frame.record(&gpu, &mut recorder, &view, &lights, probes);
         recorder.submit(&gpu)?;
         gpu.wait()?;
@@ -213,7 +217,7 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
 
     // The passes' own times know nothing of the waits in between.
     let frames_ms = if timing.supported() && !times.is_empty() {
-        times.iter().map(|times| times.frame_ms).collect()
+        frame_spans(&times)
     } else {
         wall_ms
     };

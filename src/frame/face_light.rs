@@ -1,7 +1,7 @@
 //! The passes that light the faces which the camera sees.
 
 use crate::{
-    gpu::{Gpu, GpuError, Recorder},
+    gpu::{Gpu, GpuError},
     passes::{
         FaceTable, ProbeField, camera_rays::CameraRays, face_blend::FaceBlend, face_mark::FaceMark,
         face_rays::FaceRays,
@@ -9,9 +9,9 @@ use crate::{
 };
 
 pub(super) struct FaceLight {
-    mark: FaceMark,
-    rays: FaceRays,
-    blend: FaceBlend,
+    pub mark: FaceMark,
+    pub rays: FaceRays,
+    pub blend: FaceBlend,
 }
 
 impl FaceLight {
@@ -29,12 +29,5 @@ impl FaceLight {
             rays: FaceRays::new(gpu, size, field, faces, resources)?,
             blend: FaceBlend::new(gpu, size, field, faces, resources)?,
         })
-    }
-
-    /// After the camera's rays and the update of the probes.
-    pub fn record(&self, recorder: &mut Recorder<'_>) {
-        self.mark.record(recorder);
-        self.rays.record(recorder);
-        self.blend.record(recorder);
     }
 }

@@ -1,10 +1,13 @@
 //! A world's voxels and materials on the GPU: what a frame is of.
 
+use std::mem;
+
 use super::FrameError;
 use crate::{
     gpu::{Gpu, GpuError, Recorder, Timing},
+    lights::Emitters,
     passes::{
-        GpuMaterials, GpuVoxels,
+        GpuEmitters, GpuMaterials, GpuVoxels,
         distances::Distances,
         voxelise::{Voxelise, VoxeliseReport},
     },
@@ -15,8 +18,16 @@ use crate::{
 pub struct Stage {
     pub voxels: GpuVoxels,
     pub materials: GpuMaterials,
+    /// The faces of its voxels that shine.
+    pub emitters: GpuEmitters,
     /// What building it took; `None` for voxels that came from the CPU.
     pub built: Option<BuildReport>,
+}
+
+/// Buffers that larger ones have taken the place of.
+pub(super) struct Replaced {
+    voxels: Option<GpuVoxels>,
+    emitters: Option<GpuEmitters>,
 }
 
 /// What it took to build a world's voxels on the GPU.
@@ -28,7 +39,7 @@ pub struct BuildReport {
 }
 
 impl Stage {
-    /// Voxelises the world and bakes its textures.
+    /// Voxelises the world, bakes its textures, and finds what shines in it.
     ///
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold it.
@@ -41,9 +52,19 @@ impl Stage {
         recorder.submit(gpu)?;
         gpu.wait()?;
         let timed = timing.next_frame().filter(|_| timing.supported());
+        let emitters = if world
+            .materials
+            .iter()
+            .any(|material| material.emission.max_element() > 0.0)
+        {
+            Emitters::find(&voxels.read_back(gpu)?, &world.materials)
+        } else {
+            Emitters::default()
+        };
         Ok(Self {
             voxels,
             materials: bake(gpu, world)?,
+            emitters: GpuEmitters::upload(gpu, emitters)?,
             built: Some(BuildReport {
                 voxelise,
                 distances_ms: timed.map(|times| times.frame_ms),
@@ -59,8 +80,44 @@ impl Stage {
         Ok(Self {
             voxels: GpuVoxels::upload(gpu, voxels, world.origin)?,
             materials: bake(gpu, world)?,
+            emitters: GpuEmitters::upload(gpu, Emitters::find(voxels, &world.materials))?,
             built: None,
         })
+    }
+
+    /// Replaces what is too small for edited voxels and what shines of them, if that is another; gives what was
+    /// replaced. Passes must be bound anew then.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter cannot hold them; all is as before then.
+    pub(super) fn make_room(
+        &mut self,
+        gpu: &Gpu,
+        voxels: &Voxels,
+        emitters: Option<&Emitters>,
+    ) -> Result<Option<Replaced>, GpuError> {
+        let larger_voxels = self.voxels.with_room_for(gpu, voxels)?;
+        let larger_list = emitters
+            .filter(|emitters| !self.emitters.holds(emitters))
+            .map(|emitters| GpuEmitters::upload(gpu, emitters.clone()))
+            .transpose()?;
+        if larger_voxels.is_none() && larger_list.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Replaced {
+            voxels: larger_voxels.map(|larger| mem::replace(&mut self.voxels, larger)),
+            emitters: larger_list.map(|larger| mem::replace(&mut self.emitters, larger)),
+        }))
+    }
+
+    /// Undoes [`make_room`](Self::make_room).
+    pub(super) fn put_back(&mut self, before: Replaced) {
+        if let Some(voxels) = before.voxels {
+            self.voxels = voxels;
+        }
+        if let Some(emitters) = before.emitters {
+            self.emitters = emitters;
+        }
     }
 
     /// Reads the voxels back, once, for collision, picking and edits.

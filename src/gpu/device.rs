@@ -109,9 +109,9 @@ pub fn adapters() -> Vec<AdapterReport> {
         .collect()
 }
 
-/// Pass `probe_rays` binds ten storage buffers: no pass needs more.
+/// Pass `face_rays` binds twelve storage buffers: no pass needs more.
 fn is_usable(adapter: &wgpu::Adapter) -> bool {
-    adapter.limits().max_storage_buffers_per_shader_stage >= 10
+    adapter.limits().max_storage_buffers_per_shader_stage >= 12
 }
 
 /// Ranks adapters: the lowest is the fastest.
@@ -130,8 +130,14 @@ fn slowness(adapter: &wgpu::Adapter) -> (u8, bool) {
 /// Vulkan, Metal and Direct3D 12, or what `WGPU_BACKEND` asks for: OpenGL lacks what the passes
 /// are tested with.
 pub fn instance() -> wgpu::Instance {
+    // Each indirect dispatch would wait for one more that checks its size; our own kernels write those sizes,
+    // within the limits.
+    let unneeded = wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL;
     wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends: wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY),
+        flags: wgpu::InstanceFlags::default()
+            .difference(unneeded)
+            .with_env(),
         ..wgpu::InstanceDescriptor::new_without_display_handle_from_env()
     })
 }

@@ -15,13 +15,16 @@ use super::{
     slices::{MOST_ROWS, Pace, SliceArguments, Slices},
 };
 
-/// Milliseconds of each pass in one frame, by label, in the order of the alphabet, and the span
-/// from the first pass's start to the last one's end.
+/// Milliseconds of each pass in one frame, by label, in the order of the alphabet (none where the frame was
+/// timed as a whole), and the span from the first one's start to the last one's end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PassTimes {
     pub passes_ms: BTreeMap<String, f64>,
     pub frame_ms: f64,
 }
+
+/// No pass has this label.
+const WHOLE: &str = "";
 
 /// Collects the times of passes over frames.
 pub struct Timing {
@@ -102,8 +105,10 @@ impl PassTimes {
         let (mut start, mut end) = (f64::MAX, f64::MIN);
         for result in results {
             if let Some(range) = &result.time {
-                *times.passes_ms.entry(result.label.clone()).or_default() +=
-                    (range.end - range.start) * 1e3;
+                if result.label != WHOLE {
+                    *times.passes_ms.entry(result.label.clone()).or_default() +=
+                        (range.end - range.start) * 1e3;
+                }
                 start = start.min(range.start);
                 end = end.max(range.end);
             }
@@ -121,6 +126,10 @@ pub struct Recorder<'a> {
     device: wgpu::Device,
     queue: wgpu::Queue,
     timing: Option<&'a mut Timing>,
+    /// Open from the first pass to the last, where these are not timed one by one.
+    whole: Option<GpuProfilerQuery>,
+    /// The pass that those recorded [`together`](Self::together) share.
+    shared: Option<wgpu::ComputePass<'static>>,
     first_groups: u32,
     arguments: SliceArguments,
 }
@@ -132,9 +141,26 @@ impl<'a> Recorder<'a> {
             device: gpu.device.clone(),
             queue: gpu.queue.clone(),
             timing,
+            whole: None,
+            shared: None,
             first_groups: gpu.first_groups,
             arguments: gpu.slice_arguments.clone(),
         }
+    }
+
+    /// Times the frame as a whole, where the adapter's clock can: stamps between the passes take time of
+    /// their own.
+    pub fn new_whole(gpu: &Gpu, timing: &'a mut Timing) -> Self {
+        let mut recorder = Self::new(gpu, Some(timing));
+        if gpu
+            .features
+            .contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
+            && let Some(Clock::Gpu { profiler, .. }) =
+                recorder.timing.as_mut().map(|timing| &mut timing.clock)
+        {
+            recorder.whole = Some(profiler.begin_query(WHOLE, &mut recorder.encoder));
+        }
+        recorder
     }
 
     /// A compute pass under the kernel's label: columns and rows of workgroups, in as many dispatches
@@ -208,6 +234,17 @@ impl<'a> Recorder<'a> {
         }
     }
 
+    /// Passes that do not wait for each other: the GPU may run them side by side, where they are not timed one
+    /// by one. None of them may write to a buffer that another of them binds at all.
+    pub fn together(&mut self, record: impl FnOnce(&mut Self)) {
+        if self.timing.is_none() || self.whole.is_some() {
+            let pass = self.encoder.begin_compute_pass(&Default::default());
+            self.shared = Some(pass.forget_lifetime());
+        }
+        record(self);
+        self.shared = None;
+    }
+
     /// A slice of work of which the GPU says how many columns it has; milliseconds, where they are known
     /// at once.
     fn run_some_rows(
@@ -219,8 +256,14 @@ impl<'a> Recorder<'a> {
         (buffer, offset): (&wgpu::Buffer, u64),
     ) -> Option<f64> {
         let arguments = self.arguments.clone();
+        let is_whole = slice == (0..rows);
+        if let (Some(pass), true) = (&mut self.shared, is_whole) {
+            kernel.dispatch_indirect(pass, bindings, slice.start, buffer, offset);
+            return None;
+        }
+        // A copy between passes ends the shared one.
+        self.shared = None;
         self.pass(&kernel.label, |encoder, query| {
-            let is_whole = slice == (0..rows);
             if !is_whole {
                 arguments.write(encoder, (buffer, offset), slice.end - slice.start);
             }
@@ -245,6 +288,10 @@ impl<'a> Recorder<'a> {
         label: &str,
         record: impl FnOnce(&mut wgpu::ComputePass<'_>),
     ) -> Option<f64> {
+        if let Some(pass) = &mut self.shared {
+            record(pass);
+            return None;
+        }
         self.pass(label, |encoder, query| {
             record(&mut begin_compute_pass(encoder, label, query));
         })
@@ -285,6 +332,10 @@ impl<'a> Recorder<'a> {
         record: impl FnOnce(&mut wgpu::CommandEncoder, Option<&GpuProfilerQuery>),
     ) -> Option<f64> {
         match self.timing.as_mut().map(|timing| &mut timing.clock) {
+            Some(Clock::Gpu { .. }) if self.whole.is_some() => {
+                record(&mut self.encoder, None);
+                None
+            }
             Some(Clock::Gpu { profiler, .. }) => {
                 let query = profiler.begin_pass_query(label, &mut self.encoder);
                 record(&mut self.encoder, Some(&query));
@@ -324,6 +375,9 @@ impl<'a> Recorder<'a> {
             }
             return Ok(gpu.queue.submit([self.encoder.finish()]));
         };
+        if let Some(query) = self.whole.take() {
+            profiler.end_query(&mut self.encoder, query);
+        }
         profiler.resolve_queries(&mut self.encoder);
         let index = gpu.queue.submit([self.encoder.finish()]);
         profiler

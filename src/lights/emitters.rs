@@ -50,7 +50,15 @@ pub struct Emitters {
     pub groups: Vec<GpuEmitterGroup>,
     /// Index of each face's voxel in the grid's extent (powers of two): x, then y, then z.
     pub faces: Vec<u32>,
+    /// Weight of a face of each material; none where no material shines.
+    weights: Vec<f64>,
+    /// Facing, material and voxel of each face in one number, so that sorting groups them; ascending.
+    sorted: Vec<u64>,
 }
+
+/// log2 of the places of a material and of a facing in these numbers.
+const MATERIAL_BIT: u32 = 32;
+const FACING_BIT: u32 = 40;
 
 impl Emitters {
     /// Finds them, in parallel. The same voxels give the same list.
@@ -59,30 +67,48 @@ impl Emitters {
             .iter()
             .map(|material| f64::from(material.emission.element_sum()))
             .collect();
-        let emits = |material: u8| material != 0 && weights[usize::from(material) - 1] > 0.0;
-        if !(1..=materials.len()).any(|material| emits(material as u8)) {
+        if weights.iter().all(|&weight| weight <= 0.0) {
             return Self::default();
         }
         let used = voxels.size().map(|n| n.div_ceil(CELL));
-        let shifts = voxels.cells().map(|n| (n * CELL).trailing_zeros());
-        // (facing, material, voxel) of each face in one number, so that sorting groups them.
-        let mut found: Vec<u64> = (0..used.y * used.z)
-            .into_par_iter()
-            .flat_map_iter(|row| {
-                (0..used.x).flat_map(move |x| {
-                    let cell = UVec3::new(x, row % used.y, row / used.y);
-                    exposed(voxels, cell, emits).map(move |(facing, material, voxel)| {
-                        let index =
-                            voxel.x | voxel.y << shifts.x | voxel.z << (shifts.x + shifts.y);
-                        (facing as u64) << 40 | u64::from(material) << 32 | u64::from(index)
-                    })
-                })
-            })
+        let mut sorted = found_in(voxels, &weights, UVec3::ZERO, used - 1);
+        sorted.par_sort_unstable();
+        Self::grouped(sorted, weights)
+    }
+
+    /// The list after an edit that may have changed the voxels of a box (both ends inclusive); `None` where it
+    /// is as before.
+    pub fn after(&self, voxels: &Voxels, (low, high): (UVec3, UVec3)) -> Option<Self> {
+        if self.weights.is_empty() {
+            return None;
+        }
+        // A neighbour's face may have been uncovered.
+        let low = low.saturating_sub(UVec3::ONE) / CELL;
+        let high = (high + 1).min(voxels.size() - 1) / CELL;
+        let found = found_in(voxels, &self.weights, low, high);
+        let is_old = |face: &u64| {
+            let cell = voxel_at(voxels, *face as u32) / CELL;
+            cell.cmpge(low).all() && cell.cmple(high).all()
+        };
+        let mut sorted: Vec<u64> = self
+            .sorted
+            .iter()
+            .copied()
+            .filter(|face| !is_old(face))
             .collect();
-        found.par_sort_unstable();
+        sorted.extend(found);
+        // What was sorted is one run: this merges the others into it.
+        sorted.sort();
+        (sorted != self.sorted).then(|| Self::grouped(sorted, self.weights.clone()))
+    }
+
+    fn grouped(sorted: Vec<u64>, weights: Vec<f64>) -> Self {
         let mut emitters = Self::default();
-        for run in found.chunk_by(|a, b| a >> 32 == b >> 32) {
-            let (facing, material) = ((run[0] >> 40) as usize, (run[0] >> 32) as u8);
+        for run in sorted.chunk_by(|a, b| a >> MATERIAL_BIT == b >> MATERIAL_BIT) {
+            let (facing, material) = (
+                (run[0] >> FACING_BIT) as usize,
+                (run[0] >> MATERIAL_BIT) as u8,
+            );
             let weight = (weights[usize::from(material) - 1] * run.len() as f64) as f32;
             let group = emitters.groups.len() as u32;
             let of = &mut emitters.facings[facing];
@@ -99,7 +125,21 @@ impl Emitters {
             });
             emitters.faces.extend(run.iter().map(|face| *face as u32));
         }
-        emitters
+        Self {
+            weights,
+            sorted,
+            ..emitters
+        }
+    }
+
+    /// Whether there is a material that shines, so that edits may lengthen the list.
+    pub fn may_grow(&self) -> bool {
+        !self.weights.is_empty()
+    }
+
+    /// Size of the storage buffer `emitters` with room for so many groups.
+    pub fn bytes(groups: usize) -> u64 {
+        (6 * size_of::<GpuFacing>() + groups * size_of::<GpuEmitterGroup>()) as u64
     }
 
     /// The storage buffer `emitters`: the facings, then the groups (room for one at least).
@@ -111,6 +151,43 @@ impl Emitters {
         bytes.extend_from_slice(bytemuck::cast_slice(&self.groups));
         bytes
     }
+}
+
+/// Faces as [`Emitters::sorted`] has them, of a box of cells (both ends inclusive), in no order.
+fn found_in(voxels: &Voxels, weights: &[f64], low: UVec3, high: UVec3) -> Vec<u64> {
+    let emits = |material: u8| material != 0 && weights[usize::from(material) - 1] > 0.0;
+    let shifts = shifts(voxels);
+    let cells = high + 1 - low;
+    (0..cells.y * cells.z)
+        .into_par_iter()
+        .flat_map_iter(|row| {
+            (0..cells.x).flat_map(move |x| {
+                let cell = low + UVec3::new(x, row % cells.y, row / cells.y);
+                exposed(voxels, cell, emits).map(move |(facing, material, voxel)| {
+                    let index = voxel.x | voxel.y << shifts.x | voxel.z << (shifts.x + shifts.y);
+                    (facing as u64) << FACING_BIT
+                        | u64::from(material) << MATERIAL_BIT
+                        | u64::from(index)
+                })
+            })
+        })
+        .collect()
+}
+
+/// Bits of the index of a voxel that are its x, and its y.
+fn shifts(voxels: &Voxels) -> UVec3 {
+    voxels.cells().map(|n| (n * CELL).trailing_zeros())
+}
+
+/// The voxel with this index in the grid's extent.
+fn voxel_at(voxels: &Voxels, index: u32) -> UVec3 {
+    let shifts = shifts(voxels);
+    let low_bits = |bits: u32| (1 << bits) - 1;
+    UVec3::new(
+        index & low_bits(shifts.x),
+        (index >> shifts.x) & low_bits(shifts.y),
+        index >> (shifts.x + shifts.y),
+    )
 }
 
 /// The exposed faces of the emissive voxels of one cell: facing, material, voxel.
@@ -230,6 +307,35 @@ mod tests {
         }
         assert!(expected.len() > 1000);
         assert_eq!(listed, expected);
+    }
+
+    #[test]
+    fn an_edit_leaves_the_list_of_its_voxels() {
+        let mut voxels = voxels(UVec3::new(30, 37, 26));
+        let materials = [Vec3::ZERO, Vec3::new(1.0, 0.5, 0.0), Vec3::splat(0.25)].map(material);
+        let mut emitters = Emitters::find(&voxels, &materials);
+        let mut same = 0;
+        // Holes, stone that hides, stone that shines, at the edge of the world and across cells.
+        for (low, high, material) in [
+            ([3, 4, 5], [3, 4, 5], 0),
+            ([6, 6, 6], [17, 9, 8], 1),
+            ([0, 0, 0], [2, 3, 1], 2),
+            ([20, 30, 20], [29, 36, 25], 3),
+            ([12, 12, 12], [12, 12, 12], 3),
+            ([12, 12, 12], [12, 12, 12], 3),
+            ([0, 0, 0], [29, 36, 25], 0),
+        ] {
+            let edit = voxels.fill_box(IVec3::from(low), IVec3::from(high), material);
+            let truth = Emitters::find(&voxels, &materials);
+            let region = edit.region.unwrap_or_default();
+            match emitters.after(&voxels, region) {
+                Some(next) => emitters = next,
+                None => same += 1,
+            }
+            assert_eq!(emitters, truth, "{low:?} {high:?}");
+        }
+        assert_eq!(same, 1, "only the voxel that was set twice changes nothing");
+        assert!(emitters.faces.is_empty());
     }
 
     #[test]

@@ -49,6 +49,10 @@ impl FaceMark {
     pub fn record(&self, recorder: &mut Recorder<'_>) {
         let (kernel, bindings) = &self.mark;
         recorder.run(kernel, bindings, self.groups);
+    }
+
+    /// After [`record`](Self::record), before pass `face_rays`.
+    pub fn record_arguments(&self, recorder: &mut Recorder<'_>) {
         let (kernel, bindings) = &self.arguments;
         recorder.compute(&kernel.label, |pass| {
             kernel.dispatch(pass, bindings, [1, 1, 1]);

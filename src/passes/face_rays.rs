@@ -32,7 +32,8 @@ impl FaceRays {
                 ..Default::default()
             },
         )?;
-        let mut all = resources.to_vec();
+        let mut all = vec![field.work_of_faces()];
+        all.extend_from_slice(resources);
         all.extend(field.resources());
         all.extend(faces.update_resources());
         all.push(("face_rays_out", faces.rays().as_entire_binding()));
@@ -44,7 +45,7 @@ impl FaceRays {
         })
     }
 
-    /// After passes `face_mark` and `probe_blend`.
+    /// After passes `face_mark` and `probe_due`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
         let listed = (&self.dispatch, FaceTable::RAYS_OFFSET);
         recorder.run_indirect(&self.kernel, &self.bindings, self.most, listed);

@@ -19,7 +19,7 @@ pub struct GpuFaceInfo {
     pub edited_high_gs: [f32; 3],
     pub edited_frame: u32,
     pub bucket_mask: u32,
-    pub most_senders: u32,
+    pub most_batches: u32,
     pub rays_rows: u32,
     pub blend_rows: u32,
     pub most_samples: f32,
@@ -32,15 +32,14 @@ pub struct GpuFaceInfo {
 const BUCKETS: u32 = 1 << 15;
 /// Ways that faces look.
 const FACINGS: u32 = 6;
-/// Faces that can send rays in a frame.
-const MOST_SENDERS: u32 = 1 << 15;
+/// Batches of rays that faces can send in a frame.
+const MOST_BATCHES: u32 = 1 << 17;
 /// `FACE_RAYS` of the same, and bytes of each.
 const FACE_RAYS: u32 = 32;
 const RAY_BYTES: u64 = 8;
-/// Pixels of the picture for each face that sends rays in a frame: a small picture is not to cost more than
-/// a large one.
-const PIXELS_A_SENDER: u32 = 32;
-const LEAST_SENDERS: u32 = 256;
+/// Pixels of the picture for each batch of a frame: a small picture is not to cost more than a large one.
+const PIXELS_A_BATCH: u32 = 8;
+const LEAST_BATCHES: u32 = 2048;
 /// Threads of a workgroup of pass `face_rays`.
 const RAYS_A_GROUP: u32 = 64;
 /// Faces of a workgroup of pass `face_blend`.
@@ -58,7 +57,7 @@ const EDIT_REACH: f32 = 3.0;
 pub struct FaceTable {
     is_used: bool,
     entries: u32,
-    most_senders: u32,
+    most_batches: u32,
     frame: u32,
     /// Box of voxels (grid space, with what they reach) that edits changed for this frame or an earlier one,
     /// and that frame.
@@ -67,19 +66,19 @@ pub struct FaceTable {
     table: wgpu::Buffer,
     counts: wgpu::Buffer,
     list: wgpu::Buffer,
-    senders: wgpu::Buffer,
+    batches: wgpu::Buffer,
     rays: wgpu::Buffer,
     histories: wgpu::Buffer,
     dispatch: wgpu::Buffer,
 }
 
 impl FaceTable {
-    /// Bytes of `SendingFace` of the same.
-    pub const SENDING_BYTES: u64 = 16;
+    /// Bytes of `FaceBatch` of the same.
+    pub const BATCH_BYTES: u64 = 12;
     /// Bytes of `ListedFace` of the same.
     pub const LISTED_BYTES: u64 = 20;
     /// Bytes of `FaceHistory` of `shaders/data/face_list.wesl`.
-    pub const HISTORY_BYTES: u64 = 144;
+    pub const HISTORY_BYTES: u64 = 208;
     /// Bytes of the `ENTRY_WORDS` of `shaders/data/faces.wesl`.
     pub const ENTRY_BYTES: u64 = 48;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `face_rays`.
@@ -95,16 +94,16 @@ impl FaceTable {
         let is_used = parameters.final_gather == FinalGather::On;
         let entries = FACINGS * if is_used { BUCKETS } else { 1 };
         let all = u64::from(entries);
-        let most_senders = entries.min(MOST_SENDERS);
-        let senders = u64::from(most_senders);
+        let most_batches = entries.min(MOST_BATCHES);
+        let batches = u64::from(most_batches);
         let bytes = all * (Self::ENTRY_BYTES + Self::LISTED_BYTES + Self::HISTORY_BYTES)
-            + senders * (Self::SENDING_BYTES + u64::from(FACE_RAYS) * RAY_BYTES);
+            + batches * (Self::BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES);
         let what = "the faces of the final gather (probes.final_gather)";
         gpu.making(what, bytes, || {
             Ok(Self {
                 is_used,
                 entries,
-                most_senders,
+                most_batches,
                 frame: 0,
                 edited: None,
                 info: gpu.uniform_buffer("face_info", &GpuFaceInfo::default()),
@@ -112,9 +111,9 @@ impl FaceTable {
                 counts: gpu.storage_buffer("face_counts", 16)?,
                 // Lists begin with a count.
                 list: gpu.storage_buffer("face_list", (1 + all) * Self::LISTED_BYTES)?,
-                senders: gpu.storage_buffer("face_senders", (1 + senders) * Self::SENDING_BYTES)?,
+                batches: gpu.storage_buffer("face_batches", (1 + batches) * Self::BATCH_BYTES)?,
                 rays: gpu
-                    .storage_buffer("face_rays", senders * u64::from(FACE_RAYS) * RAY_BYTES)?,
+                    .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
                 histories: gpu.storage_buffer("face_histories", all * Self::HISTORY_BYTES)?,
                 dispatch: gpu.storage_buffer("face_dispatch", 32)?,
             })
@@ -176,7 +175,7 @@ impl FaceTable {
             edited_high_gs: high.to_array(),
             edited_frame,
             bucket_mask: self.entries / FACINGS - 1,
-            most_senders: self.senders_of(view.size),
+            most_batches: self.batches_of(view.size),
             rays_rows: self.rays_most(view.size)[1],
             blend_rows: self.blend_most(view.size)[1],
             most_samples,
@@ -190,15 +189,15 @@ impl FaceTable {
         gpu.queue.write_buffer(&self.counts, 0, &[0; 8]);
     }
 
-    /// Most faces that send rays in a frame of `size` pixels.
-    fn senders_of(&self, [width, height]: [u32; 2]) -> u32 {
-        let share = width * height / PIXELS_A_SENDER;
-        self.most_senders.min(share.max(LEAST_SENDERS))
+    /// Most batches of rays in a frame of `size` pixels.
+    fn batches_of(&self, [width, height]: [u32; 2]) -> u32 {
+        let share = width * height / PIXELS_A_BATCH;
+        self.most_batches.min(share.max(LEAST_BATCHES))
     }
 
     /// Most workgroups of pass `face_rays` for pictures of `size` pixels.
     pub fn rays_most(&self, size: [u32; 2]) -> [u32; 2] {
-        rectangle((self.senders_of(size) * FACE_RAYS).div_ceil(RAYS_A_GROUP))
+        rectangle((self.batches_of(size) * FACE_RAYS).div_ceil(RAYS_A_GROUP))
     }
 
     /// Most workgroups of pass `face_blend` for pictures of `size` pixels: of four, one is looked at.
@@ -235,8 +234,8 @@ impl FaceTable {
             ("face_counts", of(&self.counts)),
             ("face_list_out", of(&self.list)),
             ("face_list", of(&self.list)),
-            ("face_senders_out", of(&self.senders)),
-            ("face_senders", of(&self.senders)),
+            ("face_batches_out", of(&self.batches)),
+            ("face_batches", of(&self.batches)),
             ("known_faces", of(&self.histories)),
             ("face_histories", of(&self.histories)),
             ("face_dispatch", of(&self.dispatch)),
@@ -264,12 +263,8 @@ impl FaceTable {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn rays_sent(&self, gpu: &Gpu) -> Result<u64, GpuError> {
-        let list: Vec<u32> = gpu.read_buffer(&self.senders)?;
-        let words = Self::SENDING_BYTES as usize / size_of::<u32>();
-        let senders = list[1..].chunks_exact(words).take(list[0] as usize);
-        // The rounds come last.
-        let rounds: u64 = senders.map(|sender| u64::from(sender[words - 1])).sum();
-        Ok(rounds * u64::from(FACE_RAYS))
+        let count: Vec<u32> = gpu.read_buffer_range(&self.batches, 0, 4)?;
+        Ok(u64::from(count[0]) * u64::from(FACE_RAYS))
     }
 
     /// Bytes of GPU memory.
@@ -277,7 +272,7 @@ impl FaceTable {
         let buffers = [
             &self.table,
             &self.list,
-            &self.senders,
+            &self.batches,
             &self.rays,
             &self.histories,
         ];

@@ -2,7 +2,7 @@
 
 use crate::{
     gpu::{Gpu, GpuError},
-    lights::{self, Emitters, Lights},
+    lights::{self, Lights},
     world::materials::{
         MaterialSet,
         bake::{LEVELS, TEXELS},
@@ -113,44 +113,6 @@ fn mask_texture(gpu: &Gpu, materials: &MaterialSet) -> Result<wgpu::Texture, Gpu
         }
     }
     Ok(texture)
-}
-
-/// The bindings of `shaders/data/emitters.wesl`.
-pub struct GpuEmitters {
-    groups: wgpu::Buffer,
-    faces: wgpu::Buffer,
-}
-
-impl GpuEmitters {
-    /// A list that the adapter cannot hold is left empty: then emissive voxels are found by chance
-    /// alone, which is as right, and noisier.
-    ///
-    /// # Errors
-    /// [`GpuError::TooLarge`] when not even an empty list fits.
-    pub fn upload(gpu: &Gpu, emitters: &Emitters) -> Result<Self, GpuError> {
-        let groups = "emitters";
-        match gpu.storage_buffer_of("emitter_faces", &emitters.faces) {
-            Ok(faces) => Ok(Self {
-                groups: gpu.storage_buffer_of(groups, &emitters.to_bytes())?,
-                faces,
-            }),
-            Err(error) => {
-                tracing::warn!("emissive voxels are not sampled: {error}");
-                Ok(Self {
-                    groups: gpu.storage_buffer_of(groups, &Emitters::default().to_bytes())?,
-                    faces: gpu.storage_buffer("emitter_faces", 0)?,
-                })
-            }
-        }
-    }
-
-    /// What the shaders bind by name.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
-        [
-            ("emitters", self.groups.as_entire_binding()),
-            ("emitter_faces", self.faces.as_entire_binding()),
-        ]
-    }
 }
 
 /// The binding of `shaders/data/lights.wesl`.

@@ -4,6 +4,7 @@
 pub mod atlas_view;
 pub mod camera_rays;
 pub mod distances;
+mod emitters;
 pub mod face_blend;
 pub mod face_mark;
 pub mod face_rays;
@@ -34,9 +35,10 @@ pub mod tonemap;
 mod view;
 pub mod voxelise;
 
+pub use emitters::GpuEmitters;
 pub use face_table::{FaceTable, GpuFaceInfo};
 pub use inspection::{AtlasLayer, AtlasMap, Inspection, InspectionError, ProbeColour};
-pub use lighting::{GpuEmitters, GpuLights, GpuMaterials};
+pub use lighting::{GpuLights, GpuMaterials};
 pub use probe_changes::{GpuChanges, GpuEditSphere};
 pub use probe_field::{ProbeField, ProbeFieldError};
 pub use probe_info::GpuProbeInfo;

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{GpuEmitters, Slice};
+use super::Slice;
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
     measure::picture::Picture,
@@ -52,15 +52,14 @@ impl PathTrace {
     /// Most samples that a pixel's sums hold with a relative error far below 1e-5.
     pub const MOST_SAMPLES: u32 = 1 << 20;
 
-    /// For pictures of `size` pixels. `resources` are those of the voxels, the view, the lights and
-    /// the materials.
+    /// For pictures of `size` pixels. `resources` are those of the voxels, the view, the lights, the
+    /// materials and what shines.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
-        emitters: &GpuEmitters,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
         let bytes = u64::from(size[0]) * u64::from(size[1]) * Self::BYTES_PER_PIXEL;
@@ -68,7 +67,6 @@ impl PathTrace {
         let (certain, sums, totals) = (buffer("certain")?, buffer("sums")?, buffer("totals")?);
         let job = gpu.uniform_buffer("job", &GpuTraceJob::default());
         let mut all = resources.to_vec();
-        all.extend(emitters.resources());
         all.push(("job", job.as_entire_binding()));
         all.push(("certain", certain.as_entire_binding()));
         all.push(("sums", sums.as_entire_binding()));

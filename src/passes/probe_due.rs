@@ -34,10 +34,14 @@ impl ProbeDue {
         })
     }
 
-    /// After pass `probe_states`, before pass `probe_rays`.
+    /// After pass `probe_states`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
         let (kernel, bindings) = &self.list;
         recorder.run(kernel, bindings, self.groups);
+    }
+
+    /// After [`record`](Self::record), before pass `probe_rays`.
+    pub fn record_arguments(&self, recorder: &mut Recorder<'_>) {
         let (kernel, bindings) = &self.arguments;
         recorder.compute(&kernel.label, |pass| {
             kernel.dispatch(pass, bindings, [1, 1, 1]);

@@ -294,11 +294,18 @@ impl ProbeField {
     }
 
     /// What pass `probe_due` writes besides [`Self::resources`].
-    pub fn due_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+    pub fn due_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
         [
+            self.plan.face_requests(),
             ("probe_states", self.states.as_entire_binding()),
             ("probe_dispatch", self.plan.dispatch().as_entire_binding()),
         ]
+    }
+
+    /// What pass `face_rays` binds before [`Self::resources`]: it runs beside pass `probe_rays`, and each writes
+    /// its own requests for probes.
+    pub fn work_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        self.plan.work_of_faces()
     }
 
     /// Workgroups that the due probes take, as pass `probe_due` writes them: those of pass

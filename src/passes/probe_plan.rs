@@ -62,6 +62,7 @@ pub(super) struct ProbePlan {
     changed: Option<(Vec3, Vec3)>,
     uniform: wgpu::Buffer,
     work: wgpu::Buffer,
+    face_requests: wgpu::Buffer,
     dispatch: wgpu::Buffer,
     walks: wgpu::Buffer,
 }
@@ -77,6 +78,7 @@ impl ProbePlan {
             changed: Some((Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE))),
             uniform: gpu.uniform_buffer("probe_plan", &GpuProbePlan::default()),
             work: gpu.storage_buffer("probe_work", (LIST + 3 * all) * 4)?,
+            face_requests: gpu.storage_buffer("face_requests", (LIST + 3 * all) * 4)?,
             dispatch: gpu.storage_buffer("probe_dispatch", 48)?,
             walks: gpu.storage_buffer("probe_walks", all * 8)?,
         })
@@ -128,8 +130,10 @@ impl ProbePlan {
         if frame == 0 {
             // The probes begin anew, and nobody has asked for them yet.
             let none = vec![0u32; LIST as usize + 3 * self.slots as usize];
-            gpu.queue
-                .write_buffer(&self.work, 0, bytemuck::cast_slice(&none));
+            for requests in [&self.work, &self.face_requests] {
+                gpu.queue
+                    .write_buffer(requests, 0, bytemuck::cast_slice(&none));
+            }
         }
     }
 
@@ -153,6 +157,16 @@ impl ProbePlan {
             ("probe_plan", self.uniform.as_entire_binding()),
             ("probe_work", self.work.as_entire_binding()),
         ]
+    }
+
+    /// What pass `probe_due` reads of pass `face_rays`.
+    pub fn face_requests(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("face_requests", self.face_requests.as_entire_binding())
+    }
+
+    /// `probe_work` of pass `face_rays`.
+    pub fn work_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("probe_work", self.face_requests.as_entire_binding())
     }
 
     pub fn walks(&self) -> (&'static str, wgpu::BindingResource<'_>) {

@@ -40,6 +40,8 @@ use crate::{
 const SOFTWARE_SCALE: f32 = 0.35;
 /// From frame to frame in which probes are counted: reading the counts back stalls.
 const FRAMES_TO_COUNT: u32 = 64;
+/// From frame to frame in which the passes are timed one by one: else they may run side by side.
+const FRAMES_TO_TIME: u32 = 8;
 
 pub struct Session {
     window: Arc<Window>,
@@ -203,7 +205,13 @@ impl Session {
         let shapes = self.run_panel(event_loop);
         let target = texture.texture.create_view(&Default::default());
         let gpu = self.show.gpu.clone();
-        let mut recorder = Recorder::new(&gpu, Some(&mut self.timing));
+        // The path tracer learns from its own time how much to do in a frame.
+        let is_timed = self.presented.is_multiple_of(FRAMES_TO_TIME) || self.show.truth().is_some();
+        let mut recorder = if is_timed {
+            Recorder::new(&gpu, Some(&mut self.timing))
+        } else {
+            Recorder::new_whole(&gpu, &mut self.timing)
+        };
         let time_s = self.settings.clock.time_s;
         self.show
             .record(&mut recorder, &self.camera, time_s, self.seed)?;

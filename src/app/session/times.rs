@@ -6,7 +6,9 @@ impl Session {
     /// Hears the times of passes that have arrived. `frame_ms`: milliseconds since the last frame.
     pub(super) fn hear_times(&mut self, frame_ms: f64) {
         while let Some(times) = self.timing.next_frame() {
-            self.passes.push(&times);
+            if !times.passes_ms.is_empty() {
+                self.passes.push(&times);
+            }
             if let Some(truth) = self.show.truth() {
                 truth.took(Some(&times), frame_ms);
             }

@@ -161,9 +161,9 @@ impl<'a> Tracer<'a> {
                     textures: film.textures,
                     antialias: false,
                 };
-                let (gpu, world) = (self.gpu, self.world);
+                let gpu = self.gpu;
                 let stop = self.stop;
-                trace(gpu, stage, world, self.lights, &request, &progress, stop)?.picture
+                trace(gpu, stage, self.lights, &request, &progress, stop)?.picture
             }
         };
         bar.finish_and_clear();

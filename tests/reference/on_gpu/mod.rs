@@ -65,7 +65,6 @@ impl OnGpu {
         trace(
             &self.gpu,
             &uploaded,
-            &world,
             &stage.lights,
             &request,
             progress,
