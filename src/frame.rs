@@ -127,9 +127,9 @@ impl Frame {
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
-        let alert = self.field.changes.alert();
-        let faces = &mut self.faces;
-        faces.begin_frame(gpu, probes, view, self.frames, alert);
+        let changes = &self.field.changes;
+        self.faces
+            .begin_frame(gpu, probes, view, self.frames, changes);
         if self.field.misplaced() {
             self.passes.probe_states.record(recorder);
             if self.field.exact() {

@@ -149,6 +149,7 @@ fn faces() {
             widest_pixel,
             seed,
             alert,
+            stillness,
         })
     );
     for (name, bytes) in [

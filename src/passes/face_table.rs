@@ -8,6 +8,7 @@ use super::View;
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
     parameters::{FinalGather, ProbeParameters},
+    probes::Changes,
 };
 
 /// `FaceInfo` of `shaders/data/faces.wesl`.
@@ -26,6 +27,8 @@ pub struct GpuFaceInfo {
     pub widest_pixel: f32,
     pub seed: u32,
     pub alert: f32,
+    pub stillness: f32,
+    pub padding: [f32; 3],
 }
 
 /// Faces that look the same way and have a place in the table.
@@ -150,16 +153,17 @@ impl FaceTable {
     /// Writes the uniform of the next frame and empties the list. Once before each submission that updates
     /// the faces: the writes take effect at its start.
     ///
-    /// In a picture of few pixels faces take turns. `age` is that of the probes in frames, and `alert` says
-    /// how sure it is that light changes now (0 to 1): what is soon out of date counts little.
+    /// In a picture of few pixels faces take turns. `age` is that of the probes in frames, and `changes` says
+    /// how sure it is that light changes now: what is soon out of date counts little.
     pub fn begin_frame(
         &mut self,
         gpu: &Gpu,
         parameters: &ProbeParameters,
         view: &View,
         age: u32,
-        alert: f32,
+        changes: &Changes,
     ) {
+        let alert = changes.alert();
         let settled = age >= parameters.warmup_frames + SETTLING_FRAMES;
         let most_samples = if settled {
             (SAMPLES_AT_ALERT / alert.max(f32::MIN_POSITIVE)).max(LEAST_SAMPLES)
@@ -182,6 +186,8 @@ impl FaceTable {
             widest_pixel: parameters.face_pixels.recip(),
             seed: view.seed,
             alert,
+            stillness: changes.stillness(),
+            padding: [0.0; 3],
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));

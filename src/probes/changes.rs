@@ -10,6 +10,10 @@ pub const EDITS: usize = 8;
 const ALERT_KEPT: f32 = 0.95;
 /// Alerts below this are none.
 const LEAST_ALERT: f32 = 0.002;
+/// Frames without any change after which light is taken to be still, and those over which that becomes sure:
+/// probes settle until then.
+const STILL_FRAMES: u32 = 64;
+const STILLER_FRAMES: u32 = 64;
 /// Frames after which an edit is forgotten: more than any history is long.
 const REMEMBERED_FRAMES: u32 = 2048;
 
@@ -26,6 +30,8 @@ pub struct EditSphere {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     alert: f32,
+    /// Frames since there was a change or an alert.
+    still_frames: u32,
     edits: Vec<EditSphere>,
     /// Whether an edit is new.
     edited: bool,
@@ -55,6 +61,11 @@ impl Changes {
         if self.alert < LEAST_ALERT {
             self.alert = 0.0;
         }
+        self.still_frames = if light_change > 0.0 || self.alert > 0.0 || frame == 0 {
+            0
+        } else {
+            self.still_frames.saturating_add(1)
+        };
         self.edits
             .retain(|edit| frame.saturating_sub(edit.frame) < REMEMBERED_FRAMES);
     }
@@ -67,6 +78,12 @@ impl Changes {
     /// How sure it is that light changes now, from 0 to 1.
     pub fn alert(&self) -> f32 {
         self.alert
+    }
+
+    /// How sure it is that light has not changed for long, from 0 to 1.
+    pub fn stillness(&self) -> f32 {
+        let still = self.still_frames.saturating_sub(STILL_FRAMES);
+        (still as f32 / STILLER_FRAMES as f32).min(1.0)
     }
 
     /// At most [`EDITS`].
@@ -114,6 +131,29 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    #[test]
+    fn light_is_still_long_after_the_last_change() {
+        let mut changes = Changes::default();
+        let after = |changes: &mut Changes, light_change: f32, frames: std::ops::Range<u32>| {
+            for frame in frames {
+                changes.begin_frame(light_change, frame);
+            }
+            changes.stillness()
+        };
+        assert_eq!(after(&mut changes, 0.0, 0..60), 0.0, "probes are new");
+        assert_eq!(after(&mut changes, 0.0, 60..200), 1.0);
+        // Too little for an alert.
+        assert_eq!(after(&mut changes, 1e-4, 200..201), 0.0);
+        assert_eq!(after(&mut changes, 0.0, 201..400), 1.0);
+        changes.edit(IVec3::ZERO, IVec3::ONE, 400);
+        assert_eq!(
+            after(&mut changes, 0.0, 400..560),
+            0.0,
+            "the alert has to fade"
+        );
+        assert_eq!(after(&mut changes, 0.0, 560..700), 1.0);
+    }
 
     #[test]
     fn an_alert_is_there_at_once_and_fades() {
