@@ -128,8 +128,9 @@ impl Frame {
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
         let changes = &self.field.changes;
+        let spacing = self.field.volume().levels()[0].spacing().element_sum() / 3.0;
         self.faces
-            .begin_frame(gpu, probes, view, self.frames, changes);
+            .begin_frame(gpu, probes, view, self.frames, changes, spacing);
         if self.field.misplaced() {
             self.passes.probe_states.record(recorder);
             if self.field.exact() {

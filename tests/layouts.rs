@@ -150,6 +150,7 @@ fn faces() {
             seed,
             alert,
             stillness,
+            near,
         })
     );
     for (name, bytes) in [

@@ -208,6 +208,8 @@ parameters! {
         face_samples: u32 = 8192, Kind::Count { min: 16, max: 1_000_000 }, Nothing;
         #[doc = "Final gather: pixels of width below which a voxel's faces are left to the probes; more is faster far away, less is truer there."]
         face_pixels: f32 = 2.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;
+        #[doc = "Final gather: spacings of the probes within which what rays hit looks on for its light, before the probes are asked; more is truer and noisier, 0 asks them at once."]
+        near_hits: f32 = 2.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;
         #[doc = "Whether probes without surfaces in their cages sleep; off updates every probe that is not in stone."]
         states: ProbeStates = ProbeStates::On, ProbeStates::KIND, Nothing;
         #[doc = "Whether probes sleep too that no pixel asks for; on saves most of their time, off reacts at once where nobody looks."]

@@ -28,7 +28,8 @@ pub struct GpuFaceInfo {
     pub seed: u32,
     pub alert: f32,
     pub stillness: f32,
-    pub padding: [f32; 3],
+    pub near: f32,
+    pub padding: [f32; 2],
 }
 
 /// Faces that look the same way and have a place in the table.
@@ -155,6 +156,7 @@ impl FaceTable {
     ///
     /// In a picture of few pixels faces take turns. `age` is that of the probes in frames, and `changes` says
     /// how sure it is that light changes now: what is soon out of date counts little.
+    /// `spacing` is that of the probes (voxels).
     pub fn begin_frame(
         &mut self,
         gpu: &Gpu,
@@ -162,6 +164,7 @@ impl FaceTable {
         view: &View,
         age: u32,
         changes: &Changes,
+        spacing: f32,
     ) {
         let alert = changes.alert();
         let settled = age >= parameters.warmup_frames + SETTLING_FRAMES;
@@ -187,7 +190,8 @@ impl FaceTable {
             seed: view.seed,
             alert,
             stillness: changes.stillness(),
-            padding: [0.0; 3],
+            near: parameters.near_hits * spacing,
+            padding: [0.0; 2],
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
