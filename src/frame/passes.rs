@@ -58,7 +58,7 @@ impl Passes {
     pub fn record_light(&self, recorder: &mut Recorder<'_>, probes: &ProbeParameters, faces: bool) {
         recorder.together(|recorder| {
             self.camera_rays.record(recorder);
-            self.probe_due.record(recorder);
+            self.probe_due.record_list(recorder);
         });
         recorder.together(|recorder| {
             self.probe_due.record_arguments(recorder);

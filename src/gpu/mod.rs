@@ -6,6 +6,7 @@ mod buffers;
 mod device;
 mod kernel;
 mod memory;
+mod recorder;
 mod reflect;
 mod shader;
 mod slices;
@@ -15,9 +16,10 @@ pub use buffers::Structured;
 pub use device::{AdapterReport, AdapterSummary, Gpu, ShaderChecks, adapters, instance};
 pub use kernel::{Bindings, Kernel, KernelSpec};
 pub use memory::available_memory;
+pub use recorder::Recorder;
 pub use shader::{Composed, ShaderLibrary};
 pub use slices::rectangle;
-pub use timing::{PassTimes, Recorder, Timing};
+pub use timing::{PassTimes, Timing};
 
 /// What can go wrong between the program and the GPU.
 #[derive(Debug, thiserror::Error)]

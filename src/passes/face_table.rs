@@ -78,7 +78,7 @@ pub struct FaceTable {
 
 impl FaceTable {
     /// Bytes of `FaceBatch` of the same.
-    pub const BATCH_BYTES: u64 = 12;
+    pub const BATCH_BYTES: u64 = 16;
     /// Bytes of `ListedFace` of the same.
     pub const LISTED_BYTES: u64 = 20;
     /// Bytes of `FaceHistory` of `shaders/data/face_list.wesl`.

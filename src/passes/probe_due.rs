@@ -34,13 +34,19 @@ impl ProbeDue {
         })
     }
 
-    /// After pass `probe_states`.
+    /// After pass `probe_states`, before pass `probe_rays`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
+        self.record_list(recorder);
+        self.record_arguments(recorder);
+    }
+
+    /// The first part of [`record`](Self::record).
+    pub fn record_list(&self, recorder: &mut Recorder<'_>) {
         let (kernel, bindings) = &self.list;
         recorder.run(kernel, bindings, self.groups);
     }
 
-    /// After [`record`](Self::record), before pass `probe_rays`.
+    /// The second part of [`record`](Self::record).
     pub fn record_arguments(&self, recorder: &mut Recorder<'_>) {
         let (kernel, bindings) = &self.arguments;
         recorder.compute(&kernel.label, |pass| {

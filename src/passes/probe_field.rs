@@ -24,8 +24,7 @@ pub enum ProbeFieldError {
     Gpu(#[from] GpuError),
 }
 
-/// Textures, histories and rays of the probes of one volume. All zero at first: a probe's first
-/// update takes no account of them, and a gather before it finds no light.
+/// Textures, histories and rays of the probes of one volume. All zero at first: no light.
 pub struct ProbeField {
     /// What its probes are told of changes.
     pub changes: Changes,
@@ -302,22 +301,19 @@ impl ProbeField {
         ]
     }
 
-    /// What pass `face_rays` binds before [`Self::resources`]: it runs beside pass `probe_rays`, and each writes
-    /// its own requests for probes.
+    /// What pass `face_rays` binds in place of pass `probe_rays`': they run side by side.
     pub fn work_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         self.plan.work_of_faces()
     }
 
-    /// Workgroups that the due probes take, as pass `probe_due` writes them: those of pass
-    /// `probe_rays` at [`Self::RAYS_OFFSET`], those of passes with one for each probe at
-    /// [`Self::PROBES_OFFSET`].
+    /// Workgroups that the due probes take, as pass `probe_due` writes them: those of pass `probe_rays`
+    /// at [`Self::RAYS_OFFSET`], those of passes with one for each at [`Self::PROBES_OFFSET`].
     pub fn dispatch(&self) -> &wgpu::Buffer {
         self.plan.dispatch()
     }
 
-    /// Byte in [`Self::dispatch`].
+    /// Bytes in [`Self::dispatch`].
     pub const RAYS_OFFSET: u64 = 0;
-    /// Byte in [`Self::dispatch`].
     pub const PROBES_OFFSET: u64 = 16;
 
     /// Slots that the last update was for, in no particular order.
@@ -328,9 +324,7 @@ impl ProbeField {
         self.plan.due(gpu)
     }
 
-    /// Where each probe stands (world space; XYZ), and whether it gives light (W: 0 if not, 2
-    /// if it has a twin, else 1): four f32
-    /// each.
+    /// Where each probe stands (world space; XYZ), and whether it gives light (W: 0 if not, 2 if it has a twin, else 1).
     pub fn places(&self) -> &wgpu::Buffer {
         &self.places
     }
