@@ -218,6 +218,8 @@ parameters! {
         alive_frames: u32 = 64, Kind::Count { min: 1, max: 100_000 }, Nothing;
         #[doc = "Frames between updates of a probe that only other probes' rays ask for; more is faster, less carries changes of bounced light sooner."]
         fed_interval: u32 = 4, Kind::Count { min: 1, max: 1000 }, Nothing;
+        #[doc = "By how much the times between updates grow (but those of sleeping probes) when no lamp and no voxel has changed for long: there is little news then. More is faster, 1 keeps averaging."]
+        still_interval: u32 = 2, Kind::Count { min: 1, max: 100 }, Nothing;
         #[doc = "Frames between updates of a sleeping probe; more is faster, less is fresher when it wakes."]
         asleep_interval: u32 = 10, Kind::Count { min: 1, max: 1000 }, Nothing;
         #[doc = "Most rays of all probes in a frame, from the second frame on; 0 sets no limit. Less is faster; probes take turns then, those first whose light changes."]

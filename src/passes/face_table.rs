@@ -82,7 +82,7 @@ impl FaceTable {
     /// Bytes of `ListedFace` of the same.
     pub const LISTED_BYTES: u64 = 20;
     /// Bytes of `FaceHistory` of `shaders/data/face_list.wesl`.
-    pub const HISTORY_BYTES: u64 = 208;
+    pub const HISTORY_BYTES: u64 = 144;
     /// Bytes of the `ENTRY_WORDS` of `shaders/data/faces.wesl`.
     pub const ENTRY_BYTES: u64 = 48;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `face_rays`.

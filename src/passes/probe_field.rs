@@ -203,8 +203,7 @@ impl ProbeField {
             .collect();
         gpu.queue
             .write_buffer(&self.ray_directions, 0, bytemuck::cast_slice(&directions));
-        self.plan
-            .begin_frame(gpu, parameters, self.changes.alert(), frame);
+        self.plan.begin_frame(gpu, parameters, &self.changes, frame);
     }
 
     /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.

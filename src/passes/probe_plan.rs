@@ -7,6 +7,7 @@ use glam::Vec3;
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
     parameters::{ProbeParameters, ProbeStates, Relocation, Weights},
+    probes::Changes,
 };
 
 /// `ProbePlan` of `shaders/data/plan.wesl`.
@@ -29,6 +30,8 @@ pub struct GpuProbePlan {
     pub clearance: f32,
     pub restless: f32,
     pub budget: u32,
+    pub still_interval: u32,
+    pub padding: [u32; 3],
 }
 
 /// How many probes are in each state, as pass `probe_due` last judged them.
@@ -84,8 +87,20 @@ impl ProbePlan {
         })
     }
 
-    /// `alert`: how sure it is that light changes now, from 0 to 1.
-    pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, alert: f32, frame: u64) {
+    /// Writes the plan of the next frame.
+    pub fn begin_frame(
+        &self,
+        gpu: &Gpu,
+        parameters: &ProbeParameters,
+        changes: &Changes,
+        frame: u64,
+    ) {
+        let is_still = changes.stillness() == 1.0 && parameters.states == ProbeStates::On;
+        let still_interval = if is_still {
+            parameters.still_interval
+        } else {
+            1
+        };
         let (low, high) = self.changed.unwrap_or((Vec3::INFINITY, Vec3::NEG_INFINITY));
         let plan = GpuProbePlan {
             changed_low_gs: low.to_array(),
@@ -98,10 +113,10 @@ impl ProbePlan {
             },
             alive_frames: parameters.alive_frames,
             // Where light changes at once, what feeds the picture is wanted at once.
-            fed_interval: if alert > SUDDEN {
+            fed_interval: if changes.alert() > SUDDEN {
                 1
             } else {
-                parameters.fed_interval
+                parameters.fed_interval * still_interval
             },
             asleep_interval: parameters.asleep_interval,
             rays_rows: self.rays_rows,
@@ -124,6 +139,8 @@ impl ProbePlan {
                 0 => 0,
                 rays => (rays / parameters.rays).max(1),
             },
+            still_interval,
+            padding: [0; 3],
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&plan));

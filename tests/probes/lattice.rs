@@ -107,7 +107,8 @@ fn the_plan_lies_in_memory_as_the_shader_reads_it() {
         stone_threshold,
         clearance,
         restless,
-        budget
+        budget,
+        still_interval
     );
     assert_eq!(
         layout_of("ProbePlan"),
