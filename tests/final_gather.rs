@@ -1,14 +1,18 @@
 //! The final gather: faces that the camera sees look for their light themselves. (How near to the truth that
 //! is, is asked in tests/measuring/contact.rs.)
 
+use std::sync::atomic::AtomicBool;
+
 use glam::IVec3;
 use grotto::{
+    commands::reference::{TraceRequest, trace},
     frame::{Frame, Stage},
     gpu::{Gpu, Recorder, ShaderChecks},
     lights::Lights,
     measure::picture::Picture,
     parameters::{Contact, FinalGather, ProbeParameters},
     passes::{View, ViewMode},
+    reference,
     world::{World, file, voxels::Voxels},
 };
 
@@ -46,8 +50,12 @@ struct Room {
 
 impl Room {
     fn new(probes: ProbeParameters) -> Self {
+        Self::of(ROOM, probes)
+    }
+
+    fn of(text: &str, probes: ProbeParameters) -> Self {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
-        let world = file::parse(ROOM, "room", None, &Default::default()).expect("a sound world");
+        let world = file::parse(text, "room", None, &Default::default()).expect("a sound world");
         let stage = Stage::build(&gpu, &world).expect("fits");
         let voxels = stage.read_back(&gpu).expect("reads back");
         let frame = Frame::new(&gpu, stage, &world.layouts[0], &probes, SIZE).expect("fits");
@@ -81,6 +89,24 @@ impl Room {
             recorder.submit(&self.gpu).expect("submits");
         }
         self.frame.read_radiance(&self.gpu).expect("reads back")
+    }
+
+    /// What [`after`](Self::after) should come to.
+    fn truth(&self) -> Picture {
+        let request = TraceRequest {
+            camera: &self.world.cameras[0],
+            size: SIZE,
+            view: reference::View::Irradiance,
+            spp: 256,
+            seed: 5,
+            textures: true,
+            antialias: false,
+        };
+        let lights = Lights::at(&self.world, &self.world.lamp_presets[self.preset], 0.0);
+        let (stage, stop) = (&self.frame.stage, AtomicBool::new(false));
+        trace(&self.gpu, stage, &lights, &request, &|_, _| {}, &stop)
+            .unwrap_or_else(|failure| panic!("{failure}"))
+            .picture
     }
 
     /// A block of stone on the floor, 3 × 2 × 3, in the middle of the picture.
@@ -204,4 +230,39 @@ fn an_edit_shows_at_once() {
             .fold(f32::MAX, f32::min)
     };
     assert!(darkest(&soon) > 0.3 * darkest(&truth));
+}
+
+/// Emissive voxels are chosen from a list: one that is placed must be on it, and light no more or less than it
+/// sends.
+#[test]
+fn an_ember_that_is_placed_gives_its_light() {
+    let embers = ROOM.replace(
+        "materials: {",
+        "rules: [
+            (material: \"ember\", when: InBox(min: (-3, 3, -9), max: (-2, 4, -8))),
+            (material: \"plaster\"),
+        ],
+        materials: {
+            \"ember\": (a: Flat(0.6, 0.6, 0.6), emission: (30, 20, 10)),
+            ",
+    );
+    // Then all light is the embers', and none of it is what the probes make of it.
+    let embers = embers.replace("Flat(0.6, 0.6, 0.6)", "Flat(0, 0, 0)");
+    let all_faces = ProbeParameters {
+        face_pixels: 0.5,
+        ..quick()
+    };
+    let mut room = Room::of(&embers, all_faces);
+    room.preset = 1;
+    let (picture, truth) = (room.after(150), room.truth());
+    let before = (mean(&picture) / mean(&truth) - 1.0).abs();
+    assert!(before < 0.02 && apart(&picture, &truth) < 0.04, "{before}");
+    let place = IVec3::new(0, 0, 1) - room.world.origin;
+    let edit = room.voxels.set(place, 1);
+    room.frame
+        .apply(&room.gpu, &room.voxels, &edit)
+        .expect("fits");
+    // Edits alarm for long.
+    let after = (mean(&room.after(280)) / mean(&room.truth()) - 1.0).abs();
+    assert!(after < 0.02, "{after}");
 }
