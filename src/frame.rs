@@ -10,7 +10,6 @@
 //!                  └───────────────────────────────────────────────────┘     └ probe_draw, state_view, atlas_view
 //! ```
 
-mod face_light;
 mod inspect;
 mod passes;
 mod stage;

@@ -1,12 +1,13 @@
 //! Every pass of a frame, and the order of those that light it.
 
-use super::{FrameError, face_light::FaceLight, inspect::Inspect};
+use super::{FrameError, inspect::Inspect};
 use crate::{
     gpu::{Gpu, Recorder},
     parameters::{ProbeParameters, Relocation},
     passes::{
-        FaceTable, Inspection, ProbeField, View, camera_rays::CameraRays, probe_blend::ProbeBlend,
-        probe_due::ProbeDue, probe_rays::ProbeRays, probe_seed::ProbeSeed, probe_sight::ProbeSight,
+        FaceTable, Inspection, ProbeField, View, camera_rays::CameraRays, face_blend::FaceBlend,
+        face_mark::FaceMark, face_rays::FaceRays, probe_blend::ProbeBlend, probe_due::ProbeDue,
+        probe_rays::ProbeRays, probe_seed::ProbeSeed, probe_sight::ProbeSight,
         probe_states::ProbeStates, shade::Shade, tonemap::Tonemap,
     },
 };
@@ -20,7 +21,9 @@ pub(super) struct Passes {
     pub probe_seed: ProbeSeed,
     pub probe_rays: ProbeRays,
     pub probe_blend: ProbeBlend,
-    pub face_light: FaceLight,
+    pub face_mark: FaceMark,
+    pub face_rays: FaceRays,
+    pub face_blend: FaceBlend,
     pub shade: Shade,
     pub inspect: Inspect,
     pub tonemap: Tonemap,
@@ -47,7 +50,9 @@ impl Passes {
             probe_seed: ProbeSeed::new(gpu, field)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
-            face_light: FaceLight::new(gpu, size, &camera_rays, field, faces, resources)?,
+            face_mark: FaceMark::new(gpu, size, surfaces, faces, resources)?,
+            face_rays: FaceRays::new(gpu, size, field, faces, resources)?,
+            face_blend: FaceBlend::new(gpu, size, field, faces, resources)?,
             inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, resources)?,
             camera_rays,
             shade,
@@ -63,16 +68,16 @@ impl Passes {
         recorder.together(|recorder| {
             self.probe_due.record_arguments(recorder);
             if faces {
-                self.face_light.mark.record(recorder);
+                self.face_mark.record(recorder);
             }
         });
         if faces {
-            self.face_light.mark.record_arguments(recorder);
+            self.face_mark.record_arguments(recorder);
         }
         recorder.together(|recorder| {
             self.probe_rays.record(recorder);
             if faces {
-                self.face_light.rays.record(recorder);
+                self.face_rays.record(recorder);
             }
         });
         self.probe_blend.record(recorder);
@@ -80,7 +85,7 @@ impl Passes {
             self.probe_states.record_walk(recorder);
         }
         if faces {
-            self.face_light.blend.record(recorder);
+            self.face_blend.record(recorder);
         }
     }
 

@@ -124,8 +124,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Passes that do not wait for each other: the GPU may run them side by side, where they are not timed one
-    /// by one. None of them may write to a buffer that another of them binds at all.
+    /// Passes that the GPU may run side by side, where they are not timed one by one. One that writes what
+    /// another binds waits for it as ever.
     pub fn together(&mut self, record: impl FnOnce(&mut Self)) {
         if self.timing.is_none() || self.whole.is_some() {
             let pass = self.encoder.begin_compute_pass(&Default::default());

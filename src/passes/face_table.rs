@@ -43,7 +43,7 @@ const FACE_RAYS: u32 = 32;
 const RAY_BYTES: u64 = 8;
 /// Pixels of the picture for each batch of a frame: a small picture is not to cost more than a large one.
 const PIXELS_A_BATCH: u32 = 8;
-const LEAST_BATCHES: u32 = 2048;
+const LEAST_BATCHES: u32 = 4096;
 /// Threads of a workgroup of pass `face_rays`.
 const RAYS_A_GROUP: u32 = 64;
 /// Faces of a workgroup of pass `face_blend`.
