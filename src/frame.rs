@@ -322,7 +322,10 @@ impl Frame {
         let picture = self.passes.camera_rays.surfaces.size() + width * height * (8 + 4);
         let voxels = self.stage.voxels.bytes();
         let probes = self.field.memory().total();
-        let others = picture + self.passes.inspect.bytes(self.size) + self.faces.bytes();
+        let others = picture
+            + self.passes.inspect.bytes(self.size)
+            + self.faces.bytes()
+            + self.stage.emitters.bytes();
         MemoryUse {
             voxels,
             probes,

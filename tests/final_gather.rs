@@ -195,6 +195,8 @@ fn a_lamp_that_goes_out_leaves_no_light() {
     let after_by_probes = mean(&by_probes.after(8));
     let (left, left_by_probes) = (after / lit, after_by_probes / lit_by_probes);
     assert!(left < 1.1 * left_by_probes, "{left}, {left_by_probes}");
+    let later = mean(&room.after(4));
+    assert!(later < 0.1 * lit, "{later} of {lit}");
     room.preset = 0;
     by_probes.preset = 0;
     let mut again = 0.0;
@@ -205,6 +207,8 @@ fn a_lamp_that_goes_out_leaves_no_light() {
     let again_by_probes = mean(&by_probes.after(8)) / lit_by_probes;
     let apart = (again / again_by_probes - 1.0).abs();
     assert!(apart < 0.05, "{again}, {again_by_probes}");
+    let later = mean(&room.after(4)) / lit;
+    assert!((later - 1.0).abs() < 0.1, "{later}");
 }
 
 /// A block that is placed has its shade at once, and its own faces their light.

@@ -168,6 +168,12 @@ mod tests {
             passes_ms: [("shade".to_owned(), ms)].into(),
             frame_ms: ms,
         };
+        let whole = PassTimes {
+            frame_ms: 3.0,
+            ..Default::default()
+        };
+        assert_eq!(frame_spans(&[frame(5.0), whole, frame(7.0)]), [3.0]);
+        assert_eq!(frame_spans(&[frame(5.0), frame(7.0)]), [5.0, 7.0]);
         let passes = median_passes(&[frame(1.0), frame(9.0), frame(2.0)]);
         assert_eq!(passes["shade"], 2.0);
 

@@ -127,7 +127,12 @@ impl<'a> Recorder<'a> {
     /// Passes that the GPU may run side by side, where they are not timed one by one. One that writes what
     /// another binds waits for it as ever.
     pub fn together(&mut self, record: impl FnOnce(&mut Self)) {
-        if self.timing.is_none() || self.whole.is_some() {
+        let one_by_one = match self.timing.as_ref().map(|timing| &timing.clock) {
+            Some(Clock::Gpu { .. }) => self.whole.is_none(),
+            Some(Clock::Wall { .. }) => true,
+            Some(Clock::None) | None => false,
+        };
+        if !one_by_one {
             let pass = self.encoder.begin_compute_pass(&Default::default());
             self.shared = Some(pass.forget_lifetime());
         }

@@ -68,6 +68,11 @@ impl GpuEmitters {
         self.known = emitters;
     }
 
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.groups.size() + self.faces.size()
+    }
+
     /// What the shaders bind by name.
     pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
         [

@@ -35,8 +35,8 @@ const TREND_BYTES: u64 = 7 * 16;
 const PLACE_BYTES: u64 = 16;
 /// Irradiance along six axes (f16), and whether there is any.
 const CUBE_BYTES: u64 = 3 * 16;
-/// The list of the due, who asked when, and how far it has walked.
-const PLAN_BYTES: u64 = 3 * 4 + 8;
+/// The list of the due and who asked when, twice (pass `face_rays` has its own), and how far it has walked.
+const PLAN_BYTES: u64 = 2 * 3 * 4 + 8;
 
 /// What a probe field takes on the GPU, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -219,7 +219,7 @@ mod tests {
         assert_eq!(memory.distance_atlas, 64 * 324 * 8);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 112 + 16 + 48 + 20)
+            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 112 + 16 + 48 + 32)
         );
     }
 }
