@@ -151,6 +151,7 @@ fn faces() {
             alert,
             stillness,
             near,
+            changed_frame,
         })
     );
     for (name, bytes) in [

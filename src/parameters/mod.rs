@@ -198,6 +198,8 @@ parameters! {
         rays: u32 = 128, Kind::Count { min: 8, max: 4096 }, Probes;
         #[doc = "Share of history kept per update; higher is steadier, lower reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
+        #[doc = "Share of history that an update keeps when no lamp and no voxel has changed for long, if that is more than probes.hysteresis: more noise is averaged away, and the first change ends it."]
+        still_hysteresis: f32 = 0.998, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
         #[doc = "How a probe behind a wall loses its weight: exact marches, leaks nothing and gives thin walls probes on both sides (cages of up to 14 voxels; larger ones take chebyshev), chebyshev guesses from distances, none is fastest and leaks."]
         visibility: Visibility = Visibility::Exact, Visibility::KIND, Probes;
         #[doc = "Light between the faces of voxels that stand beside each other, which probes are too far apart to tell: on finds the shade at feet of walls and on steps, and the glow of the next voxel; off is faster."]

@@ -5,8 +5,10 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangl
 
 pub struct FaceMark {
     mark: (Kernel, Bindings),
+    mark_asked: (Kernel, Bindings),
     arguments: (Kernel, Bindings),
     groups: [u32; 2],
+    asked_groups: u32,
 }
 
 impl FaceMark {
@@ -40,8 +42,10 @@ impl FaceMark {
         let [columns, rows] = mark.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
         Ok(Self {
             mark,
+            mark_asked: entry("mark_asked")?,
             arguments: entry("arguments")?,
             groups: rectangle(columns * rows),
+            asked_groups: faces.asked_most(size),
         })
     }
 
@@ -53,9 +57,11 @@ impl FaceMark {
 
     /// After [`record`](Self::record), before pass `face_rays`.
     pub fn record_arguments(&self, recorder: &mut Recorder<'_>) {
-        let (kernel, bindings) = &self.arguments;
-        recorder.compute(&kernel.label, |pass| {
-            kernel.dispatch(pass, bindings, [1, 1, 1]);
+        let (mark_asked, asked_bindings) = &self.mark_asked;
+        let (arguments, bindings) = &self.arguments;
+        recorder.compute(&arguments.label, |pass| {
+            mark_asked.dispatch(pass, asked_bindings, [self.asked_groups, 1, 1]);
+            arguments.dispatch(pass, bindings, [1, 1, 1]);
         });
     }
 }

@@ -29,11 +29,12 @@ pub struct GpuFaceInfo {
     pub alert: f32,
     pub stillness: f32,
     pub near: f32,
-    pub padding: [f32; 2],
+    pub changed_frame: u32,
+    pub padding: u32,
 }
 
 /// Faces that look the same way and have a place in the table.
-const BUCKETS: u32 = 1 << 15;
+const BUCKETS: u32 = 1 << 16;
 /// Ways that faces look.
 const FACINGS: u32 = 6;
 /// Batches of rays that faces can send in a frame.
@@ -41,11 +42,16 @@ const MOST_BATCHES: u32 = 1 << 17;
 /// `FACE_RAYS` of the same, and bytes of each.
 const FACE_RAYS: u32 = 32;
 const RAY_BYTES: u64 = 8;
+/// `RAYS_TO_ASK` of the same, and bytes of an `AskedFace`.
+const RAYS_TO_ASK: u32 = 16;
+const ASKED_BYTES: u64 = 8;
 /// Pixels of the picture for each batch of a frame: a small picture is not to cost more than a large one.
 const PIXELS_A_BATCH: u32 = 8;
 const LEAST_BATCHES: u32 = 4096;
 /// Threads of a workgroup of pass `face_rays`.
 const RAYS_A_GROUP: u32 = 64;
+/// Asked faces of one of pass `face_mark`.
+const ASKED_A_GROUP: u32 = 64;
 /// Faces of a workgroup of pass `face_blend`.
 const FACES_A_GROUP: u32 = 16;
 /// Frames that probes take to settle after their warm-up.
@@ -72,6 +78,7 @@ pub struct FaceTable {
     list: wgpu::Buffer,
     batches: wgpu::Buffer,
     rays: wgpu::Buffer,
+    asked: wgpu::Buffer,
     histories: wgpu::Buffer,
     dispatch: wgpu::Buffer,
 }
@@ -80,7 +87,7 @@ impl FaceTable {
     /// Bytes of `FaceBatch` of the same.
     pub const BATCH_BYTES: u64 = 16;
     /// Bytes of `ListedFace` of the same.
-    pub const LISTED_BYTES: u64 = 20;
+    pub const LISTED_BYTES: u64 = 24;
     /// Bytes of `FaceHistory` of `shaders/data/face_list.wesl`.
     pub const HISTORY_BYTES: u64 = 144;
     /// Bytes of the `ENTRY_WORDS` of `shaders/data/faces.wesl`.
@@ -101,7 +108,8 @@ impl FaceTable {
         let most_batches = entries.min(MOST_BATCHES);
         let batches = u64::from(most_batches);
         let bytes = all * (Self::ENTRY_BYTES + Self::LISTED_BYTES + Self::HISTORY_BYTES)
-            + batches * (Self::BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES);
+            + batches * (Self::BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
+            + batches * u64::from(FACE_RAYS / RAYS_TO_ASK) * ASKED_BYTES;
         let what = "the faces of the final gather (probes.final_gather)";
         gpu.making(what, bytes, || {
             Ok(Self {
@@ -118,6 +126,10 @@ impl FaceTable {
                 batches: gpu.storage_buffer("face_batches", (1 + batches) * Self::BATCH_BYTES)?,
                 rays: gpu
                     .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
+                asked: gpu.storage_buffer(
+                    "asked_faces",
+                    batches * u64::from(FACE_RAYS / RAYS_TO_ASK) * ASKED_BYTES,
+                )?,
                 histories: gpu.storage_buffer("face_histories", all * Self::HISTORY_BYTES)?,
                 dispatch: gpu.storage_buffer("face_dispatch", 32)?,
             })
@@ -146,7 +158,7 @@ impl FaceTable {
     pub fn forget(&mut self, encoder: &mut wgpu::CommandEncoder) {
         self.frame = 0;
         self.edited = None;
-        for buffer in [&self.table, &self.histories, &self.counts] {
+        for buffer in [&self.table, &self.histories, &self.counts, &self.batches] {
             encoder.clear_buffer(buffer, 0, None);
         }
     }
@@ -175,6 +187,9 @@ impl FaceTable {
         };
         let most_samples = most_samples.min(parameters.face_samples as f32);
         self.frame += 1;
+        // Until the probes have settled light is not still.
+        let still_frames = if settled { changes.still_frames() } else { 0 };
+        let changed_frame = self.frame.saturating_sub(still_frames);
         let (low, high, edited_frame) = self.edited.unwrap_or_default();
         let info = GpuFaceInfo {
             edited_low_gs: low.to_array(),
@@ -191,7 +206,8 @@ impl FaceTable {
             alert,
             stillness: changes.stillness(),
             near: parameters.near_hits * spacing,
-            padding: [0.0; 2],
+            changed_frame,
+            padding: 0,
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
@@ -216,6 +232,11 @@ impl FaceTable {
         rectangle(listed.div_ceil(FACES_A_GROUP))
     }
 
+    /// Workgroups of pass `face_mark` over the faces that rays may have asked for.
+    pub fn asked_most(&self, size: [u32; 2]) -> u32 {
+        (self.batches_of(size) * FACE_RAYS / RAYS_TO_ASK).div_ceil(ASKED_A_GROUP)
+    }
+
     /// Workgroups that the listed faces take, as pass `face_mark` writes them.
     pub fn dispatch(&self) -> &wgpu::Buffer {
         &self.dispatch
@@ -235,10 +256,11 @@ impl FaceTable {
     }
 
     /// What the passes that light faces read and write besides.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 12] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
         let of = wgpu::Buffer::as_entire_binding;
         [
             ("face_info", of(&self.info)),
+            ("face_table", of(&self.table)),
             ("marked_table", of(&self.table)),
             ("face_table_out", of(&self.table)),
             ("face_counts", of(&self.counts)),
@@ -249,14 +271,18 @@ impl FaceTable {
             ("known_faces", of(&self.histories)),
             ("face_histories", of(&self.histories)),
             ("face_dispatch", of(&self.dispatch)),
-            // Pass `face_rays` writes them.
+            // Pass `face_rays` writes both.
             ("face_rays", of(&self.rays)),
+            ("asked_faces", of(&self.asked)),
         ]
     }
 
-    /// Where pass `face_rays` writes.
-    pub fn rays(&self) -> &wgpu::Buffer {
-        &self.rays
+    /// What pass `face_rays` writes.
+    pub fn ray_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+        [
+            ("face_rays_out", self.rays.as_entire_binding()),
+            ("asked_faces_out", self.asked.as_entire_binding()),
+        ]
     }
 
     /// How many faces the last frame has listed.
@@ -284,6 +310,7 @@ impl FaceTable {
             &self.list,
             &self.batches,
             &self.rays,
+            &self.asked,
             &self.histories,
         ];
         buffers.iter().map(|buffer| buffer.size()).sum()

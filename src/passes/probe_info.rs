@@ -44,6 +44,12 @@ pub struct GpuProbeInfo {
     pub pad: [u32; 2],
 }
 
+/// Share of its history that a probe keeps at most. When nothing has changed for long there is nothing to follow.
+fn hysteresis(parameters: &ProbeParameters, stillness: f32) -> f32 {
+    let still = parameters.still_hysteresis.max(parameters.hysteresis);
+    parameters.hysteresis + (still - parameters.hysteresis) * stillness
+}
+
 impl GpuProbeInfo {
     /// Of a field in a frame.
     pub(super) fn new(field: &ProbeField, parameters: &ProbeParameters, frame: u64) -> Self {
@@ -80,7 +86,7 @@ impl GpuProbeInfo {
             chebyshev_power: parameters.chebyshev_power,
             chebyshev_floor: parameters.chebyshev_floor,
             least_weight: parameters.least_weight,
-            hysteresis: parameters.hysteresis,
+            hysteresis: hysteresis(parameters, field.changes.stillness()),
             warmup_frames: parameters.warmup_frames,
             firefly_clamp: parameters.firefly_clamp,
             move_reach: match parameters.relocation {

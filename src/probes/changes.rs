@@ -80,6 +80,11 @@ impl Changes {
         self.alert
     }
 
+    /// Frames since there was a change or an alert: 0 while there is.
+    pub fn still_frames(&self) -> u32 {
+        self.still_frames
+    }
+
     /// How sure it is that light has not changed for long, from 0 to 1.
     pub fn stillness(&self) -> f32 {
         let still = self.still_frames.saturating_sub(STILL_FRAMES);
