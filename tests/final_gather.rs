@@ -46,6 +46,7 @@ struct Room {
     voxels: Voxels,
     probes: ProbeParameters,
     preset: usize,
+    size: [u32; 2],
 }
 
 impl Room {
@@ -54,11 +55,15 @@ impl Room {
     }
 
     fn of(text: &str, probes: ProbeParameters) -> Self {
+        Self::seen(text, probes, SIZE)
+    }
+
+    fn seen(text: &str, probes: ProbeParameters, size: [u32; 2]) -> Self {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
         let world = file::parse(text, "room", None, &Default::default()).expect("a sound world");
         let stage = Stage::build(&gpu, &world).expect("fits");
         let voxels = stage.read_back(&gpu).expect("reads back");
-        let frame = Frame::new(&gpu, stage, &world.layouts[0], &probes, SIZE).expect("fits");
+        let frame = Frame::new(&gpu, stage, &world.layouts[0], &probes, size).expect("fits");
         Self {
             gpu,
             world,
@@ -66,6 +71,7 @@ impl Room {
             voxels,
             probes,
             preset: 0,
+            size,
         }
     }
 
@@ -75,7 +81,7 @@ impl Room {
         for _ in 0..frames {
             let view = View {
                 camera: self.world.cameras[0].clone(),
-                size: SIZE,
+                size: self.size,
                 frame: self.frame.frames(),
                 seed: 3,
                 exposure_ev: 0.0,
@@ -97,7 +103,7 @@ impl Room {
             camera: &self.world.cameras[0],
             size: SIZE,
             view: reference::View::Irradiance,
-            spp: 256,
+            spp: 1024,
             seed: 5,
             textures: true,
             antialias: false,
@@ -176,6 +182,42 @@ fn a_still_picture_comes_to_rest() {
     }
     let listed = room.frame.faces().listed(&room.gpu).expect("reads back");
     assert!((100..2000).contains(&listed), "{listed}");
+}
+
+/// Rays ask for the faces that they hit, seen or not. So light of many bounces is true where the lattice of the probes
+/// is much too coarse for it.
+#[test]
+fn what_rays_hit_knows_its_own_light() {
+    let coarse = ROOM.replace(
+        "counts: (6, 4, 6), spacing: 4",
+        "counts: (4, 3, 4), spacing: 8",
+    );
+    let bright = coarse
+        .replace("Flat(0.6, 0.6, 0.6)", "Flat(0.75, 0.75, 0.75)")
+        .replace("fov_deg: 60", "fov_deg: 80")
+        .replace("position: (-2, 5, 5)", "position: (-6, 6.5, 6)");
+    let mut by_probes = Room::seen(
+        &bright,
+        ProbeParameters {
+            final_gather: FinalGather::Off,
+            ..quick()
+        },
+        [96, 72],
+    );
+    let mut room = Room::seen(&bright, quick(), [96, 72]);
+    let truth = room.truth();
+    room.after(24);
+    let seen = room.frame.faces().listed(&room.gpu).expect("reads back");
+    let (picture, coarse) = (room.after(276), by_probes.after(300));
+    let listed = room.frame.faces().listed(&room.gpu).expect("reads back");
+    assert!(listed > seen + 10, "{listed} faces, {seen} of them seen");
+    // Without the light of faces where rays hit them it is 0.88.
+    let [ours, theirs] = [&picture, &coarse].map(|picture| mean(picture) / mean(&truth));
+    println!("{ours} {theirs}");
+    assert!(
+        (ours - 1.0).abs() < 0.06 && theirs < 0.86,
+        "{ours}, {theirs} by probes"
+    );
 }
 
 /// What was known of the light is of no use then, and must not be shown.

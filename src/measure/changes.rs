@@ -8,7 +8,7 @@ use super::{
     tonemap::luminance,
 };
 
-/// Changes of luminance relative to the greater of the two, in [0, 1].
+/// Changes in [0, 1]: of luminance as shares of the greater of the two, or of what is displayed as shares of white.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Changes {
     pub median: f64,
@@ -20,40 +20,72 @@ pub struct Changes {
     pub count: u64,
 }
 
-/// Collects changes, however many. Pixels that are darker than the floor before and after are left
-/// out: they show no surface, or one too dark to tell.
+/// Collects changes, however many.
 #[derive(Clone, Debug)]
 pub struct ChangeMeter {
-    floor: f64,
+    scale: Scale,
     max: f64,
     /// By size, in steps of 1/[`STEPS`].
     counts: Vec<u64>,
+}
+
+/// What a change is a share of.
+#[derive(Clone, Copy, Debug)]
+enum Scale {
+    /// Of the brighter of the two luminances. Pixels that are darker than the floor before and after are left
+    /// out: they show no surface, or one too dark to tell.
+    Brighter { floor: f64 },
+    /// Of white: the greatest change of a channel.
+    White,
+}
+
+impl Scale {
+    fn change(self, before: [f32; 3], after: [f32; 3]) -> Option<f64> {
+        match self {
+            Self::Brighter { floor } => {
+                let (before, after) = (luminance(before), luminance(after));
+                let brighter = before.max(after);
+                (brighter > floor).then(|| (before - after).abs() / brighter)
+            }
+            Self::White => {
+                let channels = before.iter().zip(&after);
+                let changes = channels.map(|(before, after)| f64::from((before - after).abs()));
+                changes.reduce(f64::max)
+            }
+        }
+    }
 }
 
 /// Resolution of the percentiles.
 const STEPS: f64 = 10_000.0;
 
 impl ChangeMeter {
-    /// `floor`: least luminance that counts.
+    /// For pictures in linear light. `floor`: least luminance that counts.
     pub fn new(floor: f64) -> Self {
+        Self::with(Scale::Brighter { floor })
+    }
+
+    /// For pictures as they are displayed, in [0, 1]: what an eye sees of a change.
+    pub fn of_display() -> Self {
+        Self::with(Scale::White)
+    }
+
+    fn with(scale: Scale) -> Self {
         Self {
-            floor,
+            scale,
             max: 0.0,
             counts: vec![0; STEPS as usize + 1],
         }
     }
 
-    /// Adds the changes between two pictures of the same surfaces in linear light.
+    /// Adds the changes between two pictures of the same surfaces.
     ///
     /// # Errors
     /// [`MetricError`] for pictures of different sizes, and for values that are not finite.
     pub fn add(&mut self, before: &Picture, after: &Picture) -> Result<(), MetricError> {
         comparable(before, after)?;
         for (before, after) in before.rgb.iter().zip(&after.rgb) {
-            let (before, after) = (luminance(*before), luminance(*after));
-            let brighter = before.max(after);
-            if brighter > self.floor {
-                let change = (before - after).abs() / brighter;
+            if let Some(change) = self.scale.change(*before, *after) {
                 self.max = self.max.max(change);
                 self.counts[(change * STEPS).ceil().min(STEPS) as usize] += 1;
             }
@@ -126,6 +158,23 @@ mod tests {
         assert!((found.max - 0.5).abs() < 1e-6, "{found:?}");
         let other = grey(&[1.0]);
         assert!(meter.add(&grey(&before), &other).is_err());
+    }
+
+    #[test]
+    fn changes_of_what_is_displayed_are_shares_of_white() {
+        let picture = |rgb: [f32; 3]| Picture {
+            width: 1,
+            height: 1,
+            rgb: vec![rgb],
+        };
+        let mut meter = ChangeMeter::of_display();
+        let (before, after) = (picture([0.1, 0.5, 0.9]), picture([0.1, 0.45, 0.93]));
+        meter.add(&before, &after).expect("comparable");
+        meter.add(&before, &before).expect("comparable");
+        let found = meter.result();
+        assert_eq!((found.count, found.median), (2, 0.0));
+        assert!((found.max - 0.05).abs() < 1e-6, "{found:?}");
+        assert!((found.p99 - 0.05).abs() < 2e-4, "{found:?}");
     }
 
     #[test]

@@ -3,12 +3,14 @@
 use super::FaceTable;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
+/// Workgroups for the `MOST_ASKED` of `shaders/passes/face_mark.wesl`.
+const ASKED_GROUPS: u32 = 2048 / 64;
+
 pub struct FaceMark {
     mark: (Kernel, Bindings),
     mark_asked: (Kernel, Bindings),
     arguments: (Kernel, Bindings),
     groups: [u32; 2],
-    asked_groups: u32,
 }
 
 impl FaceMark {
@@ -45,7 +47,6 @@ impl FaceMark {
             mark_asked: entry("mark_asked")?,
             arguments: entry("arguments")?,
             groups: rectangle(columns * rows),
-            asked_groups: faces.asked_most(size),
         })
     }
 
@@ -60,7 +61,7 @@ impl FaceMark {
         let (mark_asked, asked_bindings) = &self.mark_asked;
         let (arguments, bindings) = &self.arguments;
         recorder.compute(&arguments.label, |pass| {
-            mark_asked.dispatch(pass, asked_bindings, [self.asked_groups, 1, 1]);
+            mark_asked.dispatch(pass, asked_bindings, [ASKED_GROUPS, 1, 1]);
             arguments.dispatch(pass, bindings, [1, 1, 1]);
         });
     }

@@ -43,15 +43,13 @@ const MOST_BATCHES: u32 = 1 << 17;
 const FACE_RAYS: u32 = 32;
 const RAY_BYTES: u64 = 8;
 /// `RAYS_TO_ASK` of the same, and bytes of an `AskedFace`.
-const RAYS_TO_ASK: u32 = 16;
+const RAYS_TO_ASK: u32 = 4;
 const ASKED_BYTES: u64 = 8;
 /// Pixels of the picture for each batch of a frame: a small picture is not to cost more than a large one.
 const PIXELS_A_BATCH: u32 = 8;
 const LEAST_BATCHES: u32 = 4096;
 /// Threads of a workgroup of pass `face_rays`.
 const RAYS_A_GROUP: u32 = 64;
-/// Asked faces of one of pass `face_mark`.
-const ASKED_A_GROUP: u32 = 64;
 /// Faces of a workgroup of pass `face_blend`.
 const FACES_A_GROUP: u32 = 16;
 /// Frames that probes take to settle after their warm-up.
@@ -230,11 +228,6 @@ impl FaceTable {
     pub fn blend_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         let listed = self.entries.min(width.div_ceil(2) * height.div_ceil(2));
         rectangle(listed.div_ceil(FACES_A_GROUP))
-    }
-
-    /// Workgroups of pass `face_mark` over the faces that rays may have asked for.
-    pub fn asked_most(&self, size: [u32; 2]) -> u32 {
-        (self.batches_of(size) * FACE_RAYS / RAYS_TO_ASK).div_ceil(ASKED_A_GROUP)
     }
 
     /// Workgroups that the listed faces take, as pass `face_mark` writes them.

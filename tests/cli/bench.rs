@@ -88,6 +88,13 @@ fn bench_flight_flies_jumps_and_says_what_is_in_the_way() {
             .as_u64()
             .is_some_and(|count| count > 1000)
     );
+    let (irradiance, displayed) = (&row["change"], &row["displayed"]);
+    assert!(displayed["count"].as_u64() >= irradiance["count"].as_u64());
+    assert!(
+        displayed["max"]
+            .as_f64()
+            .is_some_and(|max| max > 0.0 && max < 1.0)
+    );
     assert_eq!(row["teleport"]["camera"], "outside");
     refused(
         &mut flight(&["inside", "outside"]),

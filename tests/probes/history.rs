@@ -104,6 +104,41 @@ fn light_that_is_known_to_change_is_followed_at_once_and_only_where_it_arrives()
     }
 }
 
+/// Where nothing changes for long there is nothing to follow, until something does.
+#[test]
+fn still_light_is_averaged_further_and_the_first_change_ends_that() {
+    let parameters = ProbeParameters {
+        rays: 16,
+        warmup_frames: 1,
+        ..Default::default()
+    };
+    let boil = |rig: &mut Rig, is_known: bool| {
+        let (mut last, mut squares) = (0.0, 0.0);
+        for frame in 0..360 {
+            if is_known {
+                rig.field.changes.begin_frame(0.0, rig.frame as u32);
+            }
+            rig.update(|_, d| noisy(1.0, d));
+            let now = centre(rig, 0);
+            if frame > 320 {
+                squares += (now - last).powi(2);
+            }
+            last = now;
+        }
+        squares
+    };
+    let mut rig = Rig::new(volume([2, 1, 1], 4.0), parameters.clone());
+    let mut unaware = Rig::new(volume([2, 1, 1], 4.0), parameters);
+    let share = boil(&mut rig, true) / boil(&mut unaware, false);
+    // A mean of 330 updates changes ten times less than one of 33.
+    assert!((0.001..0.1).contains(&share), "{share}");
+    for _ in 0..3 {
+        rig.field.changes.begin_frame(1.0, rig.frame as u32);
+        rig.update(|_, d| noisy(6.0, d));
+    }
+    assert!((centre(&rig, 0) - 6.0).abs() < 0.5, "{}", centre(&rig, 0));
+}
+
 #[test]
 fn light_that_nobody_announced_is_followed_when_it_stays() {
     let parameters = ProbeParameters {

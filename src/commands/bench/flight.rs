@@ -14,6 +14,7 @@ use super::{
         settings::Setting,
         subject::{Subject, SubjectOptions},
     },
+    flight_look::{Look, Meters},
     flight_path::Path,
     suite::LightSuite,
 };
@@ -24,6 +25,7 @@ use crate::{
         changes::{ChangeMeter, Changes, mean_lit},
         picture::Picture,
         statistics,
+        tonemap::tone_mapped,
     },
     parameters::ProbeParameters,
     passes::{View, ViewMode},
@@ -36,7 +38,8 @@ use crate::{
 /// Flies along the first camera's view, to and fro before the wall ahead, or through several cameras
 /// (`--camera A --camera B`). After each frame the surfaces of the frame before are lit again: the change of
 /// their indirect irradiance, relative to the brighter of the two, is what pops. Pixels below 5 % of the
-/// mean are left out. Then the camera jumps to the world's camera that is farthest away, and what it sees
+/// mean are left out. How much of it can be seen is told by the change of the displayed picture of these
+/// surfaces, as a share of white. Then the camera jumps to the world's camera that is farthest away, and what it sees
 /// after the settling frames is compared with probes that began there. Without WORLD the cavern is flown
 /// through.
 #[derive(Args)]
@@ -84,6 +87,9 @@ struct Row {
     change: Changes,
     /// As many frames before it, with the camera at rest.
     change_at_rest: Changes,
+    /// The same of the displayed picture, as shares of white.
+    displayed: Changes,
+    displayed_at_rest: Changes,
     scroll: Scroll,
     teleport: Teleport,
 }
@@ -211,10 +217,19 @@ impl<'a> Flyer<'a> {
         Ok(self.frame.read_radiance(self.gpu)?)
     }
 
-    /// What a camera sees by the probes as they are.
-    fn look(&mut self, camera: &Camera) -> Result<Picture, Failure> {
+    /// What a camera sees by the light as it is: indirect irradiance, and the displayed picture.
+    fn look(&mut self, camera: &Camera) -> Result<Look, Failure> {
+        let radiance = self.look_at(camera, ViewMode::Full)?;
+        Ok(Look {
+            irradiance: self.look_at(camera, ViewMode::Irradiance)?,
+            displayed: tone_mapped(&radiance, self.view.exposure_ev),
+        })
+    }
+
+    fn look_at(&mut self, camera: &Camera, mode: ViewMode) -> Result<Picture, Failure> {
         let mut view = self.view.clone();
         view.camera = camera.clone();
+        view.mode = mode;
         let mut recorder = Recorder::new(self.gpu, None);
         self.frame.show(self.gpu, &mut recorder, &view);
         recorder.submit(self.gpu)?;
@@ -233,18 +248,18 @@ impl<'a> Flyer<'a> {
         let length = arguments.metres * per_metre;
         let path = Path::new(&subject.world, &voxels, &subject.cameras, length)?;
         let start = path.at(0.0);
-        let mut last = self.settle(&start, settling)?;
-        let floor = FLOOR * mean_lit(&last);
+        let floor = FLOOR * mean_lit(&self.settle(&start, settling)?);
+        let mut last = self.look(&start)?;
 
-        let mut at_rest = ChangeMeter::new(floor);
+        let mut at_rest = Meters::new(floor);
         for _ in 0..frames.min(settling) {
             self.step(&start)?;
-            let now = self.frame.read_radiance(self.gpu)?;
-            at_rest.add(&last, &now).map_err(Failure::fault)?;
+            let now = self.look(&start)?;
+            at_rest.add(&last, &now)?;
             last = now;
         }
 
-        let mut change = ChangeMeter::new(floor);
+        let mut change = Meters::new(floor);
         let (mut scrolling, mut still) = (Vec::new(), Vec::new());
         let (mut scrolls, mut most_fresh) = (0, 0);
         let mut before = start;
@@ -252,9 +267,9 @@ impl<'a> Flyer<'a> {
             let flown = arguments.speed * per_metre * index as f32 / arguments.rate as f32;
             let camera = path.at(flown.min(length));
             let ms = self.step(&camera)?;
-            let now = self.frame.read_radiance(self.gpu)?;
+            let now = self.look(&camera)?;
             let again = self.look(&before)?;
-            change.add(&last, &again).map_err(Failure::fault)?;
+            change.add(&last, &again)?;
             let fresh = self.frame.field().fresh();
             if fresh > 0 {
                 (scrolls, most_fresh) = (scrolls + 1, most_fresh.max(fresh));
@@ -279,8 +294,10 @@ impl<'a> Flyer<'a> {
             speed: arguments.speed,
             settling,
             frames,
-            change: change.result(),
-            change_at_rest: at_rest.result(),
+            change: change.irradiance.result(),
+            change_at_rest: at_rest.irradiance.result(),
+            displayed: change.displayed.result(),
+            displayed_at_rest: at_rest.displayed.result(),
             scroll: Scroll {
                 frames: scrolls,
                 most_fresh,
@@ -331,6 +348,8 @@ fn lines(row: &Row) -> String {
         "{} · {cameras} · {} ({} probes, {} rays{}), {} m at {} m/s in {} frames\n\
          \x20 change in flight   {}\n\
          \x20 change at rest     {}\n\
+         \x20 displayed, in flight   {}\n\
+         \x20 displayed, at rest     {}\n\
          \x20 frames with new probes: {} (at most {} probes), {}; others {}{ratio}\n\
          \x20 after a jump to `{}` ({} of {} probes new), against a start there: {}\n",
         row.world,
@@ -343,6 +362,8 @@ fn lines(row: &Row) -> String {
         row.frames,
         percent(&row.change),
         percent(&row.change_at_rest),
+        percent(&row.displayed),
+        percent(&row.displayed_at_rest),
         scroll.frames,
         scroll.most_fresh,
         ms(scroll.scrolling_ms),

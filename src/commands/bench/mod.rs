@@ -1,6 +1,7 @@
 //! `grotto bench SUITE`: one file a suite.
 
 mod flight;
+mod flight_look;
 mod flight_path;
 mod response;
 mod stability;
