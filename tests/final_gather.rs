@@ -220,6 +220,13 @@ fn what_rays_hit_knows_its_own_light() {
     );
 }
 
+/// Threads find faces, ask for them and claim places for them in any order.
+#[test]
+fn the_order_of_threads_does_not_show() {
+    let [once, again] = [(); 2].map(|()| Room::new(quick()).after(70));
+    assert!(once == again);
+}
+
 /// What was known of the light is of no use then, and must not be shown.
 #[test]
 fn a_lamp_that_goes_out_leaves_no_light() {

@@ -158,6 +158,7 @@ fn faces() {
         ("ListedFace", FaceTable::LISTED_BYTES),
         ("FaceBatch", FaceTable::BATCH_BYTES),
         ("FaceHistory", FaceTable::HISTORY_BYTES),
+        ("AskedList", FaceTable::ASKED_LIST_BYTES),
     ] {
         let layout = shader_layout("data::face_list", name);
         assert_eq!(layout.stride as u64, bytes, "{name}");

@@ -3,12 +3,12 @@
 use super::FaceTable;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
-/// Workgroups for the `MOST_ASKED` of `shaders/passes/face_mark.wesl`.
-const ASKED_GROUPS: u32 = 2048 / 64;
+/// Workgroups for all faces that rays may have asked for.
+const ASKED_GROUPS: u32 = FaceTable::ASKED_ROOM / 64;
 
 pub struct FaceMark {
     mark: (Kernel, Bindings),
-    mark_asked: (Kernel, Bindings),
+    asked: [(Kernel, Bindings); 3],
     arguments: (Kernel, Bindings),
     groups: [u32; 2],
 }
@@ -44,7 +44,11 @@ impl FaceMark {
         let [columns, rows] = mark.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
         Ok(Self {
             mark,
-            mark_asked: entry("mark_asked")?,
+            asked: [
+                entry("claim_asked")?,
+                entry("take_asked")?,
+                entry("mark_asked")?,
+            ],
             arguments: entry("arguments")?,
             groups: rectangle(columns * rows),
         })
@@ -58,10 +62,11 @@ impl FaceMark {
 
     /// After [`record`](Self::record), before pass `face_rays`.
     pub fn record_arguments(&self, recorder: &mut Recorder<'_>) {
-        let (mark_asked, asked_bindings) = &self.mark_asked;
         let (arguments, bindings) = &self.arguments;
         recorder.compute(&arguments.label, |pass| {
-            mark_asked.dispatch(pass, asked_bindings, [ASKED_GROUPS, 1, 1]);
+            for (kernel, bindings) in &self.asked {
+                kernel.dispatch(pass, bindings, [ASKED_GROUPS, 1, 1]);
+            }
             arguments.dispatch(pass, bindings, [1, 1, 1]);
         });
     }

@@ -36,7 +36,7 @@ impl FaceRays {
         all.extend_from_slice(resources);
         all.extend(field.resources());
         all.extend(faces.update_resources());
-        all.extend(faces.ray_resources());
+        all.push(("face_rays_out", faces.rays().as_entire_binding()));
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
             kernel,

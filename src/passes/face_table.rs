@@ -42,9 +42,6 @@ const MOST_BATCHES: u32 = 1 << 17;
 /// `FACE_RAYS` of the same, and bytes of each.
 const FACE_RAYS: u32 = 32;
 const RAY_BYTES: u64 = 8;
-/// `RAYS_TO_ASK` of the same, and bytes of an `AskedFace`.
-const RAYS_TO_ASK: u32 = 4;
-const ASKED_BYTES: u64 = 8;
 /// Pixels of the picture for each batch of a frame: a small picture is not to cost more than a large one.
 const PIXELS_A_BATCH: u32 = 8;
 const LEAST_BATCHES: u32 = 4096;
@@ -90,6 +87,9 @@ impl FaceTable {
     pub const HISTORY_BYTES: u64 = 144;
     /// Bytes of the `ENTRY_WORDS` of `shaders/data/faces.wesl`.
     pub const ENTRY_BYTES: u64 = 48;
+    /// `ASKED_ROOM` of the same, and bytes of its `AskedList`.
+    pub const ASKED_ROOM: u32 = 4096;
+    pub const ASKED_LIST_BYTES: u64 = 4 + 8 * Self::ASKED_ROOM as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `face_rays`.
     pub const RAYS_OFFSET: u64 = 0;
     /// Byte in [`Self::dispatch`] of those of pass `face_blend`.
@@ -107,7 +107,7 @@ impl FaceTable {
         let batches = u64::from(most_batches);
         let bytes = all * (Self::ENTRY_BYTES + Self::LISTED_BYTES + Self::HISTORY_BYTES)
             + batches * (Self::BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
-            + batches * u64::from(FACE_RAYS / RAYS_TO_ASK) * ASKED_BYTES;
+            + Self::ASKED_LIST_BYTES;
         let what = "the faces of the final gather (probes.final_gather)";
         gpu.making(what, bytes, || {
             Ok(Self {
@@ -124,10 +124,7 @@ impl FaceTable {
                 batches: gpu.storage_buffer("face_batches", (1 + batches) * Self::BATCH_BYTES)?,
                 rays: gpu
                     .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
-                asked: gpu.storage_buffer(
-                    "asked_faces",
-                    batches * u64::from(FACE_RAYS / RAYS_TO_ASK) * ASKED_BYTES,
-                )?,
+                asked: gpu.storage_buffer("asked_faces", Self::ASKED_LIST_BYTES)?,
                 histories: gpu.storage_buffer("face_histories", all * Self::HISTORY_BYTES)?,
                 dispatch: gpu.storage_buffer("face_dispatch", 32)?,
             })
@@ -156,7 +153,7 @@ impl FaceTable {
     pub fn forget(&mut self, encoder: &mut wgpu::CommandEncoder) {
         self.frame = 0;
         self.edited = None;
-        for buffer in [&self.table, &self.histories, &self.counts, &self.batches] {
+        for buffer in [&self.table, &self.histories, &self.counts, &self.asked] {
             encoder.clear_buffer(buffer, 0, None);
         }
     }
@@ -264,18 +261,15 @@ impl FaceTable {
             ("known_faces", of(&self.histories)),
             ("face_histories", of(&self.histories)),
             ("face_dispatch", of(&self.dispatch)),
-            // Pass `face_rays` writes both.
+            // Pass `face_rays` writes these.
             ("face_rays", of(&self.rays)),
             ("asked_faces", of(&self.asked)),
         ]
     }
 
-    /// What pass `face_rays` writes.
-    pub fn ray_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
-        [
-            ("face_rays_out", self.rays.as_entire_binding()),
-            ("asked_faces_out", self.asked.as_entire_binding()),
-        ]
+    /// Where pass `face_rays` writes.
+    pub fn rays(&self) -> &wgpu::Buffer {
+        &self.rays
     }
 
     /// How many faces the last frame has listed.
