@@ -72,7 +72,7 @@ impl Passes {
             }
         });
         if faces {
-            self.face_mark.record_arguments(recorder);
+            self.face_mark.record_asked(recorder);
         }
         recorder.together(|recorder| {
             self.probe_rays.record(recorder);

@@ -1,4 +1,4 @@
-//! Pass `face_mark`: which faces the camera sees, and how many workgroups it takes to light them.
+//! Pass `face_mark`: which faces the camera sees or rays have asked for, and how many workgroups it takes to light them.
 
 use super::FaceTable;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
@@ -60,8 +60,9 @@ impl FaceMark {
         recorder.run(kernel, bindings, self.groups);
     }
 
-    /// After [`record`](Self::record), before pass `face_rays`.
-    pub fn record_arguments(&self, recorder: &mut Recorder<'_>) {
+    /// The faces that rays have asked for, and then how much there is to do in all. After
+    /// [`record`](Self::record), before pass `face_rays`.
+    pub fn record_asked(&self, recorder: &mut Recorder<'_>) {
         let (arguments, bindings) = &self.arguments;
         recorder.compute(&arguments.label, |pass| {
             for (kernel, bindings) in &self.asked {

@@ -221,9 +221,11 @@ impl FaceTable {
         rectangle((self.batches_of(size) * FACE_RAYS).div_ceil(RAYS_A_GROUP))
     }
 
-    /// Most workgroups of pass `face_blend` for pictures of `size` pixels: of four, one is looked at.
+    /// Most workgroups of pass `face_blend` for pictures of `size` pixels: of four, one is looked at, and rays ask
+    /// for other faces.
     pub fn blend_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
-        let listed = self.entries.min(width.div_ceil(2) * height.div_ceil(2));
+        let seen = width.div_ceil(2) * height.div_ceil(2);
+        let listed = self.entries.min(seen + Self::ASKED_ROOM);
         rectangle(listed.div_ceil(FACES_A_GROUP))
     }
 

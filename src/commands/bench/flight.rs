@@ -217,11 +217,22 @@ impl<'a> Flyer<'a> {
         Ok(self.frame.read_radiance(self.gpu)?)
     }
 
-    /// What a camera sees by the light as it is: indirect irradiance, and the displayed picture.
+    /// What the camera of the last step has seen.
+    fn seen(&mut self) -> Result<Look, Failure> {
+        let irradiance = self.frame.read_radiance(self.gpu)?;
+        self.with_display(irradiance, &self.view.camera.clone())
+    }
+
+    /// What another camera sees by the light as it is.
     fn look(&mut self, camera: &Camera) -> Result<Look, Failure> {
+        let irradiance = self.look_at(camera, ViewMode::Irradiance)?;
+        self.with_display(irradiance, camera)
+    }
+
+    fn with_display(&mut self, irradiance: Picture, camera: &Camera) -> Result<Look, Failure> {
         let radiance = self.look_at(camera, ViewMode::Full)?;
         Ok(Look {
-            irradiance: self.look_at(camera, ViewMode::Irradiance)?,
+            irradiance,
             displayed: tone_mapped(&radiance, self.view.exposure_ev),
         })
     }
@@ -249,12 +260,12 @@ impl<'a> Flyer<'a> {
         let path = Path::new(&subject.world, &voxels, &subject.cameras, length)?;
         let start = path.at(0.0);
         let floor = FLOOR * mean_lit(&self.settle(&start, settling)?);
-        let mut last = self.look(&start)?;
+        let mut last = self.seen()?;
 
         let mut at_rest = Meters::new(floor);
         for _ in 0..frames.min(settling) {
             self.step(&start)?;
-            let now = self.look(&start)?;
+            let now = self.seen()?;
             at_rest.add(&last, &now)?;
             last = now;
         }
@@ -267,7 +278,7 @@ impl<'a> Flyer<'a> {
             let flown = arguments.speed * per_metre * index as f32 / arguments.rate as f32;
             let camera = path.at(flown.min(length));
             let ms = self.step(&camera)?;
-            let now = self.look(&camera)?;
+            let now = self.seen()?;
             let again = self.look(&before)?;
             change.add(&last, &again)?;
             let fresh = self.frame.field().fresh();
