@@ -42,9 +42,11 @@ const MOST_BATCHES: u32 = 1 << 17;
 /// `FACE_RAYS` of the same, and bytes of each.
 const FACE_RAYS: u32 = 32;
 const RAY_BYTES: u64 = 8;
-/// Pixels of the picture for each batch of a frame: a small picture is not to cost more than a large one.
+/// Pixels of the picture for each batch of a frame, where that gives more than the least: in software, where each ray
+/// is waited for, a small picture is not to cost as much as a large one.
 const PIXELS_A_BATCH: u32 = 8;
-const LEAST_BATCHES: u32 = 4096;
+const LEAST_BATCHES: u32 = 1 << 15;
+const LEAST_IN_SOFTWARE: u32 = 1 << 12;
 /// Threads of a workgroup of pass `face_rays`.
 const RAYS_A_GROUP: u32 = 64;
 /// Faces of a workgroup of pass `face_blend`.
@@ -62,6 +64,7 @@ const EDIT_REACH: f32 = 3.0;
 pub struct FaceTable {
     is_used: bool,
     entries: u32,
+    least_batches: u32,
     most_batches: u32,
     frame: u32,
     /// Box of voxels (grid space, with what they reach) that edits changed for this frame or an earlier one,
@@ -113,6 +116,11 @@ impl FaceTable {
             Ok(Self {
                 is_used,
                 entries,
+                least_batches: if gpu.summary.is_software() {
+                    LEAST_IN_SOFTWARE
+                } else {
+                    LEAST_BATCHES
+                },
                 most_batches,
                 frame: 0,
                 edited: None,
@@ -213,7 +221,7 @@ impl FaceTable {
     /// Most batches of rays in a frame of `size` pixels.
     fn batches_of(&self, [width, height]: [u32; 2]) -> u32 {
         let share = width * height / PIXELS_A_BATCH;
-        self.most_batches.min(share.max(LEAST_BATCHES))
+        self.most_batches.min(share.max(self.least_batches))
     }
 
     /// Most workgroups of pass `face_rays` for pictures of `size` pixels.
