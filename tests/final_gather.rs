@@ -47,6 +47,7 @@ struct Room {
     probes: ProbeParameters,
     preset: usize,
     size: [u32; 2],
+    seed: u32,
 }
 
 impl Room {
@@ -72,6 +73,7 @@ impl Room {
             probes,
             preset: 0,
             size,
+            seed: 3,
         }
     }
 
@@ -83,7 +85,7 @@ impl Room {
                 camera: self.world.cameras[0].clone(),
                 size: self.size,
                 frame: self.frame.frames(),
-                seed: 3,
+                seed: self.seed,
                 exposure_ev: 0.0,
                 mode: ViewMode::Irradiance,
                 time_s: 0.0,
@@ -217,6 +219,20 @@ fn what_rays_hit_knows_its_own_light() {
         (ours - 1.0).abs() < 0.06 && theirs < 0.86,
         "{ours}, {theirs} by probes"
     );
+}
+
+/// Quarters of a face that differ by no more than their noise show the same: other rays find another picture, but not
+/// by much.
+#[test]
+fn noise_between_quarters_is_not_shown() {
+    let seen_by = |seed| {
+        let mut room = Room::new(quick());
+        room.seed = seed;
+        room.after(40)
+    };
+    let apart = apart(&seen_by(3), &seen_by(4));
+    // If each showed its own mean it would be 0.021.
+    assert!(apart < 0.017, "{apart}");
 }
 
 /// Threads find faces, ask for them and claim places for them in any order.
