@@ -10,7 +10,7 @@ use grotto::{
         changes::{ChangeMeter, mean_lit},
         picture::Picture,
     },
-    parameters::ProbeParameters,
+    parameters::{ProbeParameters, Visibility},
     passes::{View, ViewMode},
     probes::{Layout as _, Volume},
     world::{Camera, LayoutSpec, World, file},
@@ -57,6 +57,10 @@ struct Hall {
 
 impl Hall {
     fn new(rays: u32, counts: [u32; 3], cascades: u32) -> Self {
+        Self::seeing(Visibility::Auto, rays, counts, cascades)
+    }
+
+    fn seeing(visibility: Visibility, rays: u32, counts: [u32; 3], cascades: u32) -> Self {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
         let world = file::parse(HALL, "hall", None, &Default::default()).expect("a sound world");
         let layout = LayoutSpec {
@@ -69,6 +73,7 @@ impl Hall {
         };
         let probes = ProbeParameters {
             rays,
+            visibility,
             ..Default::default()
         };
         let stage = Stage::build(&gpu, &world).expect("fits");
@@ -136,11 +141,23 @@ impl Hall {
     }
 }
 
+/// Levels, and how they tell what they see: guessed from distances, exact, and exact with twins.
+const KINDS: [(u32, Visibility); 3] = [
+    (3, Visibility::Auto),
+    (3, Visibility::Exact),
+    (1, Visibility::Auto),
+];
+
 /// By one cell, by several, along one axis and all: what has stayed keeps its history, what has come
 /// begins anew.
 #[test]
 fn only_fresh_planes_begin_anew() {
-    let mut hall = Hall::new(16, [8, 5, 8], 3);
+    for (cascades, visibility) in KINDS {
+        begins_anew(Hall::seeing(visibility, 16, [8, 5, 8], cascades));
+    }
+}
+
+fn begins_anew(mut hall: Hall) {
     let mut place = Vec3::new(-30.0, 0.0, 1.0);
     hall.settle(place, 3);
     for step in [Vec3::X * 2.0, Vec3::new(-1.0, 2.0, 9.0), Vec3::X * 12.0] {
@@ -175,8 +192,13 @@ fn atlas(hall: &Hall) -> Vec<[f16; 4]> {
 /// A jump that leaves nothing leaves nothing: the very bytes of a run that started there.
 #[test]
 fn a_jump_equals_a_start_there() {
+    for (cascades, visibility) in KINDS {
+        jumps(Hall::seeing(visibility, 16, [8, 5, 8], cascades));
+    }
+}
+
+fn jumps(mut hall: Hall) {
     let (here, there) = (Vec3::new(-36.0, 0.0, 1.0), Vec3::new(36.0, -2.0, 0.0));
-    let mut hall = Hall::new(16, [8, 5, 8], 3);
     hall.settle(here, 6);
     let before = hall.picture();
     hall.step(there);

@@ -47,7 +47,7 @@ impl Passes {
             probe_states: ProbeStates::new(gpu, field, resources)?,
             probe_sight: ProbeSight::new(gpu, field, resources)?,
             probe_due: ProbeDue::new(gpu, field)?,
-            probe_seed: ProbeSeed::new(gpu, field)?,
+            probe_seed: ProbeSeed::new(gpu, field, resources)?,
             probe_rays: ProbeRays::new(gpu, field, resources)?,
             probe_blend: ProbeBlend::new(gpu, field)?,
             face_mark: FaceMark::new(gpu, size, surfaces, faces, resources)?,

@@ -107,6 +107,8 @@ choice! {
         Chebyshev = "chebyshev",
         /// By marching: kept for every voxel of air beside stone in the probe's cages.
         Exact = "exact",
+        /// Exact where there is one level of probes; nested levels by distances, which is truer there.
+        Auto = "auto",
     }
 }
 
@@ -200,8 +202,8 @@ parameters! {
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
         #[doc = "Share of history that an update keeps when no lamp and no voxel has changed for long, if that is more than probes.hysteresis: more noise is averaged away, and the first change ends it."]
         still_hysteresis: f32 = 0.998, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
-        #[doc = "How a probe behind a wall loses its weight: exact marches, leaks nothing and gives thin walls probes on both sides (cages of up to 14 voxels; larger ones take chebyshev), chebyshev guesses from distances, none is fastest and leaks."]
-        visibility: Visibility = Visibility::Exact, Visibility::KIND, Probes;
+        #[doc = "How a probe behind a wall loses its weight: exact marches and leaks nothing (cages of up to 20 voxels; larger ones take chebyshev), and where there is one level of probes it gives thin walls some on both sides; chebyshev guesses from distances; auto is exact for one level and chebyshev for cascades; none is fastest and leaks."]
+        visibility: Visibility = Visibility::Auto, Visibility::KIND, Probes;
         #[doc = "Light between the faces of voxels that stand beside each other, which probes are too far apart to tell: on finds the shade at feet of walls and on steps, and the glow of the next voxel; off is faster."]
         contact: Contact = Contact::On, Contact::KIND, Probes;
         #[doc = "Whether the faces that the camera sees send rays of their own: on shows light as it falls on each face, off as the nearest probes have it, with contact where that is on."]

@@ -26,7 +26,7 @@ impl FaceBlend {
             gpu,
             &KernelSpec {
                 shader: "passes/face_blend",
-                overrides: &[("EXACT", f64::from(u8::from(field.exact())))],
+                overrides: &field.gather_overrides(),
                 ..Default::default()
             },
         )?;

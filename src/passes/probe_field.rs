@@ -1,5 +1,7 @@
 //! The probe field on the GPU: what the passes that trace, blend and gather probes share.
 
+mod bindings;
+
 use glam::Vec3;
 
 use super::{
@@ -8,7 +10,7 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError},
-    parameters::{Contact, ProbeParameters, Relocation},
+    parameters::{Contact, ProbeParameters},
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, ProbeError, Sight, Volume, atlas::ProbeMemory,
         sampling,
@@ -63,10 +65,12 @@ impl ProbeField {
         volume: Volume,
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
-        let sight = Sight::new(&volume, parameters);
-        // Where probes keep to the lattice, twins have nowhere to go.
-        let moves = parameters.relocation == Relocation::Exact && parameters.move_reach > 0.0;
-        let twins = sight.is_some() && moves && parameters.twin_share < 1.0;
+        // Too many bits for this adapter: distances are guessed from, then, as with large cages.
+        let sight = Sight::new(&volume, parameters).filter(|sight| {
+            gpu.check_buffer("what all probes see", sight.bytes())
+                .is_ok()
+        });
+        let twins = sight.as_ref().is_some_and(Sight::twins);
         let slots = volume.slots() * if twins { 2 } else { 1 };
         let atlas = AtlasLayout::new(
             slots,
@@ -75,9 +79,8 @@ impl ProbeField {
             gpu.limits.max_texture_dimension_2d,
             gpu.limits.max_texture_array_layers,
         )?;
-        let sight_bytes = sight.map_or(0, |sight| u64::from(sight.words()) * u64::from(slots) * 4);
         let memory = ProbeMemory {
-            sight: sight_bytes,
+            sight: sight.as_ref().map_or(0, Sight::bytes),
             ..atlas.memory(parameters.rays)
         };
         let parts = [
@@ -90,7 +93,6 @@ impl ProbeField {
                 "the distance history of all probes",
                 memory.distance_history,
             ),
-            ("what all probes see (probes.visibility)", memory.sight),
         ];
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
@@ -206,79 +208,9 @@ impl ProbeField {
         self.plan.begin_frame(gpu, parameters, &self.changes, frame);
     }
 
-    /// The bindings of `shaders/data/probes.wesl`: what it takes to gather.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 10] {
-        use wgpu::BindingResource::{Sampler, TextureView};
-        let [plan, work] = self.plan.resources();
-        [
-            plan,
-            work,
-            ("probe_info", self.info.as_entire_binding()),
-            ("ray_directions", self.ray_directions.as_entire_binding()),
-            ("irradiance_atlas", TextureView(&self.irradiance_view)),
-            ("distance_atlas", TextureView(&self.distance_view)),
-            ("probe_sampler", Sampler(&self.sampler)),
-            ("probe_places", self.places.as_entire_binding()),
-            ("probe_sight", self.sight_bits.as_entire_binding()),
-            ("ambient_cubes", self.ambient_cubes.as_entire_binding()),
-        ]
-    }
-
-    /// What is written when the field is updated: rays, histories, states, and the atlas.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
-        use wgpu::BindingResource::TextureView;
-        let [plan, work] = self.plan.resources();
-        [
-            plan,
-            work,
-            ("probe_info", self.info.as_entire_binding()),
-            ("ray_directions", self.ray_directions.as_entire_binding()),
-            ("probe_rays", self.rays.as_entire_binding()),
-            (
-                "irradiance_history",
-                self.irradiance_history.as_entire_binding(),
-            ),
-            (
-                "distance_history",
-                self.distance_history.as_entire_binding(),
-            ),
-            ("probe_states", self.states.as_entire_binding()),
-            ("probe_trends", self.trends.as_entire_binding()),
-            ("probe_places", self.places.as_entire_binding()),
-            ("changes", self.changes_info.as_entire_binding()),
-            ("irradiance_out", TextureView(&self.irradiance_view)),
-            ("distance_out", TextureView(&self.distance_view)),
-            ("ambient_cubes_out", self.ambient_cubes.as_entire_binding()),
-        ]
-    }
-
-    /// What the passes `probe_states` and `probe_sight` read of the probes and write: where each
-    /// stands, what it knows, and what it sees.
-    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
-        let [plan, work] = self.plan.resources();
-        [
-            plan,
-            work,
-            self.plan.walks(),
-            ("probe_info", self.info.as_entire_binding()),
-            ("probe_places_out", self.places.as_entire_binding()),
-            ("probe_states", self.states.as_entire_binding()),
-            ("probe_sight_out", self.sight_bits.as_entire_binding()),
-            ("probe_rays", self.rays.as_entire_binding()),
-        ]
-    }
-
     /// Whether probes know by marching what they see: asked for, and their cages are small enough.
     pub fn exact(&self) -> bool {
         self.sight.is_some()
-    }
-
-    /// The constants of kernels that gather: what is exact, and what is looked for.
-    pub fn gather_overrides(&self) -> [(&'static str, f64); 2] {
-        [
-            ("EXACT", f64::from(u8::from(self.exact()))),
-            ("CONTACT", f64::from(u8::from(self.contact))),
-        ]
     }
 
     /// Whether probes keep how far they see: nobody asks under exact visibility.
@@ -286,23 +218,14 @@ impl ProbeField {
         self.atlas.distance_texels > 0
     }
 
-    /// What each probe sees: see [`Sight`].
-    pub fn sight(&self) -> Option<(Sight, &wgpu::Buffer)> {
-        self.sight.map(|sight| (sight, &self.sight_bits))
+    /// What of what they see the probes keep.
+    pub fn sight(&self) -> Option<&Sight> {
+        self.sight.as_ref()
     }
 
-    /// What pass `probe_due` writes besides [`Self::resources`].
-    pub fn due_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
-        [
-            self.plan.face_requests(),
-            ("probe_states", self.states.as_entire_binding()),
-            ("probe_dispatch", self.plan.dispatch().as_entire_binding()),
-        ]
-    }
-
-    /// What pass `face_rays` binds in place of pass `probe_rays`': they run side by side.
-    pub fn work_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
-        self.plan.work_of_faces()
+    /// The bits of [`Self::sight`], words of 32.
+    pub fn sight_bits(&self) -> &wgpu::Buffer {
+        &self.sight_bits
     }
 
     /// Workgroups that the due probes take, as pass `probe_due` writes them: those of pass `probe_rays`

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::{GpuProbeLevel, ProbeField, probe_level::LEVELS};
 use crate::{
     parameters::{LongRays, ProbeParameters, Relocation, Visibility},
-    probes::Layout as _,
+    probes::{Layout as _, Sight},
 };
 
 /// `ProbeInfo` of `shaders/data/probes.wesl`.
@@ -37,11 +37,10 @@ pub struct GpuProbeInfo {
     pub warmup_frames: u32,
     pub firefly_clamp: f32,
     pub move_reach: f32,
-    pub sight_counts: [u32; 3],
-    pub sight_words: u32,
     pub lattice_slots: u32,
+    pub sight_lattice_words: u32,
     pub twin_share: f32,
-    pub pad: [u32; 2],
+    pub pad: u32,
 }
 
 /// Share of its history that a probe keeps at most. When nothing has changed for long there is nothing to follow.
@@ -54,13 +53,13 @@ impl GpuProbeInfo {
     /// Of a field in a frame.
     pub(super) fn new(field: &ProbeField, parameters: &ProbeParameters, frame: u64) -> Self {
         let (volume, atlas) = (field.volume(), field.atlas());
-        let sight = field.sight().map(|(sight, _)| sight);
+        let sight = field.sight();
         let scale = |texels: u32| {
             let [width, height, _] = atlas.texture_extent(texels);
             [1.0 / width as f32, 1.0 / height as f32]
         };
         Self {
-            levels: GpuProbeLevel::all(volume, field.motion(), parameters, frame),
+            levels: GpuProbeLevel::all(volume, field.motion(), sight, parameters, frame),
             counts: volume.counts().to_array(),
             slots: atlas.slots,
             level_count: volume.levels().len() as u32,
@@ -79,9 +78,8 @@ impl GpuProbeInfo {
             crush: parameters.crush,
             visibility: match parameters.visibility {
                 Visibility::None => 0,
-                Visibility::Chebyshev => 1,
-                // Where it cannot be exact.
-                Visibility::Exact => 1,
+                // Where it is not exact, or cannot be.
+                Visibility::Chebyshev | Visibility::Exact | Visibility::Auto => 1,
             },
             chebyshev_power: parameters.chebyshev_power,
             chebyshev_floor: parameters.chebyshev_floor,
@@ -93,15 +91,13 @@ impl GpuProbeInfo {
                 Relocation::Off => 0.0,
                 Relocation::Exact | Relocation::Statistical => parameters.move_reach,
             },
-            sight_counts: sight.map_or([0; 3], |sight| sight.counts.to_array()),
-            sight_words: sight.map_or(0, |sight| sight.words()),
             lattice_slots: volume.slots(),
-            twin_share: if atlas.slots > volume.slots() {
-                parameters.twin_share
-            } else {
-                1.0
+            sight_lattice_words: sight.map_or(0, Sight::lattice_words),
+            twin_share: match sight {
+                Some(sight) if sight.twins() => parameters.twin_share,
+                _ => 1.0,
             },
-            pad: [0; 2],
+            pad: 0,
         }
     }
 }

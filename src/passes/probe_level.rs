@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::{
     parameters::{LongRays, ProbeParameters, Relocation},
-    probes::{Level, Motion, Volume, volume::MAX_LEVELS},
+    probes::{Level, Motion, Sight, Volume, volume::MAX_LEVELS},
 };
 
 /// Room for the levels of a volume.
@@ -23,17 +23,19 @@ pub struct GpuProbeLevel {
     pub middle_ws: [f32; 3],
     pub age: u32,
     pub reach: [f32; 3],
-    pub _pad0: u32,
+    pub sight_first_word: u32,
     pub anchor_ws: [f32; 3],
-    pub _pad1: u32,
+    pub sight_words: u32,
     pub base: [i32; 3],
-    pub _pad2: u32,
+    pub sight_row: u32,
     pub wrap: [u32; 3],
-    pub _pad3: u32,
+    pub sight_layer: u32,
     pub base_before: [i32; 3],
     pub _pad4: u32,
     pub inwards_ws: [f32; 3],
     pub _pad5: u32,
+    pub sight_counts: [u32; 3],
+    pub _pad6: u32,
 }
 
 /// A place that all probes lie on the same side of.
@@ -44,6 +46,7 @@ impl GpuProbeLevel {
     pub fn all(
         volume: &Volume,
         motion: &Motion,
+        sight: Option<&Sight>,
         parameters: &ProbeParameters,
         frame: u64,
     ) -> [Self; LEVELS] {
@@ -56,7 +59,13 @@ impl GpuProbeLevel {
         let mut all = [Self::default(); LEVELS];
         let levels = volume.levels().iter().zip(motion.before().levels());
         for (index, (gpu_level, (level, before))) in all.iter_mut().zip(levels).enumerate() {
+            let seen = sight.map(|sight| sight.boxes()[index]);
             *gpu_level = Self {
+                sight_first_word: seen.map_or(0, |seen| seen.first_word),
+                sight_row: seen.map_or(0, |seen| seen.bricks().x),
+                sight_layer: seen.map_or(0, |seen| seen.bricks().x * seen.bricks().y),
+                sight_words: seen.map_or(0, |seen| seen.words()),
+                sight_counts: seen.map_or([0; 3], |seen| seen.counts.to_array()),
                 longest: longest * level.cage_diagonal(),
                 fade: volume.fade(parameters.cascade_fade),
                 age: motion.age(index, frame),

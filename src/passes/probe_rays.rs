@@ -21,7 +21,7 @@ impl ProbeRays {
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
         let mut overrides = vec![("COHERENT", 0.0)];
-        overrides.extend(field.gather_overrides());
+        overrides.extend(field.light_overrides());
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {

@@ -1,10 +1,7 @@
 //! Pass `probe_seed`: what probes of a volume that has moved show until they have looked.
 
 use super::ProbeField;
-use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
-    probes::Layout as _,
-};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 pub struct ProbeSeed {
     kernel: Kernel,
@@ -13,9 +10,15 @@ pub struct ProbeSeed {
 }
 
 impl ProbeSeed {
+    /// `resources` are those of the voxels.
+    ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        field: &ProbeField,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, GpuError> {
         let atlas = field.atlas();
         let kernel = Kernel::new(
             gpu,
@@ -28,12 +31,13 @@ impl ProbeSeed {
                 ..Default::default()
             },
         )?;
-        let mut all = field.update_resources().to_vec();
+        let mut all = resources.to_vec();
+        all.extend(field.update_resources());
         all.push(("probe_places", field.places().as_entire_binding()));
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
             kernel,
-            groups: rectangle(field.volume().slots()),
+            groups: rectangle(atlas.slots),
         })
     }
 

@@ -27,7 +27,7 @@ impl Shade {
     ) -> Result<Self, GpuError> {
         let format = wgpu::TextureFormat::Rgba16Float;
         let hdr = gpu.texture("hdr", [size[0], size[1], 1], format)?;
-        let mut overrides = field.gather_overrides().to_vec();
+        let mut overrides = field.light_overrides().to_vec();
         overrides.extend(faces.overrides());
         let kernel = Kernel::new(
             gpu,

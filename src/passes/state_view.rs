@@ -27,12 +27,12 @@ impl StateView {
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
         let cubes = gpu.storage_buffer("painted_cubes", field.memory().ambient_cubes)?;
-        let exact = [("EXACT", f64::from(u8::from(field.exact())))];
+        let overrides = field.gather_overrides();
         let kernel = |entry| {
             let spec = KernelSpec {
                 shader: "passes/state_view",
                 entry,
-                overrides: &exact,
+                overrides: &overrides,
                 ..Default::default()
             };
             Kernel::new(gpu, &spec)

@@ -19,7 +19,7 @@ pub use atlas::AtlasLayout;
 pub use changes::Changes;
 pub use level::Level;
 pub use motion::Motion;
-pub use sight::Sight;
+pub use sight::{Sight, SightBox};
 pub use volume::Volume;
 
 use glam::Vec3;

@@ -2,43 +2,54 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::Volume;
+use super::{Level, Volume};
 use crate::parameters::{ProbeParameters, Relocation, Visibility};
 
-/// Largest box (voxels along an axis): with a border of one voxel its rows fit words of 32 bits.
-const MOST_COUNT: u32 = 30;
+/// Largest box (voxels along an axis): with a border of one voxel its stone fits the least workgroup
+/// memory that devices have.
+const MOST_COUNT: u32 = 42;
+/// Voxels of a word: see [`SightBox`].
+const BRICK: UVec3 = UVec3::new(4, 4, 2);
 
-/// The box of voxels around a lattice point that its cages reach. A probe has one bit for each of
-/// them, set where the voxel is air beside stone and its centre sees the probe. A row of voxels along
-/// x is one u32, its first voxel in the lowest bit; rows follow each other along y, then z.
+/// The box of voxels around a lattice point that its cages reach, for the probes of one level. A probe has
+/// one bit for each of them, set where the voxel is air beside stone and its centre sees the probe. A
+/// word has the bits of a brick of 4×4×2 voxels, so that those of neighbours mostly lie in one. Words of a
+/// probe follow each other along x, then y, then z; those of the level's probes by their slots.
 /// `shaders/probes/sight.wesl` reads the bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sight {
-    /// Voxels along the axes of the box.
+pub struct SightBox {
+    /// Voxels along the axes.
     pub counts: UVec3,
+    /// Word of the level's first slot.
+    pub first_word: u32,
 }
 
-impl Sight {
-    /// `None` where visibility is not to be exact, where cages are too large for it (more than 14
-    /// voxels along an axis), and where the volume moves, has several levels, or probes walk: what is
-    /// kept would soon be that of another place.
-    pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
-        let [level] = volume.levels() else {
-            return None;
-        };
+impl SightBox {
+    /// `None` for cages of more than 20 voxels along an axis.
+    fn new(level: &Level, first_word: u32) -> Option<Self> {
         let counts = (2.0 * level.spacing()).ceil() + 2.0;
-        let fits = counts.max_element() <= MOST_COUNT as f32;
-        let walk = parameters.relocation == Relocation::Statistical;
-        (parameters.visibility == Visibility::Exact && fits && !walk && !volume.moves()).then(
-            || Self {
-                counts: counts.as_uvec3(),
-            },
-        )
+        (counts.max_element() <= MOST_COUNT as f32).then(|| Self {
+            counts: counts.as_uvec3(),
+            first_word,
+        })
+    }
+
+    /// Bricks along the axes.
+    pub fn bricks(&self) -> UVec3 {
+        (self.counts + BRICK - 1) / BRICK
     }
 
     /// Words of one probe.
     pub fn words(&self) -> u32 {
-        self.counts.y * self.counts.z
+        self.bricks().element_product()
+    }
+
+    /// Of a voxel, counted from the box's first: the word, counted from the probe's first, and the bit
+    /// in it.
+    pub fn place(&self, voxel: UVec3) -> (u32, u32) {
+        let (bricks, brick, within) = (self.bricks(), voxel / BRICK, voxel % BRICK);
+        let word = brick.x + bricks.x * (brick.y + bricks.y * brick.z);
+        (word, within.x + 4 * within.y + 16 * within.z)
     }
 
     /// The box's first voxel (world space) around a lattice point.
@@ -47,32 +58,100 @@ impl Sight {
     }
 }
 
+/// What the probes of a volume keep of what they see.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sight {
+    boxes: Vec<SightBox>,
+    lattice_words: u32,
+    twins: bool,
+}
+
+impl Sight {
+    /// `None` where visibility is not to be exact, where cages are too large for it (more than 20 voxels
+    /// along an axis, in any level), and where probes walk: what is kept would soon be that of another
+    /// place.
+    ///
+    /// Probes of one level have twins behind what they do not see, where they may leave the lattice; of several levels, the
+    /// coarser have what the finer miss.
+    pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
+        let is_asked = match parameters.visibility {
+            Visibility::Exact => true,
+            Visibility::Auto => volume.levels().len() == 1,
+            Visibility::None | Visibility::Chebyshev => false,
+        };
+        if !is_asked || parameters.relocation == Relocation::Statistical {
+            return None;
+        }
+        let moves = parameters.relocation == Relocation::Exact && parameters.move_reach > 0.0;
+        let twins = volume.levels().len() == 1 && moves && parameters.twin_share < 1.0;
+        let mut words = 0u64;
+        let mut boxes = Vec::new();
+        for level in volume.levels() {
+            let seen = SightBox::new(level, u32::try_from(words).ok()?)?;
+            words += u64::from(volume.level_slots()) * u64::from(seen.words());
+            boxes.push(seen);
+        }
+        Some(Self {
+            boxes,
+            lattice_words: u32::try_from(words).ok()?,
+            twins,
+        })
+    }
+
+    /// By level.
+    pub fn boxes(&self) -> &[SightBox] {
+        &self.boxes
+    }
+
+    /// Words of the lattice's own probes; those of their twins follow, in the same order.
+    pub fn lattice_words(&self) -> u32 {
+        self.lattice_words
+    }
+
+    /// Whether there is a second slot for each probe.
+    pub fn twins(&self) -> bool {
+        self.twins
+    }
+
+    /// What the bits of all probes take.
+    pub fn bytes(&self) -> u64 {
+        4 * u64::from(self.lattice_words) * if self.twins { 2 } else { 1 }
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
     use crate::world::LayoutSpec;
 
-    fn sight(spacing: f32) -> Option<Sight> {
+    fn sight(spacing: f32, cascades: u32) -> Option<Sight> {
+        sight_by(Visibility::Exact, spacing, cascades)
+    }
+
+    fn sight_by(visibility: Visibility, spacing: f32, cascades: u32) -> Option<Sight> {
         let spec = LayoutSpec {
             name: "test".into(),
-            counts: UVec3::splat(2),
+            counts: UVec3::splat(4),
             spacing: Vec3::splat(spacing),
             centre: Vec3::ZERO,
-            follow: false,
-            cascades: 1,
+            follow: cascades > 1,
+            cascades,
         };
         let parameters = ProbeParameters {
-            visibility: Visibility::Exact,
+            visibility,
             ..Default::default()
         };
-        Sight::new(&Volume::new(&spec).expect("a good layout"), &parameters)
+        let volume = Volume::new(&spec).expect("a good layout");
+        Sight::new(&volume, &parameters)
     }
 
     #[test]
     fn the_box_holds_every_voxel_of_the_cages_and_their_neighbours() {
-        for (spacing, lattice) in [(4.0, 0.5), (3.5, -0.25), (14.0, 7.0), (0.3, 2.9)] {
-            let counts = sight(spacing).expect("small enough").counts;
-            let corner = Sight::corner(Vec3::splat(lattice), Vec3::splat(spacing));
+        for (spacing, lattice) in [(4.0, 0.5), (3.5, -0.25), (18.0, 7.0), (0.3, 2.9)] {
+            let counts = sight(spacing, 1).expect("small enough").boxes()[0].counts;
+            let corner = SightBox::corner(Vec3::splat(lattice), Vec3::splat(spacing));
             let last = corner + counts.as_ivec3() - 1;
             let reach = spacing + 0.5;
             assert!(corner.x as f32 <= lattice - reach);
@@ -85,8 +164,55 @@ mod tests {
     }
 
     #[test]
+    fn every_voxel_of_a_box_has_a_bit_of_its_own() {
+        let seen = sight(3.5, 1).expect("small enough").boxes()[0];
+        let n = seen.counts;
+        let places: HashSet<(u32, u32)> = (0..n.element_product())
+            .map(|i| seen.place(UVec3::new(i % n.x, i / n.x % n.y, i / n.x / n.y)))
+            .collect();
+        assert_eq!(places.len() as u32, n.element_product());
+        assert!(
+            places
+                .iter()
+                .all(|(word, bit)| *word < seen.words() && *bit < 32)
+        );
+    }
+
+    #[test]
+    fn levels_follow_each_other_and_twins_all_of_them() {
+        let three = sight(2.0, 3).expect("small enough");
+        // 6, 10 and 18 voxels along an axis.
+        let words = [2 * 2 * 3, 3 * 3 * 5, 5 * 5 * 9];
+        assert_eq!(
+            three
+                .boxes()
+                .iter()
+                .map(SightBox::words)
+                .collect::<Vec<_>>(),
+            words
+        );
+        let firsts: Vec<u32> = three.boxes().iter().map(|b| b.first_word).collect();
+        assert_eq!(firsts, [0, 64 * 12, 64 * (12 + 45)]);
+        assert_eq!(three.bytes(), 4 * 64 * (12 + 45 + 225));
+        assert!(!three.twins());
+        let one = sight(2.0, 1).expect("small enough");
+        assert_eq!(one.bytes(), 2 * 4 * 64 * 12);
+    }
+
+    #[test]
+    fn one_level_is_exact_unless_told_otherwise_and_several_when_told() {
+        assert!(sight_by(Visibility::Auto, 2.0, 1).is_some());
+        assert_eq!(sight_by(Visibility::Auto, 2.0, 2), None);
+        assert!(sight_by(Visibility::Exact, 2.0, 2).is_some());
+        assert_eq!(sight_by(Visibility::Chebyshev, 2.0, 1), None);
+        assert_eq!(sight_by(Visibility::None, 2.0, 1), None);
+    }
+
+    #[test]
     fn large_cages_have_none() {
-        assert!(sight(14.0).is_some());
-        assert_eq!(sight(14.6), None);
+        assert!(sight(20.0, 1).is_some());
+        assert_eq!(sight(20.6, 1), None);
+        assert!(sight(5.0, 3).is_some());
+        assert_eq!(sight(5.2, 3), None, "the coarsest counts");
     }
 }

@@ -53,7 +53,10 @@ fn bad_flags_are_refused_before_any_work() {
         ),
         (&["--set", "probes.rays=lots"], &["8 to 4096", "lots"]),
         (&["--set", "probes.hysteresis=NaN"], &["NaN"]),
-        (&["--set", "probes.visibility=most"], &["chebyshev, exact"]),
+        (
+            &["--set", "probes.visibility=most"],
+            &["chebyshev, exact, auto"],
+        ),
         (&["--set", "probes.states=maybe"], &["off, on"]),
         (&["--set", "probes.rays"], &["KEY=VALUE"]),
         (

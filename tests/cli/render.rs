@@ -107,7 +107,9 @@ fn a_picture_from_the_gpu_with_its_record() {
         "{shadow}"
     );
     assert!(face > 0 && face.is_multiple_of(32), "{face}");
-    assert_eq!(record["probes"]["total"], 7 * 5 * 5);
+    // Those of the lattice, and their twins.
+    let total = record["probes"]["total"].as_u64().expect("a number");
+    assert!((7 * 5 * 5..=2 * 7 * 5 * 5).contains(&total), "{total}");
     for field in ["voxels", "probes", "total"] {
         assert!(
             record["memory_bytes"][field]

@@ -1,12 +1,12 @@
 //! How the levels of a volume share a point.
 
-use glam::{IVec2, IVec3, UVec3, Vec3};
+use glam::{IVec2, UVec3, Vec3};
 use grotto::{
     gpu::Recorder,
     parameters::ProbeParameters,
-    passes::{GpuVoxels, probe_seed::ProbeSeed, probe_states::ProbeStates},
+    passes::{probe_seed::ProbeSeed, probe_states::ProbeStates},
     probes::{Layout as _, Volume, sampling},
-    world::{LayoutSpec, voxels::Voxels},
+    world::LayoutSpec,
 };
 
 use crate::{Rig, SEED};
@@ -96,8 +96,6 @@ fn what_a_hidden_cage_does_not_give_the_next_level_does() {
 fn probes_that_come_show_what_the_coarser_level_knows() {
     let volume = nested(true);
     let mut rig = Rig::new(volume, ProbeParameters::default());
-    let voxels = Voxels::empty(UVec3::splat(16));
-    let voxels = GpuVoxels::upload(&rig.gpu, &voxels, IVec3::ZERO).expect("fits");
     let level_slots = rig.field.volume().level_slots();
     rig.field.follow(Vec3::ZERO, 0);
     rig.field.set_placed();
@@ -106,8 +104,9 @@ fn probes_that_come_show_what_the_coarser_level_knows() {
     let before = rig.field.volume().clone();
     // One cell of the coarsest level.
     rig.field.follow(Vec3::new(0.0, 16.0, 0.0), 1);
-    let states = ProbeStates::new(&rig.gpu, &rig.field, &voxels.resources()).expect("compiles");
-    let seed = ProbeSeed::new(&rig.gpu, &rig.field).expect("compiles");
+    let voxels = rig.voxels.resources();
+    let states = ProbeStates::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
+    let seed = ProbeSeed::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
     rig.field
         .begin_frame(&rig.gpu, &rig.parameters, SEED, rig.frame);
     let mut recorder = Recorder::new(&rig.gpu, None);

@@ -67,9 +67,8 @@ fn probe_info_lies_in_memory_as_the_shader_reads_it() {
         warmup_frames,
         firefly_clamp,
         move_reach,
-        sight_counts,
-        sight_words,
         lattice_slots,
+        sight_lattice_words,
         twin_share,
     );
     assert_eq!(
@@ -128,11 +127,16 @@ fn levels_lie_in_memory_as_the_shader_reads_them() {
         middle_ws,
         age,
         reach,
+        sight_first_word,
         anchor_ws,
+        sight_words,
         base,
+        sight_row,
         wrap,
+        sight_layer,
         base_before,
         inwards_ws,
+        sight_counts,
     );
     assert_eq!(
         layout_of("ProbeLevel"),

@@ -6,16 +6,17 @@ mod history;
 mod lattice;
 mod maps;
 mod placement;
+mod seen_light;
 mod sight;
 mod states;
 
-use glam::{DVec3, IVec2, UVec2, Vec3};
+use glam::{DVec3, IVec2, IVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks},
     parameters::{ProbeParameters, ProbeStates, Visibility},
-    passes::{ProbeField, probe_blend::ProbeBlend, probe_due::ProbeDue},
+    passes::{GpuVoxels, ProbeField, probe_blend::ProbeBlend, probe_due::ProbeDue},
     probes::{Volume, sampling},
-    world::LayoutSpec,
+    world::{LayoutSpec, voxels::Voxels},
 };
 use half::f16;
 
@@ -41,6 +42,7 @@ struct Rig {
     field: ProbeField,
     due: ProbeDue,
     blend: ProbeBlend,
+    voxels: GpuVoxels,
     parameters: ProbeParameters,
     frame: u64,
 }
@@ -52,7 +54,7 @@ impl Rig {
     /// is due in every update.
     fn new(volume: Volume, parameters: ProbeParameters) -> Self {
         let visibility = match parameters.visibility {
-            Visibility::Exact => Visibility::Chebyshev,
+            Visibility::Exact | Visibility::Auto => Visibility::Chebyshev,
             other => other,
         };
         Self::seeing(
@@ -61,11 +63,13 @@ impl Rig {
                 visibility,
                 ..parameters
             },
+            &Voxels::empty(UVec3::splat(16)),
+            IVec3::ZERO,
         )
     }
 
     /// Keeps exact visibility: the test runs the pass that looks around.
-    fn seeing(volume: Volume, parameters: ProbeParameters) -> Self {
+    fn seeing(volume: Volume, parameters: ProbeParameters, voxels: &Voxels, origin: IVec3) -> Self {
         let parameters = ProbeParameters {
             states: ProbeStates::Off,
             ..parameters
@@ -74,11 +78,13 @@ impl Rig {
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let due = ProbeDue::new(&gpu, &field).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
+        let voxels = GpuVoxels::upload(&gpu, voxels, origin).expect("fits");
         Self {
             gpu,
             field,
             due,
             blend,
+            voxels,
             parameters,
             frame: 0,
         }
@@ -133,7 +139,7 @@ impl Rig {
             &self.gpu,
             &KernelSpec {
                 shader: "generated/gather",
-                overrides: &[("EXACT", f64::from(u8::from(self.field.exact())))],
+                overrides: &self.field.gather_overrides(),
                 generated: &[("gather", GATHER)],
                 ..Default::default()
             },
@@ -148,7 +154,8 @@ impl Rig {
             .gpu
             .storage_buffer("gathered", at.len() as u64 * 16)
             .expect("fits");
-        let mut resources = self.field.resources().to_vec();
+        let mut resources = self.voxels.resources().to_vec();
+        resources.extend(self.field.resources());
         resources.push(("points", points.as_entire_binding()));
         resources.push(("gathered", out.as_entire_binding()));
         let bindings = kernel.bind(&self.gpu, &resources);

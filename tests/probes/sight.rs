@@ -1,29 +1,29 @@
-//! What probes see, where their twins stand, and the light that comes of it.
+//! What probes see, and where their twins stand.
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Recorder},
     parameters::{ProbeParameters, Visibility},
     passes::{GpuVoxels, ProbeField, probe_sight::ProbeSight, probe_states::ProbeStates},
-    probes::{Layout as _, Sight, Volume, sampling},
+    probes::{Layout as _, Sight, SightBox, Volume, sampling},
     reference::march::{Outcome, Ray, march_plain},
     world::{LayoutSpec, voxels::Voxels},
 };
 
-use crate::{Rig, gpu};
+use crate::gpu;
 
 const SIZE: i32 = 32;
-const ORIGIN: IVec3 = IVec3::new(-16, -16, -16);
+pub const ORIGIN: IVec3 = IVec3::new(-16, -16, -16);
 const SPACING: Vec3 = Vec3::new(5.0, 4.0, 3.5);
 
-fn exact() -> ProbeParameters {
+pub fn exact() -> ProbeParameters {
     ProbeParameters {
         visibility: Visibility::Exact,
         ..Default::default()
     }
 }
 
-fn volume() -> Volume {
+pub fn volume() -> Volume {
     Volume::new(&LayoutSpec {
         name: "test".into(),
         counts: UVec3::new(6, 7, 8),
@@ -36,7 +36,7 @@ fn volume() -> Volume {
 }
 
 /// Two rooms with a wall of one voxel between them, columns in both, and a nook.
-fn rooms() -> Voxels {
+pub fn rooms() -> Voxels {
     let mut voxels = Voxels::empty(UVec3::splat(SIZE as u32));
     voxels.fill_box(IVec3::splat(2), IVec3::splat(29), 1);
     voxels.fill_box(IVec3::new(4, 4, 4), IVec3::new(14, 27, 27), 0);
@@ -78,8 +78,8 @@ impl Placed {
     }
 
     fn bits(&self, gpu: &Gpu) -> Vec<u32> {
-        let (_, bits) = self.field.sight().expect("exact");
-        gpu.read_buffer(bits).expect("reads back")
+        gpu.read_buffer(self.field.sight_bits())
+            .expect("reads back")
     }
 }
 
@@ -92,19 +92,18 @@ fn placed(gpu: &Gpu, voxels: &Voxels) -> Placed {
     placed
 }
 
-/// The voxels (grid space) of a slot's box, with their word and bit.
-fn box_of(slot: u32, sight: &Sight) -> impl Iterator<Item = (IVec3, usize, u32)> {
-    let own = slot % volume().slots();
-    let counts = volume().counts();
-    let row = own / counts.x;
-    let index = UVec3::new(own % counts.x, row % counts.y, row / counts.y);
-    let lattice = volume().levels()[0].anchor() + index.as_vec3() * SPACING;
-    let corner = Sight::corner(lattice, SPACING) - ORIGIN;
-    let (n, words) = (sight.counts, sight.words());
-    (0..n.x * n.y * n.z).map(move |i| {
+/// The voxels (grid space) of the box of a slot of the lattice, with their word and bit.
+fn box_in(volume: &Volume, sight: &Sight, slot: u32) -> impl Iterator<Item = (IVec3, usize, u32)> {
+    let level = volume.level_of(slot);
+    let lattice = level.anchor() + level.point(slot).as_vec3() * level.spacing();
+    let seen = sight.boxes()[(slot / volume.level_slots()) as usize];
+    let corner = SightBox::corner(lattice, level.spacing()) - ORIGIN;
+    let first_word = seen.first_word + slot % volume.level_slots() * seen.words();
+    let n = seen.counts;
+    (0..n.element_product()).map(move |i| {
         let at = UVec3::new(i % n.x, i / n.x % n.y, i / n.x / n.y);
-        let word = slot * words + at.y + n.y * at.z;
-        (corner + at.as_ivec3(), word as usize, at.x)
+        let (word, bit) = seen.place(at);
+        (corner + at.as_ivec3(), (first_word + word) as usize, bit)
     })
 }
 
@@ -136,7 +135,7 @@ fn a_probe_sees_what_marching_says_and_its_twin_the_rest() {
     let gpu = gpu();
     let voxels = rooms();
     let placed = placed(&gpu, &voxels);
-    let (sight, _) = placed.field.sight().expect("exact");
+    let sight = placed.field.sight().expect("exact");
     let (places, bits) = (placed.places(&gpu), placed.bits(&gpu));
     let lattice = volume().slots();
     let reach = (exact().move_reach * SPACING).as_ivec3();
@@ -161,9 +160,9 @@ fn a_probe_sees_what_marching_says_and_its_twin_the_rest() {
                 "a twin in stone: slot {slot}"
             );
         }
-        for (voxel, word, bit) in box_of(slot, &sight) {
-            let found = bits[word] >> bit & 1 == 1;
-            let own = bits[word - (slot / lattice * lattice * sight.words()) as usize];
+        let twins_from = (slot / lattice * sight.lattice_words()) as usize;
+        for (voxel, word, bit) in box_in(placed.field.volume(), sight, slot % lattice) {
+            let (found, own) = (bits[twins_from + word] >> bit & 1 == 1, bits[word]);
             let lit_by_own = slot >= lattice && own >> bit & 1 == 1;
             let centre = voxel.as_dvec3() + 0.5;
             let expected = match w != 0.0 && is_surface(&voxels, voxel) && !lit_by_own {
@@ -234,97 +233,68 @@ fn after_an_edit_probes_see_as_fresh_ones_do() {
     assert_eq!(missed.bits(&gpu), before);
 }
 
-/// Points of the faces that bound a room, with their normals: on a line across voxels and cages.
-fn line_on(face: u8, step: f32, count: u32) -> Vec<(Vec3, Vec3)> {
-    let origin = ORIGIN.as_vec3();
-    (0..count)
-        .map(|i| {
-            let along = step * i as f32;
-            match face {
-                // The floor of the first room, behind the column.
-                0 => (Vec3::new(5.3 + along, 4.0, 14.2 + 0.7 * along), Vec3::Y),
-                // Both sides of the wall between the rooms.
-                1 => (Vec3::new(15.0, 6.1 + along, 5.4 + along), Vec3::NEG_X),
-                _ => (Vec3::new(16.0, 6.1 + along, 5.4 + along), Vec3::X),
-            }
-        })
-        .map(|(point, normal)| (origin + point, normal))
-        .collect()
+/// Levels that follow the camera.
+pub fn nested(cascades: u32) -> Volume {
+    Volume::new(&LayoutSpec {
+        name: "test".into(),
+        counts: UVec3::new(6, 5, 7),
+        spacing: Vec3::new(2.5, 2.0, 2.0),
+        centre: Vec3::ZERO,
+        follow: true,
+        cascades,
+    })
+    .expect("a good layout")
 }
 
-fn lit(rays: impl Fn(u32) -> [f32; 3]) -> Rig {
-    let mut rig = Rig::seeing(volume(), exact());
-    let voxels = GpuVoxels::upload(&rig.gpu, &rooms(), ORIGIN).expect("fits");
-    let states = ProbeStates::new(&rig.gpu, &rig.field, &voxels.resources()).expect("compiles");
-    let sight = ProbeSight::new(&rig.gpu, &rig.field, &voxels.resources()).expect("compiles");
-    rig.field.begin_frame(&rig.gpu, &rig.parameters, 1, 0);
-    let mut recorder = Recorder::new(&rig.gpu, None);
-    states.record(&mut recorder);
-    sight.record(&mut recorder);
-    recorder.submit(&rig.gpu).expect("submits");
-    let places: Vec<[f32; 4]> = rig.gpu.read_buffer(rig.field.places()).expect("reads back");
-    rig.update(|slot, _| {
-        let [r, g, b] = rays(slot);
-        let alive = places[slot as usize][3] != 0.0;
-        [r, g, b, if alive { 50.0 } else { -1.0 }]
-    });
-    rig
-}
-
+/// What has come is looked at, and what stays keeps what it saw: all of it as if the volume had begun there.
 #[test]
-fn a_constant_is_gathered_as_the_constant_wherever_a_probe_is_seen() {
-    let rig = lit(|_| [0.25, 1.0, 4.0]);
-    for face in 0..3 {
-        for gathered in rig.gather(&line_on(face, 0.23, 30)) {
-            for (found, expected) in gathered.iter().zip([0.25, 1.0, 4.0]) {
-                assert!(
-                    (found / expected - 1.0).abs() < 2e-3,
-                    "face {face}: {gathered:?}"
-                );
-            }
+fn after_a_move_the_probes_of_every_level_see_as_if_they_had_begun_there() {
+    let gpu = gpu();
+    let voxels = rooms();
+    let on_gpu = GpuVoxels::upload(&gpu, &voxels, ORIGIN).expect("fits");
+    let parameters = exact();
+    let begun = |eyes: &[Vec3]| {
+        let field = ProbeField::new(&gpu, nested(3), &parameters).expect("fits");
+        let mut placed = Placed::new(&gpu, field, &on_gpu);
+        for (frame, eye) in (0..).zip(eyes) {
+            placed.field.follow(*eye, frame);
+            placed.run(&gpu, &parameters);
         }
-    }
-}
-
-#[test]
-fn light_is_continuous_over_a_surface_and_stays_on_its_side_of_a_wall() {
-    const STEP: f32 = 1e-3;
-    let x_of = |slot: u32| volume().position(slot % volume().slots()).x;
-    // Each probe another light; those whose lattice points lie in the second room are blue as well.
-    let rig = lit(|slot| {
-        let random = sampling::rotation(3, u64::from(slot)).xyz().as_vec3();
-        [
-            1.0 + random.x,
-            f32::from(x_of(slot) > 12.0),
-            f32::from(x_of(slot) < -6.0),
-        ]
-    });
-    for face in 0..3 {
-        for start in 0..24 {
-            let mut line = line_on(face, 0.4, 24);
-            let (point, normal) = line.swap_remove(start);
-            let across = if normal.y > 0.5 {
-                Vec3::new(1.0, 0.0, 0.7)
-            } else {
-                Vec3::new(0.0, 1.0, 1.0)
+        placed
+    };
+    let (here, there) = (Vec3::new(-6.0, 0.0, 1.0), Vec3::new(-1.0, 2.5, 5.0));
+    let (moved, fresh) = (begun(&[here, there]), begun(&[there]));
+    assert!(
+        moved.field.fresh() < moved.field.volume().slots(),
+        "some stay"
+    );
+    assert_ne!(
+        begun(&[here]).bits(&gpu),
+        fresh.bits(&gpu),
+        "the move matters"
+    );
+    assert_eq!(moved.bits(&gpu), fresh.bits(&gpu));
+    let sight = fresh.field.sight().expect("exact");
+    assert!(!sight.twins());
+    // And that is what marching says.
+    let (places, bits) = (fresh.places(&gpu), fresh.bits(&gpu));
+    let volume = fresh.field.volume();
+    let mut seen = [0; 3];
+    for slot in 0..volume.slots() {
+        let [x, y, z, w] = places[slot as usize];
+        let place = Vec3::new(x, y, z).as_dvec3() - ORIGIN.as_dvec3();
+        for (voxel, word, bit) in box_in(volume, sight, slot) {
+            let expected = match w != 0.0 && is_surface(&voxels, voxel) {
+                true => sees(&voxels, voxel.as_dvec3() + 0.5, place),
+                false => Some(false),
             };
-            let points: Vec<_> = (0..60)
-                .map(|i| (point + across * STEP * i as f32, normal))
-                .collect();
-            let light = rig.gather(&points);
-            for pair in light.windows(2) {
-                assert!(
-                    (pair[0][0] - pair[1][0]).abs() < 0.05,
-                    "face {face}: a step at {point}: {pair:?}"
-                );
-            }
+            let found = bits[word] >> bit & 1 == 1;
+            assert!(
+                expected.is_none_or(|expected| expected == found),
+                "slot {slot}, {voxel}"
+            );
+            seen[(slot / volume.level_slots()) as usize] += u32::from(found);
         }
     }
-    // Probes that stand far inside one room light nothing in the other, thin as the wall may be.
-    for gathered in rig.gather(&line_on(1, 0.4, 40)) {
-        assert_eq!(gathered[1], 0.0, "light through the wall: {gathered:?}");
-    }
-    for gathered in rig.gather(&line_on(2, 0.4, 40)) {
-        assert_eq!(gathered[2], 0.0, "light through the wall: {gathered:?}");
-    }
+    assert!(seen.iter().all(|count| *count > 500), "{seen:?}");
 }

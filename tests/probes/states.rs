@@ -157,7 +157,8 @@ impl Slab {
             normal.extend(by_ray).to_array(),
         ];
         let place = self.gpu.storage_buffer_of("place", &places).expect("fits");
-        let mut resources = self.field.resources().to_vec();
+        let mut resources = self.voxels.resources().to_vec();
+        resources.extend(self.field.resources());
         resources.push(("place", place.as_entire_binding()));
         let bindings = kernel.bind(&self.gpu, &resources);
         let mut recorder = Recorder::new(&self.gpu, None);
