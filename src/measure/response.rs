@@ -21,16 +21,13 @@ pub struct Response {
 const HOLD: usize = 8;
 /// A change of less than this share of the light is none that could be followed.
 const LEAST_CHANGE: f64 = 0.005;
-/// Pixels along a block, whose mean is followed: bounced light hardly differs within, and noise does. Pixel by pixel a
-/// small change would drown in how noise settles, for that too goes from one value to another.
-const BLOCK: usize = 8;
 
 /// How a series of pictures goes from `before` to its settled value, the mean of its last quarter.
 /// `None` when the light hardly changes (by less than half a percent of it), or no picture follows.
 ///
-/// Progress is the part of the change that has happened, summed over blocks of 8×8 pixels and channels:
-/// with settled value e and start b, Σ sign(e − b)·(value − b) / Σ |e − b|. It is linear in the
-/// pictures, so that noise which averages out over pixels averages out of it. A share of 90 % is reached when
+/// Progress is the part of the change that has happened, summed over pixels and channels: with
+/// settled value e and start b, Σ sign(e − b)·(value − b) / Σ |e − b|. It is linear in the pictures,
+/// so that noise which averages out over pixels averages out of it. A share of 90 % is reached when
 /// progress is within 10 % of 1 and stays so for eight frames.
 ///
 /// # Errors
@@ -39,9 +36,8 @@ pub fn response(before: &Picture, after: &[Picture]) -> Result<Option<Response>,
     for picture in after {
         comparable(picture, before)?;
     }
-    let after: Vec<Vec<f64>> = after.iter().map(blocks).collect();
     let settled = mean(&after[after.len() - after.len().div_ceil(4)..]);
-    let start = blocks(before);
+    let start: Vec<f64> = flat(before).collect();
     let light: f64 = settled.iter().chain(&start).map(|value| value.abs()).sum();
     let change: f64 = settled.iter().zip(&start).map(|(e, b)| (e - b).abs()).sum();
     if change <= LEAST_CHANGE * light {
@@ -49,8 +45,8 @@ pub fn response(before: &Picture, after: &[Picture]) -> Result<Option<Response>,
     }
     let progress: Vec<f64> = after
         .iter()
-        .map(|blocks| {
-            let values = blocks.iter().zip(settled.iter().zip(&start));
+        .map(|picture| {
+            let values = flat(picture).zip(settled.iter().zip(&start));
             let done: f64 = values
                 .map(|(value, (e, b))| (value - b) * (e - b).signum())
                 .sum();
@@ -73,29 +69,15 @@ fn reached(progress: &[f64], share: f64) -> Option<u32> {
     Some(frame as u32 + 1)
 }
 
-/// Sums of the channels over each block.
-fn blocks(picture: &Picture) -> Vec<f64> {
-    let columns = (picture.width as usize).div_ceil(BLOCK);
-    let rows = (picture.height as usize).div_ceil(BLOCK);
-    let mut sums = vec![0.0; 3 * columns * rows];
-    for (index, rgb) in picture.rgb.iter().enumerate() {
-        let (x, y) = (
-            index % picture.width as usize,
-            index / picture.width as usize,
-        );
-        let block = 3 * (x / BLOCK + columns * (y / BLOCK));
-        for (sum, value) in sums[block..block + 3].iter_mut().zip(rgb) {
-            *sum += f64::from(*value);
-        }
-    }
-    sums
+fn flat(picture: &Picture) -> impl Iterator<Item = f64> {
+    picture.rgb.iter().flatten().map(|&value| f64::from(value))
 }
 
-fn mean(pictures: &[Vec<f64>]) -> Vec<f64> {
+fn mean(pictures: &[Picture]) -> Vec<f64> {
     let mut sums = Vec::new();
     for picture in pictures {
-        sums.resize(picture.len(), 0.0);
-        for (sum, value) in sums.iter_mut().zip(picture) {
+        sums.resize(picture.rgb.len() * 3, 0.0);
+        for (sum, value) in sums.iter_mut().zip(flat(picture)) {
             *sum += value / pictures.len() as f64;
         }
     }
@@ -106,18 +88,12 @@ fn mean(pictures: &[Vec<f64>]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// One block that rises and one that falls, at the same progress.
+    /// One pixel that rises and one that falls, at the same progress.
     fn at(progress: f64) -> Picture {
-        let width = 2 * BLOCK as u32;
-        let height = BLOCK as u32;
-        let rgb = (0..width * height).map(|index| {
-            let falls = index % width >= BLOCK as u32;
-            [if falls { 2.0 - progress } else { progress } as f32; 3]
-        });
         Picture {
-            width,
-            height,
-            rgb: rgb.collect(),
+            width: 2,
+            height: 1,
+            rgb: vec![[progress as f32; 3], [2.0 - progress as f32; 3]],
         }
     }
 
@@ -163,36 +139,15 @@ mod tests {
         assert_eq!(of([]), None);
     }
 
-    /// Between −0.5 and 0.5.
-    fn noise(seed: u32) -> f64 {
-        let hash = seed
-            .wrapping_mul(2_654_435_761)
-            .rotate_left(15)
-            .wrapping_mul(2_246_822_519);
-        f64::from(hash >> 8) / f64::from(1 << 24) - 0.5
-    }
-
-    #[test]
-    fn noise_that_settles_is_no_change() {
-        // Each pixel goes from one value to another within 10 % of it, over a hundred frames.
-        let after = |n: u32| {
-            let kept = 0.96f64.powi(n as i32);
-            let pixels = (0..64 * 64).map(|i| {
-                let value = 1.0 + 0.1 * (kept * noise(i) + (1.0 - kept) * noise(i + 7919));
-                [value as f32; 3]
-            });
-            Picture {
-                width: 64,
-                height: 64,
-                rgb: pixels.collect(),
-            }
-        };
-        let pictures: Vec<Picture> = (1..200).map(after).collect();
-        assert_eq!(response(&after(0), &pictures).expect("comparable"), None);
-    }
-
     #[test]
     fn independent_noise_hardly_moves_the_count() {
+        let noise = |seed: u32| {
+            let hash = seed
+                .wrapping_mul(2_654_435_761)
+                .rotate_left(15)
+                .wrapping_mul(2_246_822_519);
+            f64::from(hash >> 8) / f64::from(1 << 24) - 0.5
+        };
         let noisy = |n: u32| {
             let done = 1.0 - 0.9f64.powi(n as i32);
             let pixels = (0..400).map(|i| [(done + 0.05 * noise(n * 400 + i)) as f32; 3]);
