@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError},
-    parameters::{Contact, ProbeParameters},
+    parameters::{Contact, ProbeParameters, Visibility},
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, ProbeError, Sight, Volume, atlas::ProbeMemory,
         sampling,
@@ -25,6 +25,9 @@ pub enum ProbeFieldError {
     #[error(transparent)]
     Gpu(#[from] GpuError),
 }
+
+/// In words: what an adapter may have no room for.
+const SIGHT: &str = "what all probes see (probes.visibility=exact)";
 
 /// Textures, histories and rays of the probes of one volume. All zero at first: no light.
 pub struct ProbeField {
@@ -65,10 +68,10 @@ impl ProbeField {
         volume: Volume,
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
-        // Too many bits for this adapter: distances are guessed from, then, as with large cages.
+        // Where nobody has asked for so many bits, distances are guessed from, as with large cages.
         let sight = Sight::new(&volume, parameters).filter(|sight| {
-            gpu.check_buffer("what all probes see", sight.bytes())
-                .is_ok()
+            parameters.visibility == Visibility::Exact
+                || gpu.check_buffer(SIGHT, sight.bytes()).is_ok()
         });
         let twins = sight.as_ref().is_some_and(Sight::twins);
         let slots = volume.slots() * if twins { 2 } else { 1 };
@@ -84,6 +87,7 @@ impl ProbeField {
             ..atlas.memory(parameters.rays)
         };
         let parts = [
+            (SIGHT, memory.sight),
             ("the rays of all probes (probes.rays)", memory.rays),
             (
                 "the irradiance history of all probes",
@@ -208,7 +212,7 @@ impl ProbeField {
         self.plan.begin_frame(gpu, parameters, &self.changes, frame);
     }
 
-    /// Whether probes know by marching what they see: asked for, and their cages are small enough.
+    /// Whether probes know by marching what they see: see [`Sight::new`].
     pub fn exact(&self) -> bool {
         self.sight.is_some()
     }

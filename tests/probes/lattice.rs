@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Kernel, KernelSpec, Recorder},
-    parameters::ProbeParameters,
+    parameters::{ProbeParameters, Visibility},
     passes::{GpuChanges, GpuEditSphere, GpuProbeInfo, GpuProbeLevel, GpuProbePlan, ProbeField},
     probes::{Layout as _, Volume, octahedral, sampling},
     world::LayoutSpec,
@@ -346,6 +346,32 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
+/// Without being asked for exact visibility, what does not fit is no fault.
+#[test]
+fn bits_that_do_not_fit_a_binding_give_way_to_distances() {
+    let gpu = gpu();
+    let parameters = ProbeParameters {
+        rays: 8,
+        distance_texels: 8,
+        ..Default::default()
+    };
+    for (counts, bytes) in [([8, 8, 8], 5_640_192), ([32, 16, 32], 180_486_144)] {
+        let volume = Volume::new(&LayoutSpec {
+            name: "coarse".into(),
+            counts: counts.into(),
+            spacing: Vec3::splat(16.0),
+            centre: Vec3::ZERO,
+            follow: false,
+            cascades: 1,
+        })
+        .expect("a good layout");
+        let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
+        let fits = bytes <= gpu.limits.max_storage_buffer_binding_size;
+        assert_eq!(field.memory().sight, if fits { bytes } else { 0 });
+        assert_eq!((field.exact(), field.keeps_distances()), (fits, !fits));
+    }
+}
+
 #[test]
 fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
     let gpu = gpu();
@@ -369,6 +395,26 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
     let message = error.to_string();
     assert!(
         message.contains("probes.") || message.contains("layout"),
+        "{message}"
+    );
+    // Most probes of the largest cages that are told exactly: 5.3 GB of bits, more than any binding.
+    let wide = Volume::new(&LayoutSpec {
+        name: "wide".into(),
+        counts: UVec3::splat(64),
+        spacing: Vec3::splat(20.0),
+        centre: Vec3::ZERO,
+        follow: false,
+        cascades: 1,
+    })
+    .expect("a good layout");
+    let parameters = ProbeParameters {
+        visibility: Visibility::Exact,
+        ..Default::default()
+    };
+    let refused = ProbeField::new(&gpu, wide, &parameters);
+    let message = refused.err().expect("too large").to_string();
+    assert!(
+        message.contains("probes.visibility=exact") && message.contains("5328863232 bytes"),
         "{message}"
     );
     // What the adapter's limits allow, and the memory that it shares with the CPU does not.
