@@ -1,7 +1,7 @@
 //! Embeds `shaders/` so that the binary runs from anywhere; `--shaders DIR` and hot reload read the
-//! folder instead.
+//! folder instead. Also embeds the commit that was built, for reports.
 
-use std::{env, fmt::Write as _, fs, path::Path};
+use std::{env, fmt::Write as _, fs, path::Path, process::Command};
 
 fn main() {
     println!("cargo:rerun-if-changed=shaders");
@@ -17,6 +17,31 @@ fn main() {
     list.push(']');
     let out = Path::new(&env::var("OUT_DIR").expect("cargo sets it")).join("shaders.rs");
     fs::write(out, list).expect("OUT_DIR is writable");
+    println!("cargo:rustc-env=GROTTO_COMMIT={}", commit());
+}
+
+/// The short hash of the commit that is checked out, with `+changes` where sources differ from it; `unknown`
+/// where there is no repository, as in a package.
+fn commit() -> String {
+    for path in ["src", "Cargo.toml", "Cargo.lock", ".git/HEAD", ".git/index"] {
+        if Path::new(path).exists() {
+            println!("cargo:rerun-if-changed={path}");
+        }
+    }
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).output().ok()?;
+        let text = String::from_utf8(output.stdout).ok()?;
+        output.status.success().then(|| text.trim().to_owned())
+    };
+    let Some(hash) = git(&["rev-parse", "--short=12", "HEAD"]) else {
+        return "unknown".to_owned();
+    };
+    let sources = ["src", "shaders", "build.rs", "Cargo.toml", "Cargo.lock"];
+    let changed = git(&[&["status", "--porcelain", "--"][..], &sources].concat());
+    match changed {
+        Some(changed) if changed.is_empty() => hash,
+        _ => format!("{hash}+changes"),
+    }
 }
 
 /// Names of the shader modules under `folder`, as `march/march` for `shaders/march/march.wesl`.

@@ -9,6 +9,7 @@ mod failure;
 mod info;
 mod judge;
 mod memory;
+mod merge;
 mod options;
 mod out_file;
 mod output;
@@ -17,7 +18,9 @@ mod record;
 pub mod reference;
 mod render;
 mod settings;
+mod shard;
 mod stop;
+mod stress;
 mod subject;
 
 use std::panic::PanicHookInfo;
@@ -58,6 +61,8 @@ enum Command {
     Judge(judge::Arguments),
     Check(check::Arguments),
     Bench(bench::Arguments),
+    Stress(stress::Arguments),
+    Merge(merge::Arguments),
     Info(info::Arguments),
 }
 
@@ -75,6 +80,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Some(Command::Judge(arguments)) => judge::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),
+        Some(Command::Stress(arguments)) => stress::run(&arguments),
+        Some(Command::Merge(arguments)) => merge::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
     }
 }

@@ -3,6 +3,7 @@
 pub mod changes;
 pub mod comparison;
 pub mod flip;
+pub mod frame_times;
 pub mod magma;
 pub mod metrics;
 pub mod picture;

@@ -4,6 +4,7 @@
 //! renderer what a world *is* (`world`) and what its lamps emit (`lights`), and nothing of how
 //! pictures are made; it never sees `gpu` or `passes`.
 
+pub mod flight_path;
 pub mod march;
 pub mod path_trace;
 pub mod random;

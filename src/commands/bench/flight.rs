@@ -15,7 +15,6 @@ use super::{
         subject::{Subject, SubjectOptions},
     },
     flight_look::{Look, Meters},
-    flight_path::Path,
     suite::LightSuite,
 };
 use crate::{
@@ -30,6 +29,7 @@ use crate::{
     parameters::ProbeParameters,
     passes::{View, ViewMode},
     probes::Layout as _,
+    reference::flight_path::Path,
     world::{Camera, LayoutSpec},
 };
 
@@ -257,7 +257,8 @@ impl<'a> Flyer<'a> {
         let voxels = self.frame.stage.read_back(self.gpu)?;
         let per_metre = 1.0 / subject.world.voxel_m;
         let length = arguments.metres * per_metre;
-        let path = Path::new(&subject.world, &voxels, &subject.cameras, length)?;
+        let path = Path::new(&subject.world, &voxels, &subject.cameras, length)
+            .map_err(Failure::bad_input)?;
         let start = path.at(0.0);
         let floor = FLOOR * mean_lit(&self.settle(&start, settling)?);
         let mut last = self.seen()?;

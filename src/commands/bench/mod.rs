@@ -2,7 +2,7 @@
 
 mod flight;
 mod flight_look;
-mod flight_path;
+pub mod model;
 mod response;
 mod stability;
 mod suite;

@@ -2,11 +2,13 @@
 
 use glam::Vec3;
 
-use crate::{
-    commands::Failure,
-    reference::march::{Outcome, Ray, march},
-    world::{Camera, World, voxels::Voxels},
-};
+use super::march::{Outcome, Ray, march};
+use crate::world::{Camera, World, voxels::Voxels};
+
+/// Why there is no way to fly, for a person.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NoWay(String);
 
 /// A line through cameras, flown to and fro.
 #[derive(Debug)]
@@ -31,7 +33,7 @@ impl Path {
         voxels: &Voxels,
         cameras: &[Camera],
         length: f32,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, NoWay> {
         let mut cameras = cameras.to_vec();
         if let [camera] = &cameras[..] {
             let forward = camera.basis(1.0).forward.as_vec3();
@@ -45,14 +47,14 @@ impl Path {
             let way = pair[1].position - pair[0].position;
             let [from, to] = [&pair[0].name, &pair[1].name];
             if way.length() < 1.0 {
-                return Err(Failure::bad_input(format!(
+                return Err(NoWay(format!(
                     "there is no way to fly from camera `{from}` of {}: it faces a wall",
                     world.name
                 )));
             }
             let direction = way.normalize();
             if free(world, voxels, pair[0].position, direction) + CLEARANCE < way.length() {
-                return Err(Failure::bad_input(format!(
+                return Err(NoWay(format!(
                     "stone is in the way from camera `{from}` to `{to}` of {}; name cameras that see each \
                      other",
                     world.name
@@ -63,9 +65,14 @@ impl Path {
         Ok(Self { cameras, along })
     }
 
+    /// Voxels from the first camera to the last.
+    pub fn length(&self) -> f32 {
+        self.along[self.along.len() - 1]
+    }
+
     /// Where the camera is after so many voxels.
     pub fn at(&self, flown: f32) -> Camera {
-        let length = self.along[self.along.len() - 1];
+        let length = self.length();
         let turn = flown.rem_euclid(2.0 * length);
         let place = turn.min(2.0 * length - turn);
         // Not the last: a leg ends there.

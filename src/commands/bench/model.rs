@@ -1,0 +1,283 @@
+//! What `grotto bench` writes: one report, versioned, read again by `diff`, `history` and `merge`.
+//! `docs/bench.md` documents every key.
+
+use std::{collections::BTreeMap, fs, path::Path};
+
+use serde::{Deserialize, Serialize};
+
+use super::super::{Failure, shard::Shard};
+use crate::measure::frame_times::{FrameStatistics, Interval};
+
+/// Raised when a key changes its meaning or goes; readers refuse what is newer.
+pub const SCHEMA: u32 = 1;
+/// Says what kind of file a report is.
+pub const KIND: &str = "grotto bench";
+/// The file of the report in its folder, beside `rows.csv`, `frames.csv.gz` and `index.html`.
+pub const FILE: &str = "bench.json";
+
+/// All that one call of `grotto bench` has measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// [`KIND`].
+    pub kind: String,
+    /// [`SCHEMA`] of the grotto that wrote it.
+    pub schema: u32,
+    pub suite: String,
+    /// Whether all rows are here: not while there is work left, nor when it was stopped.
+    pub complete: bool,
+    /// Whether `--quick` asked for less of everything.
+    pub quick: bool,
+    pub shard: Shard,
+    /// What follows the program's name on the command line.
+    pub command: Vec<String>,
+    /// UTC, RFC 3339.
+    pub started: String,
+    pub elapsed_s: f64,
+    pub build: Build,
+    pub machine: Machine,
+    pub worlds: Vec<WorldRecord>,
+    pub rows: Vec<Row>,
+    /// What could not be measured, and why.
+    pub missing: Vec<Missing>,
+}
+
+/// Which grotto measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Build {
+    pub version: String,
+    /// Short hash, with `+changes` where the sources differed from it.
+    pub commit: String,
+    /// `release` or `debug`.
+    pub profile: String,
+}
+
+/// What it ran on, apart from the adapter, which every row names.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    pub cpu: String,
+    pub cores: u32,
+    pub memory_bytes: u64,
+    pub os: String,
+    /// How the GPU was warmed up, in words.
+    pub warm_up: String,
+    /// Before the first row and after the last; `null` where the system does not tell.
+    pub gpu_before: Option<GpuState>,
+    pub gpu_after: Option<GpuState>,
+}
+
+/// Clocks and power of the adapter at one moment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GpuState {
+    pub graphics_mhz: Option<u32>,
+    pub memory_mhz: Option<u32>,
+    pub power_w: Option<f64>,
+    pub temperature_c: Option<u32>,
+}
+
+/// The adapter of a row.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Adapter {
+    pub name: String,
+    /// `discrete`, `integrated`, `software`, `virtual` or `other`.
+    pub kind: String,
+    pub driver: String,
+    pub backend: String,
+}
+
+/// A world that rows are of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WorldRecord {
+    pub name: String,
+    pub title: String,
+    /// Of the world as it was read, file and overrides: 32 hexadecimal digits.
+    pub hash: String,
+    pub seed: u32,
+    /// Extent in voxels.
+    pub size: [u32; 3],
+    /// What the first row's camera sees, as a `data:` URI; `null` where no picture was made.
+    pub picture: Option<String>,
+}
+
+/// One thing that was measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Unique in a report, the same from run to run: `layouts/cave/layout1/moving`. `diff` joins rows by it.
+    pub id: String,
+    /// The suite that it belongs to; `all` has rows of many.
+    pub suite: String,
+    pub world: String,
+    pub camera: String,
+    /// `null` where no probes were used.
+    pub layout: Option<String>,
+    /// `still`, `moving`, `flight`, `edits`, or what the suite calls it.
+    pub condition: String,
+    /// As `--view` spells it.
+    pub view: String,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Settling frames before each run.
+    pub frames: u32,
+    pub seed: u32,
+    /// What the suite varies, in its order: `probes.rays` → 8.
+    pub varied: BTreeMap<String, Varied>,
+    /// Parameters that differ from their defaults, as `--set` takes them.
+    pub set: Vec<String>,
+    pub adapter: Adapter,
+    /// `gpu` (two stamps a frame), or `wall` where the adapter has no timestamps or is a CPU.
+    pub clock: String,
+    /// `null` where the row is not about frames; then `figures` says what it is about.
+    pub timing: Option<Timing>,
+    /// Frames per second at the median; `null` as `timing`.
+    pub fps: Option<f64>,
+    /// Of `clock`, over all runs; `null` as `timing`.
+    pub frame_ms: Option<FrameStatistics>,
+    /// Median milliseconds of each pass, from frames that were timed pass by pass.
+    pub passes: BTreeMap<String, f64>,
+    /// In one frame.
+    pub rays: BTreeMap<String, u64>,
+    pub mrays_per_s: BTreeMap<String, f64>,
+    pub probes: Option<Probes>,
+    /// `voxels`, `probes`, `total`.
+    pub memory_bytes: BTreeMap<String, u64>,
+    /// What else was measured, by a name that ends with its unit: `voxelise_ms`.
+    pub figures: BTreeMap<String, Figure>,
+    /// Against the path-traced reference; `null` without `--quality`, and where the picture moves.
+    pub quality: Option<Quality>,
+}
+
+/// How a row's frames were timed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// Median milliseconds of each run, in the order in which they ran.
+    pub runs_ms: Vec<f64>,
+    /// Of these.
+    pub interval: Interval,
+    /// Whether the interval stayed wider than ±1 % of the median after the most runs.
+    pub noisy: bool,
+    /// CPU time of recording and submitting a frame, milliseconds.
+    pub cpu_ms: FrameStatistics,
+    /// From one frame to the next, milliseconds: what a player would see without a display's pace.
+    pub wall_ms: FrameStatistics,
+    /// Milliseconds of the frames of the run in the middle, in order, at most 600 (each the worst of as many frames as it stands
+    /// for): for curves.
+    pub curve_ms: Vec<f32>,
+    /// Frames by their time: equal steps from `histogram_from_ms` on, of `histogram_step_ms`; the last has all that
+    /// are longer.
+    pub histogram: Vec<u32>,
+    pub histogram_from_ms: f64,
+    pub histogram_step_ms: f64,
+}
+
+/// A value that a suite varies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Varied {
+    Number(f64),
+    Text(String),
+}
+
+/// A figure that is no frame time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Figure {
+    pub value: f64,
+    /// Half of the 95 % interval's width; `null` for counts and for what was measured once.
+    pub half_width: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Probes {
+    pub total: u32,
+    pub alive: u32,
+    pub sleeping: u32,
+    pub dead: u32,
+    /// Updated in the last frame.
+    pub due: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// Mean FLIP of the displayed picture.
+    pub flip: f64,
+    /// Energy of the bounced light over the reference's; `null` where that has none.
+    pub energy: Option<f64>,
+    /// Paths per pixel of the reference.
+    pub spp: u32,
+    /// Width and height in pixels of the judged picture, which may be smaller than the row's.
+    pub size: [u32; 2],
+}
+
+/// A row that could not be measured.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Missing {
+    pub id: String,
+    pub reason: String,
+}
+
+impl Report {
+    /// Reads a report: its file, or the folder that holds it.
+    ///
+    /// # Errors
+    /// For what is missing, damaged, foreign or newer, with the path and what to do.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let file = if path.is_dir() {
+            path.join(FILE)
+        } else {
+            path.to_owned()
+        };
+        let shown = file.display();
+        let text = fs::read_to_string(&file).map_err(|error| {
+            Failure::bad_input(format!(
+                "{shown}: {error}; name a folder that `grotto bench` wrote, or its {FILE}"
+            ))
+        })?;
+        let value: serde_json::Value = serde_json::from_str(&text).map_err(|error| {
+            Failure::bad_input(format!(
+                "{shown} is damaged: {error}; measure it again with `grotto bench`"
+            ))
+        })?;
+        if value.get("kind").and_then(|kind| kind.as_str()) != Some(KIND) {
+            return Err(Failure::bad_input(format!(
+                "{shown} is no report of `grotto bench`"
+            )));
+        }
+        match value.get("schema").and_then(serde_json::Value::as_u64) {
+            Some(schema) if schema == u64::from(SCHEMA) => {}
+            Some(schema) if schema > u64::from(SCHEMA) => {
+                return Err(Failure::bad_input(format!(
+                    "{shown} has schema {schema}, and this grotto reads {SCHEMA}: read it with the grotto \
+                     that wrote it, or a newer one"
+                )));
+            }
+            _ => {
+                return Err(Failure::bad_input(format!(
+                    "{shown} has a schema that this grotto ({SCHEMA}) no longer reads: measure it again"
+                )));
+            }
+        }
+        serde_json::from_value(value).map_err(|error| {
+            Failure::bad_input(format!(
+                "{shown} is damaged: {error}; measure it again with `grotto bench`"
+            ))
+        })
+    }
+}
+
+impl Row {
+    /// The figure that rows are compared by, with its 95 % interval: median milliseconds of a frame, or the first figure.
+    /// `None` for a row without any.
+    pub fn headline(&self) -> Option<(&str, Figure)> {
+        if let (Some(timing), Some(frame)) = (&self.timing, &self.frame_ms) {
+            let figure = Figure {
+                value: frame.median,
+                half_width: timing.interval.half_width,
+            };
+            return Some(("frame_ms", figure));
+        }
+        let first = self.figures.first_key_value();
+        first.map(|(name, figure)| (name.as_str(), *figure))
+    }
+
+    pub fn is_software(&self) -> bool {
+        self.adapter.kind == "software"
+    }
+}
