@@ -50,7 +50,8 @@ impl FrameStatistics {
             low1_integral_fps: low_integral_fps(frames_ms)?,
             stutters: slow.clone().count() as u32,
             stutter_share: if total > 0.0 {
-                slow.sum::<f64>() / total
+                // Not `sum`: that of nothing is −0.
+                slow.fold(0.0, |so_far, ms| so_far + ms) / total
             } else {
                 0.0
             },

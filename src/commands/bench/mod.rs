@@ -2,8 +2,13 @@
 
 mod flight;
 mod flight_look;
+#[cfg(test)]
+mod made_up;
+pub mod merge;
 pub mod model;
+mod page;
 mod response;
+pub mod results;
 mod stability;
 mod suite;
 pub mod traversal;
@@ -34,6 +39,7 @@ enum Suite {
     Stability(stability::Arguments),
     Response(response::Arguments),
     Flight(flight::Arguments),
+    Merge(merge::Arguments),
 }
 
 /// March camera, shadow and probe rays, against plain DDA in the same run
@@ -72,6 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Suite::Stability(arguments) => stability::run(arguments),
         Suite::Response(arguments) => response::run(arguments),
         Suite::Flight(arguments) => flight::run(arguments),
+        Suite::Merge(arguments) => merge::run(arguments),
     }
 }
 

@@ -39,6 +39,24 @@ pub struct Report {
     pub rows: Vec<Row>,
     /// What could not be measured, and why.
     pub missing: Vec<Missing>,
+    /// The reports that `grotto bench merge` put side by side; empty for what one call has measured.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<Part>,
+}
+
+/// One of several reports on one page: a card, or a machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// What follows `@` in the ids of its rows.
+    pub label: String,
+    pub suite: String,
+    pub complete: bool,
+    pub quick: bool,
+    pub command: Vec<String>,
+    pub started: String,
+    pub elapsed_s: f64,
+    pub build: Build,
+    pub machine: Machine,
 }
 
 /// Which grotto measured.
@@ -103,6 +121,9 @@ pub struct WorldRecord {
 pub struct Row {
     /// Unique in a report, the same from run to run: `layouts/cave/layout1/moving`. `diff` joins rows by it.
     pub id: String,
+    /// Its place in the plan of the whole run, counted from 0: parts made by `--shard` are joined in this order.
+    #[serde(default)]
+    pub place: u32,
     /// The suite that it belongs to; `all` has rows of many.
     pub suite: String,
     pub world: String,
@@ -152,6 +173,10 @@ pub struct Timing {
     pub runs_ms: Vec<f64>,
     /// Of these.
     pub interval: Interval,
+    /// Median milliseconds of each pass in each run, in the order of `runs_ms`, by the pass's name: `diff` tells by
+    /// their spread whether a pass has changed. Empty where passes were not timed in every run.
+    #[serde(default)]
+    pub pass_runs_ms: BTreeMap<String, Vec<f64>>,
     /// Whether the interval stayed wider than ±1 % of the median after the most runs.
     pub noisy: bool,
     /// CPU time of recording and submitting a frame, milliseconds.
@@ -262,6 +287,25 @@ impl Report {
     }
 }
 
+impl Report {
+    /// The part that a row of a merged report comes from.
+    fn part_of(&self, row: &Row) -> Option<&Part> {
+        let (_, label) = row.id.rsplit_once('@')?;
+        self.parts.iter().find(|part| part.label == label)
+    }
+
+    /// What a row ran on, apart from its adapter.
+    pub fn machine_of(&self, row: &Row) -> &Machine {
+        self.part_of(row)
+            .map_or(&self.machine, |part| &part.machine)
+    }
+
+    /// Which grotto measured a row.
+    pub fn build_of(&self, row: &Row) -> &Build {
+        self.part_of(row).map_or(&self.build, |part| &part.build)
+    }
+}
+
 impl Row {
     /// The figure that rows are compared by, with its 95 % interval: median milliseconds of a frame, or the first figure.
     /// `None` for a row without any.
@@ -275,6 +319,11 @@ impl Row {
         }
         let first = self.figures.first_key_value();
         first.map(|(name, figure)| (name.as_str(), *figure))
+    }
+
+    /// Whether the median is still unsure after the most runs.
+    pub fn is_noisy(&self) -> bool {
+        self.timing.as_ref().is_some_and(|timing| timing.noisy)
     }
 
     pub fn is_software(&self) -> bool {

@@ -1,0 +1,101 @@
+//! What rows are called in plots: by what tells them apart, and no more.
+
+use super::super::model::{Row, Varied};
+use crate::measure::plot::figure;
+
+/// What can tell rows apart, in the order in which it is named.
+fn properties(row: &Row) -> Vec<(String, String)> {
+    let mut all = vec![
+        ("world".to_owned(), row.world.clone()),
+        ("camera".to_owned(), row.camera.clone()),
+        ("layout".to_owned(), row.layout.clone().unwrap_or_default()),
+        ("condition".to_owned(), row.condition.clone()),
+    ];
+    all.extend(
+        row.varied
+            .iter()
+            .map(|(key, value)| (key.clone(), shown(value))),
+    );
+    let [width, height] = row.size;
+    all.extend([
+        ("size".to_owned(), format!("{width}×{height}")),
+        ("card".to_owned(), card(row).to_owned()),
+    ]);
+    all
+}
+
+pub fn shown(value: &Varied) -> String {
+    match value {
+        Varied::Number(number) => figure(*number),
+        Varied::Text(text) => text.clone(),
+    }
+}
+
+/// What a merged report calls the card, and the adapter's name elsewhere.
+pub fn card(row: &Row) -> &str {
+    row.id
+        .rsplit_once('@')
+        .map_or(&row.adapter.name, |(_, label)| label)
+}
+
+/// A name for each row, of what differs between them. `without` names properties that are shown in another way.
+pub fn names(rows: &[&Row], without: &[&str]) -> Vec<String> {
+    let all: Vec<Vec<(String, String)>> = rows.iter().map(|row| properties(row)).collect();
+    let value = |index: usize, key: &str| {
+        let found = all[index].iter().find(|(known, _)| known == key);
+        found.map(|(_, value)| value.as_str())
+    };
+    let differs = |key: &str| {
+        !without.contains(&key) && (1..all.len()).any(|index| value(index, key) != value(0, key))
+    };
+    let name = |index: usize| {
+        let parts = all[index]
+            .iter()
+            .filter(|(key, text)| differs(key) && !text.is_empty());
+        let parts: Vec<&str> = parts.map(|(_, text)| text.as_str()).collect();
+        match parts[..] {
+            // Nothing differs: one row, or rows that something else tells apart.
+            [] => rows[index]
+                .layout
+                .clone()
+                .unwrap_or_else(|| rows[index].world.clone()),
+            _ => parts.join(" "),
+        }
+    };
+    (0..rows.len()).map(name).collect()
+}
+
+/// The different values in the order in which they come.
+pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    for value in values {
+        if !found.contains(&value) {
+            found.push(value);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::super::made_up, *};
+
+    #[test]
+    fn names_say_what_differs() {
+        let report = made_up::report();
+        let rows: Vec<&Row> = report.rows[..3].iter().collect();
+        assert_eq!(
+            names(&rows, &[]),
+            ["layout1 still", "layout1 moving", "layout2 still"]
+        );
+        assert_eq!(names(&rows, &["condition"])[2], "layout2");
+        assert_eq!(names(&rows[..1], &[]), ["layout1"]);
+        let rays: Vec<&Row> = report
+            .rows
+            .iter()
+            .filter(|row| row.suite == "rays")
+            .collect();
+        // The layout is cut from the ids, which are alike.
+        assert_eq!(names(&rays, &[]), ["8", "64", "512"]);
+    }
+}
