@@ -221,6 +221,21 @@ impl Gpu {
             .map(|_| ())
             .map_err(|error| GpuError::Device(error.to_string()))
     }
+
+    /// Blocks until this submission is done; later ones may go on.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn wait_for(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        let until = wgpu::PollType::Wait {
+            submission_index: Some(submission),
+            timeout: None,
+        };
+        self.device
+            .poll(until)
+            .map(|_| ())
+            .map_err(|error| GpuError::Device(error.to_string()))
+    }
 }
 
 fn choose(

@@ -97,6 +97,12 @@ impl Interval {
         })
     }
 
+    /// Half of its width that so many values would give, if they are spread as these `values` are, as a share of the mean.
+    pub fn relative_after(&self, values: usize, more: usize) -> f64 {
+        let shrunk = (values as f64 / more as f64).sqrt();
+        self.relative() * shrunk * student_t(more) / student_t(values)
+    }
+
     /// Half of its width as a share of the mean; infinite where it is not known.
     pub fn relative(&self) -> f64 {
         self.half_width
@@ -155,9 +161,13 @@ mod tests {
         assert_eq!(few.mean, 10.0);
         let half = few.half_width.expect("three values");
         assert!((half - 4.303 / 3f64.sqrt()).abs() < 1e-9);
+        let expected = few.relative_after(3, 30);
         let many: Vec<f64> = [9.0, 10.0, 11.0].repeat(10);
         let many = Interval::of(&many).expect("values");
-        assert!(many.relative() < 0.1 * few.relative() + 0.01);
+        assert!(
+            (many.relative() / expected - 0.83).abs() < 0.02,
+            "n − 1 for n"
+        );
         let one = Interval::of(&[1.0]).expect("a value");
         assert_eq!(one.half_width, None);
         assert!(one.relative().is_infinite());

@@ -9,6 +9,7 @@ pub mod model;
 mod page;
 mod response;
 pub mod results;
+mod speed;
 mod stability;
 mod suite;
 pub mod traversal;
@@ -18,13 +19,14 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
+use self::speed::SpeedSuite;
 use super::{
     Failure,
     options::{RunOptions, load_world, picture_size},
     out_file::OutFile,
     output,
 };
-use crate::{frame::Stage, gpu::AdapterSummary, world::World};
+use crate::{frame::Stage, gpu::AdapterSummary, parameters::nearest, world::World};
 
 /// Measure this machine
 #[derive(Args)]
@@ -35,11 +37,39 @@ pub struct Arguments {
 
 #[derive(Subcommand)]
 enum Suite {
+    /// Every probe layout: still, moving, in flight, with edits
+    Layouts(speed::Arguments),
+    /// By rays per probe
+    Rays(speed::Arguments),
+    /// By the sizes of the probes' maps
+    Maps(speed::Arguments),
+    /// By lamps: still, flickering, moving
+    Lights(speed::Arguments),
+    /// With block textures and without
+    Textures(speed::Arguments),
+    /// By the picture's size
+    Resolution(speed::Arguments),
+    /// With probes that sleep and without
+    States(speed::Arguments),
+    /// By the levels of nested volumes
+    Cascades(speed::Arguments),
+    /// Voxelising, by the world's size and seed
+    World(speed::Arguments),
+    /// From the start of a process to its first frame, its first picture, settled light
+    Start(speed::Arguments),
+    /// The tables and charts of the documents that grotto began with, on our own worlds
+    Tables(speed::Arguments),
+    /// All of these and the rays of `traversal`, in one report
+    All(speed::Arguments),
+    #[command(hide = true)]
+    OneStart(speed::start::Arguments),
     Traversal(Traversal),
     Stability(stability::Arguments),
     Response(response::Arguments),
     Flight(flight::Arguments),
     Merge(merge::Arguments),
+    #[command(external_subcommand)]
+    Unknown(Vec<String>),
 }
 
 /// March camera, shadow and probe rays, against plain DDA in the same run
@@ -73,13 +103,46 @@ struct TraversalRecord<'a> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    use SpeedSuite as Speed;
     match &arguments.suite {
+        Suite::Layouts(arguments) => speed::run(Speed::Layouts, arguments),
+        Suite::Rays(arguments) => speed::run(Speed::Rays, arguments),
+        Suite::Maps(arguments) => speed::run(Speed::Maps, arguments),
+        Suite::Lights(arguments) => speed::run(Speed::Lights, arguments),
+        Suite::Textures(arguments) => speed::run(Speed::Textures, arguments),
+        Suite::Resolution(arguments) => speed::run(Speed::Resolution, arguments),
+        Suite::States(arguments) => speed::run(Speed::States, arguments),
+        Suite::Cascades(arguments) => speed::run(Speed::Cascades, arguments),
+        Suite::World(arguments) => speed::run(Speed::World, arguments),
+        Suite::Start(arguments) => speed::run(Speed::Start, arguments),
+        Suite::Tables(arguments) => speed::run(Speed::Tables, arguments),
+        Suite::All(arguments) => speed::run(Speed::All, arguments),
+        Suite::OneStart(arguments) => speed::start::run(arguments),
+        Suite::Unknown(words) => Err(unknown(words)),
         Suite::Traversal(arguments) => run_traversal(arguments),
         Suite::Stability(arguments) => stability::run(arguments),
         Suite::Response(arguments) => response::run(arguments),
         Suite::Flight(arguments) => flight::run(arguments),
         Suite::Merge(arguments) => merge::run(arguments),
     }
+}
+
+/// Says which suites there are.
+fn unknown(words: &[String]) -> Failure {
+    let wanted = words.first().map_or("", String::as_str);
+    let command = Suite::augment_subcommands(clap::Command::new("bench"));
+    let visible = command
+        .get_subcommands()
+        .filter(|suite| !suite.is_hide_set());
+    let suites: Vec<&str> = visible.map(clap::Command::get_name).collect();
+    let near = nearest(wanted, suites.iter().copied());
+    let hint = near
+        .first()
+        .map_or(String::new(), |near| format!(" Did you mean `{near}`?"));
+    Failure::bad_input(format!(
+        "there is no suite `{wanted}`; there are {}.{hint}",
+        suites.join(", ")
+    ))
 }
 
 fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {

@@ -1,12 +1,12 @@
 //! `grotto judge`: DDGI against path-traced references, as one table.
 
-mod cache;
+pub(super) mod cache;
 mod page;
 mod report;
-mod row;
+pub(super) mod row;
 mod summary;
 mod table;
-mod truth;
+pub(super) mod truth;
 mod work;
 
 use std::{collections::BTreeMap, path::PathBuf};

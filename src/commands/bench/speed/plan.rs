@@ -1,0 +1,298 @@
+//! Which rows a suite has, before anything is opened or measured.
+
+use std::path::{Path, PathBuf};
+
+use super::{
+    super::{super::Failure, model::Missing},
+    Arguments,
+    rig::Length,
+    spec::{RowSpec, Scene, Work},
+    suites::{self, Wanted},
+    tables,
+};
+use crate::{parameters::Parameters, world::World};
+
+/// A suite that times frames, or several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpeedSuite {
+    Layouts,
+    Rays,
+    Maps,
+    Lights,
+    Textures,
+    Resolution,
+    States,
+    Cascades,
+    World,
+    Start,
+    Tables,
+    All,
+}
+
+/// Worlds of the suites, relative to the working folder.
+const CAVE: &str = "worlds/cave.ron";
+const CORNELL: &str = "worlds/cornell.ron";
+const CAVERN: &str = "worlds/cavern.ron";
+const BEAM: &str = "worlds/beam.ron";
+
+/// Voxels from which a world counts as large: its frames take long, and fewer of them are measured.
+const LARGE: u64 = 10_000_000;
+/// Lamps of a large world in suites that vary something else: all of the cavern's would hide it.
+const LAMPS_OF_LARGE: u32 = 4;
+
+impl SpeedSuite {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Layouts => "layouts",
+            Self::Rays => "rays",
+            Self::Maps => "maps",
+            Self::Lights => "lights",
+            Self::Textures => "textures",
+            Self::Resolution => "resolution",
+            Self::States => "states",
+            Self::Cascades => "cascades",
+            Self::World => "world",
+            Self::Start => "start",
+            Self::Tables => "tables",
+            Self::All => "all",
+        }
+    }
+
+    /// Those that it is made of.
+    fn parts(self) -> &'static [Part] {
+        use Part as P;
+        match self {
+            Self::Layouts => &[P::Layouts],
+            Self::Rays => &[P::Rays],
+            Self::Maps => &[P::Maps],
+            Self::Lights => &[P::Lights],
+            Self::Textures => &[P::Textures],
+            Self::Resolution => &[P::Resolution],
+            Self::States => &[P::States],
+            Self::Cascades => &[P::Cascades],
+            Self::World => &[P::World],
+            Self::Start => &[P::Start],
+            Self::Tables => &[P::Tables],
+            Self::All => &[
+                P::Layouts,
+                P::Rays,
+                P::Maps,
+                P::LightsOfAll,
+                P::Textures,
+                P::Resolution,
+                P::States,
+                P::Cascades,
+                P::World,
+                P::Start,
+                P::Traversal,
+                P::Tables,
+            ],
+        }
+    }
+}
+
+/// A list of rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Layouts,
+    Rays,
+    Maps,
+    Lights,
+    /// Without the showpiece, whose dozens of lamps take minutes.
+    LightsOfAll,
+    Textures,
+    Resolution,
+    States,
+    Cascades,
+    World,
+    Start,
+    Traversal,
+    Tables,
+}
+
+impl Part {
+    fn worlds(self) -> &'static [&'static str] {
+        match self {
+            Self::Layouts | Self::Textures => &[CAVE, CORNELL],
+            Self::Lights | Self::Start => &[CAVE, CAVERN],
+            Self::Cascades | Self::World | Self::Traversal => &[CAVERN],
+            Self::Tables => &[CAVE, CORNELL, BEAM],
+            _ => &[CAVE],
+        }
+    }
+
+    fn rows(self, wanted: &Wanted<'_>) -> Result<Vec<RowSpec>, Failure> {
+        match self {
+            Self::Layouts => suites::layouts(wanted),
+            Self::Rays => suites::rays(wanted),
+            Self::Maps => suites::maps(wanted),
+            Self::Lights | Self::LightsOfAll => suites::lights(wanted),
+            Self::Textures => suites::textures(wanted),
+            Self::Resolution => suites::resolution(wanted),
+            Self::States => suites::states(wanted),
+            Self::Cascades => suites::cascades(wanted),
+            Self::World => suites::world(wanted),
+            Self::Start => suites::start(wanted),
+            Self::Traversal => suites::traversal(wanted),
+            Self::Tables => tables::tables(wanted),
+        }
+    }
+}
+
+/// Rows of one suite, whose runs are interleaved.
+pub struct Group {
+    pub rows: Vec<RowSpec>,
+}
+
+/// All rows, and the worlds that they are of.
+pub struct Plan {
+    pub scenes: Vec<Scene>,
+    /// In the order in which they are measured.
+    pub groups: Vec<Group>,
+    /// What there is no row for, and why.
+    pub missing: Vec<Missing>,
+}
+
+impl Plan {
+    /// # Errors
+    /// For worlds that cannot be read, and for cameras and layouts that none has.
+    pub fn new(suite: SpeedSuite, arguments: &Arguments) -> Result<Self, Failure> {
+        let parameters = arguments.run.parameters()?;
+        let mut plan = Self {
+            scenes: Vec::new(),
+            groups: Vec::new(),
+            missing: Vec::new(),
+        };
+        for part in suite.parts() {
+            let paths: Vec<PathBuf> = match &arguments.worlds[..] {
+                [] => part.worlds().iter().map(PathBuf::from).collect(),
+                named => named.to_vec(),
+            };
+            let mut only = Vec::new();
+            for path in &paths {
+                match part {
+                    Part::World => {
+                        only.extend(plan.variants(path, &parameters, arguments.quick)?)
+                    }
+                    _ => only.push(plan.scene(path, &parameters)?),
+                }
+            }
+            let wanted = Wanted {
+                scenes: &plan.scenes,
+                only,
+                cameras: &arguments.cameras,
+                layouts: &arguments.layouts,
+                size: arguments.size,
+                quick: arguments.quick,
+            };
+            let mut rows = part.rows(&wanted)?;
+            if !matches!(part, Part::Lights | Part::LightsOfAll) {
+                let large = |row: &&mut RowSpec| is_large(&plan.scenes[row.scene].world);
+                for row in rows.iter_mut().filter(large) {
+                    row.parameters.lights.max_lamps =
+                        row.parameters.lights.max_lamps.min(LAMPS_OF_LARGE);
+                    row.lamps.lamps.truncate(LAMPS_OF_LARGE as usize);
+                }
+            }
+            plan.groups.push(Group { rows });
+            if *part == Part::Tables {
+                plan.missing.extend(tables::missing());
+            }
+        }
+        if plan.groups.iter().all(|group| group.rows.is_empty()) {
+            return Err(Failure::bad_input(format!(
+                "there is no row to measure: suite `{}` finds no world with what --camera and --layout name",
+                suite.name()
+            )));
+        }
+        let rows = plan.groups.iter_mut().flat_map(|group| &mut group.rows);
+        for (place, row) in rows.enumerate() {
+            row.place = place as u32;
+        }
+        if let Some(shard) = arguments.shard {
+            for group in &mut plan.groups {
+                group.rows.retain(|row| shard.has(row.place as usize));
+            }
+        }
+        Ok(plan)
+    }
+
+    /// The index of a world, which is read once.
+    fn scene(&mut self, path: &Path, parameters: &Parameters) -> Result<usize, Failure> {
+        let same = |scene: &Scene| scene.path == path && scene.parameters == *parameters;
+        if let Some(known) = self.scenes.iter().position(same) {
+            return Ok(known);
+        }
+        self.scenes.push(Scene::load(path, parameters)?);
+        Ok(self.scenes.len() - 1)
+    }
+
+    /// A world at several sizes, and with several seeds.
+    fn variants(
+        &mut self,
+        path: &Path,
+        parameters: &Parameters,
+        quick: bool,
+    ) -> Result<Vec<usize>, Failure> {
+        let own = self.scene(path, parameters)?;
+        let size = self.scenes[own].world.size;
+        let mut found = vec![own];
+        // In quarters of the world's own size; the last ones grow sideways, as caves do.
+        let factors = [[1, 1, 1], [2, 2, 2], [8, 4, 8], [8, 8, 8], [16, 8, 16]];
+        for factor in factors.iter().take(if quick { 3 } else { factors.len() }) {
+            let scaled = (size * glam::UVec3::from_array(*factor) / 4)
+                .clamp(glam::UVec3::ONE, glam::UVec3::splat(4096));
+            let mut parameters = parameters.clone();
+            parameters.world.size = Some(scaled);
+            found.push(self.scene(path, &parameters)?);
+        }
+        let seed = self.scenes[own].world.seed;
+        for more in 1..=if quick { 1 } else { 4 } {
+            let mut parameters = parameters.clone();
+            parameters.world.seed = Some(seed.wrapping_add(more));
+            found.push(self.scene(path, &parameters)?);
+        }
+        Ok(found)
+    }
+
+    /// How long the runs of a row are.
+    pub fn length(&self, spec: &RowSpec, arguments: &Arguments) -> Length {
+        let large = is_large(&self.scenes[spec.scene].world);
+        let (settling, measured) = match (spec.suite, arguments.quick, large) {
+            (_, false, true) => (100, 60),
+            (_, true, true) => (30, 20),
+            ("layouts", false, false) => (400, 240),
+            (_, false, false) => (160, 120),
+            (_, true, false) => (60, 60),
+        };
+        Length {
+            settling: arguments.frames.unwrap_or(settling),
+            measured: arguments.measured.unwrap_or(measured),
+        }
+    }
+
+    /// Fewest and most runs of a row.
+    pub fn runs(arguments: &Arguments) -> (usize, usize) {
+        match (arguments.runs, arguments.quick) {
+            (Some(runs), _) => (runs as usize, runs as usize),
+            (None, true) => (3, 3),
+            (None, false) => (5, 20),
+        }
+    }
+
+    /// Runs that all rows take at least, for progress.
+    pub fn least_runs(&self, arguments: &Arguments) -> u64 {
+        let (least, _) = Self::runs(arguments);
+        let rows = self.groups.iter().flat_map(|group| &group.rows);
+        let runs = rows.map(|row| match row.work {
+            Work::Frames(_) => least as u64,
+            _ => 1,
+        });
+        runs.sum()
+    }
+}
+
+fn is_large(world: &World) -> bool {
+    let size = world.size;
+    u64::from(size.x) * u64::from(size.y) * u64::from(size.z) >= LARGE
+}

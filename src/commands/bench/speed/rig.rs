@@ -1,0 +1,226 @@
+//! One world on the adapter, and the runs of frames that are timed on it.
+
+use std::{
+    collections::VecDeque,
+    sync::atomic::{AtomicBool, Ordering},
+    time::Instant,
+};
+
+use super::{
+    super::{super::Failure, results::FrameSample},
+    motion::{Digging, RATE, Track},
+    spec::{Condition, RowSpec, Scene},
+};
+use crate::{
+    frame::{Frame, Stage},
+    gpu::{Gpu, PassTimes, Recorder, Timing},
+    lights::Lights,
+    passes::{View, ViewMode},
+    world::voxels::Voxels,
+};
+
+/// From frame to frame that is timed pass by pass; no divisor of the interval of edits.
+const BY_PASS_INTERVAL: u32 = 7;
+/// Frames that the adapter may be behind.
+const IN_FLIGHT: usize = 2;
+
+/// How long a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Length {
+    /// Frames from fresh probes to the first that counts.
+    pub settling: u32,
+    /// Frames that count.
+    pub measured: u32,
+}
+
+/// What one run gave.
+pub struct Run {
+    /// Every measured frame in order.
+    pub samples: Vec<FrameSample>,
+    /// Those that were timed pass by pass.
+    pub passes: Vec<PassTimes>,
+}
+
+/// What every frame of a run takes, whatever its spec.
+pub struct Rig<'a> {
+    pub gpu: &'a Gpu,
+    pub scene: &'a Scene,
+    pub frame: Frame,
+    /// As the world was built.
+    pub voxels: Voxels,
+    pub seed: u32,
+    /// World time at which frames begin.
+    pub time_s: f64,
+    stop: &'a AtomicBool,
+}
+
+impl<'a> Rig<'a> {
+    /// # Errors
+    /// When the adapter cannot hold the world or its probes.
+    pub fn new(
+        gpu: &'a Gpu,
+        scene: &'a Scene,
+        spec: &RowSpec,
+        (seed, time_s): (u32, f64),
+        stop: &'a AtomicBool,
+    ) -> Result<Self, Failure> {
+        let stage = Stage::build(gpu, &scene.world)?;
+        let voxels = stage.read_back(gpu)?;
+        let probes = &spec.parameters.probes;
+        Ok(Self {
+            gpu,
+            scene,
+            frame: Frame::new(gpu, stage, &spec.layout, probes, spec.size)?,
+            voxels,
+            seed,
+            time_s,
+            stop,
+        })
+    }
+
+    /// Fresh probes as the spec has them, and pictures of this size.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold them.
+    pub fn prepare(&mut self, spec: &RowSpec, size: [u32; 2]) -> Result<(), Failure> {
+        if self.frame.size() != size {
+            self.frame.resize(self.gpu, size)?;
+        }
+        let probes = &spec.parameters.probes;
+        Ok(self.frame.replace_probes(self.gpu, &spec.layout, probes)?)
+    }
+
+    /// # Errors
+    /// When the user has stopped the work.
+    pub fn check_stop(&self) -> Result<(), Failure> {
+        match self.stop.load(Ordering::Relaxed) {
+            true => Err(Failure::interrupted("stopped")),
+            false => Ok(()),
+        }
+    }
+
+    /// The lights of a spec at a time.
+    pub fn lights(&self, spec: &RowSpec, time_s: f64) -> Lights {
+        let time_s = if spec.parameters.lights.animate {
+            time_s
+        } else {
+            0.0
+        };
+        Lights::at(&self.scene.world, &spec.lamps, time_s)
+    }
+
+    /// What a frame of the spec shows; its number is set when it is recorded.
+    pub fn view(&self, spec: &RowSpec, size: [u32; 2], mode: ViewMode, time_s: f64) -> View {
+        View {
+            camera: spec.camera.clone(),
+            size,
+            frame: 0,
+            seed: self.seed,
+            exposure_ev: spec.parameters.picture.exposure_ev,
+            mode,
+            time_s,
+            textures: spec.parameters.textures.enabled,
+        }
+    }
+
+    /// Settles and times frames. Fresh probes each time, so that runs are alike. An edited world is
+    /// one of its own: buffers that grow would stay large.
+    ///
+    /// # Errors
+    /// When the adapter fails, and when it was told to stop.
+    pub fn run(
+        &mut self,
+        spec: &RowSpec,
+        condition: Condition,
+        length: Length,
+    ) -> Result<Run, Failure> {
+        self.prepare(spec, spec.size)?;
+        if condition != Condition::Edits {
+            return self.frames(spec, condition, length, None);
+        }
+        let stage = Stage::build(self.gpu, &self.scene.world)?;
+        let probes = &spec.parameters.probes;
+        let mut own = Frame::new(self.gpu, stage, &spec.layout, probes, spec.size)?;
+        std::mem::swap(&mut own, &mut self.frame);
+        let digging = Digging::new(self.scene, &self.voxels, &spec.camera);
+        let result = self.frames(spec, condition, length, Some(digging));
+        std::mem::swap(&mut own, &mut self.frame);
+        result
+    }
+
+    fn frames(
+        &mut self,
+        spec: &RowSpec,
+        condition: Condition,
+        length: Length,
+        mut digging: Option<Digging>,
+    ) -> Result<Run, Failure> {
+        let gpu = self.gpu;
+        let track = Track::of(condition, self.scene, &self.voxels, &spec.camera);
+        let mut timing = Timing::new(gpu)?;
+        let mut pending = VecDeque::new();
+        let mut times = Vec::new();
+        let mut samples = Vec::new();
+        let all = length.settling + length.measured;
+        let mut last_end = Instant::now();
+        for index in 0..all {
+            self.check_stop()?;
+            let elapsed_s = match condition {
+                Condition::Still => 0.0,
+                _ => f64::from(index) / RATE,
+            };
+            let flown_s = f64::from(index.saturating_sub(length.settling)) / RATE;
+            let time_s = self.time_s + elapsed_s;
+            let lights = self.lights(spec, time_s);
+            let mut view = self.view(spec, spec.size, ViewMode::Full, time_s);
+            view.camera = track.at(flown_s);
+            view.frame = self.frame.frames();
+            let start = Instant::now();
+            if let Some(digging) = digging.as_mut().filter(|_| index >= length.settling) {
+                digging.step(gpu, &mut self.frame, index - length.settling)?;
+            }
+            // A fresh field learns how long its passes take before anything counts.
+            let by_pass = index.is_multiple_of(BY_PASS_INTERVAL) || index < length.settling / 4;
+            let mut recorder = if by_pass {
+                Recorder::new(gpu, Some(&mut timing))
+            } else {
+                Recorder::new_whole(gpu, &mut timing)
+            };
+            let probes = &spec.parameters.probes;
+            self.frame
+                .record(gpu, &mut recorder, &view, &lights, probes);
+            pending.push_back(recorder.submit(gpu)?);
+            let cpu_ms = start.elapsed().as_secs_f64() * 1e3;
+            if pending.len() >= IN_FLIGHT
+                && let Some(oldest) = pending.pop_front()
+            {
+                gpu.wait_for(oldest)?;
+            }
+            let end = Instant::now();
+            samples.push(FrameSample {
+                gpu_ms: None,
+                cpu_ms,
+                wall_ms: (end - last_end).as_secs_f64() * 1e3,
+                by_pass,
+            });
+            last_end = end;
+            times.extend(std::iter::from_fn(|| timing.next_frame()));
+        }
+        gpu.wait()?;
+        times.extend(std::iter::from_fn(|| timing.next_frame()));
+        if timing.supported() {
+            for (sample, times) in samples.iter_mut().zip(&times) {
+                sample.gpu_ms = Some(times.frame_ms);
+            }
+        }
+        let from = length.settling as usize;
+        Ok(Run {
+            samples: samples.split_off(from.min(samples.len())),
+            passes: times
+                .into_iter()
+                .skip(from)
+                .filter(|frame| !frame.passes_ms.is_empty())
+                .collect(),
+        })
+    }
+}

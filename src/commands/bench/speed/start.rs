@@ -1,0 +1,167 @@
+//! How long a player waits: from the start of a process to its first frame, its first picture, settled light.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    process::Command,
+    time::{SystemTime, UNIX_EPOCH},
+};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    super::{
+        super::{
+            Failure,
+            options::{PictureOptions, RunOptions, Scene},
+            output,
+        },
+        model::Figure,
+    },
+    spec::{RowSpec, changed},
+};
+use crate::{
+    frame::{Frame, Stage},
+    gpu::Recorder,
+    lights::Lights,
+    measure::frame_times::Interval,
+    passes::{View, ViewMode},
+};
+
+/// Frames after which light is settled.
+const SETTLED: u32 = 400;
+
+/// One start, measured by the process that starts: what `grotto bench start` runs again and again
+#[derive(Args)]
+pub struct Arguments {
+    /// World file
+    world: PathBuf,
+    /// When the process was started, in nanoseconds since 1970
+    #[arg(long, value_name = "NS")]
+    since: u64,
+    /// Frames until light counts as settled
+    #[arg(long, value_name = "N", default_value_t = SETTLED)]
+    settled: u32,
+    #[command(flatten)]
+    picture: PictureOptions,
+    #[command(flatten)]
+    run: RunOptions,
+}
+
+/// Milliseconds since the process was started.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Milestones {
+    /// The adapter is open.
+    opened_ms: f64,
+    /// The world's voxels are on it.
+    built_ms: f64,
+    /// The first frame is done.
+    first_frame_ms: f64,
+    /// Its picture has been read back.
+    first_picture_ms: f64,
+    /// The light has settled.
+    settled_ms: f64,
+}
+
+fn now_ns() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    since.map_or(0, |since| since.as_nanos() as u64)
+}
+
+/// What the started process does.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let elapsed_ms = || now_ns().saturating_sub(arguments.since) as f64 / 1e6;
+    let picture = &arguments.picture;
+    let scene = Scene::load(&arguments.world, &arguments.run, picture)?;
+    let gpu = output::open_gpu(&arguments.run)?;
+    let opened_ms = elapsed_ms();
+    let stage = Stage::build(&gpu, &scene.world)?;
+    let built_ms = elapsed_ms();
+    let probes = &scene.parameters.probes;
+    let mut frame = Frame::new(&gpu, stage, &scene.layout, probes, picture.size)?;
+    let lights = Lights::at(&scene.world, &scene.lamps, scene.lamp_time_s);
+    let step = |frame: &mut Frame| {
+        let view = View {
+            camera: scene.camera.clone(),
+            size: picture.size,
+            frame: frame.frames(),
+            seed: picture.seed,
+            exposure_ev: scene.parameters.picture.exposure_ev,
+            mode: ViewMode::Full,
+            time_s: picture.time,
+            textures: scene.parameters.textures.enabled,
+        };
+        let mut recorder = Recorder::new(&gpu, None);
+        frame.record(&gpu, &mut recorder, &view, &lights, probes);
+        recorder.submit(&gpu)?;
+        gpu.wait()
+    };
+    step(&mut frame)?;
+    let first_frame_ms = elapsed_ms();
+    frame.read_display(&gpu)?;
+    let first_picture_ms = elapsed_ms();
+    for _ in 1..arguments.settled {
+        step(&mut frame)?;
+    }
+    let settled_ms = elapsed_ms();
+    output::print_json(&Milestones {
+        opened_ms,
+        built_ms,
+        first_frame_ms,
+        first_picture_ms,
+        settled_ms,
+    })
+}
+
+/// Starts this program several times for a row, and gives the mean of each milestone with its interval.
+///
+/// # Errors
+/// When a start fails, with what it said.
+pub fn measure(
+    spec: &RowSpec,
+    path: &Path,
+    adapter: &str,
+    (starts, settled): (u32, u32),
+) -> Result<BTreeMap<String, Figure>, Failure> {
+    let own = std::env::current_exe().map_err(Failure::fault)?;
+    let mut all: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for _ in 0..starts {
+        let mut command = Command::new(&own);
+        command.args(["bench", "one-start"]).arg(path);
+        command.args(["--adapter", adapter, "--json", "--quiet"]);
+        command.args(["--camera", &spec.camera.name, "--layout", &spec.layout.name]);
+        let [width, height] = spec.size;
+        command.args(["--size", &format!("{width}x{height}")]);
+        command.args(["--settled", &settled.to_string()]);
+        for set in changed(&spec.parameters) {
+            command.args(["--set", &set]);
+        }
+        command.args(["--since", &now_ns().to_string()]);
+        let output = command.output().map_err(Failure::fault)?;
+        if !output.status.success() {
+            let text = String::from_utf8_lossy(&output.stderr);
+            return Err(Failure::fault(format!("a start fails: {}", text.trim())));
+        }
+        let milestones: Milestones =
+            serde_json::from_slice(&output.stdout).map_err(Failure::fault)?;
+        for (name, ms) in [
+            ("adapter_open_ms", milestones.opened_ms),
+            ("world_built_ms", milestones.built_ms),
+            ("first_frame_ms", milestones.first_frame_ms),
+            ("first_picture_ms", milestones.first_picture_ms),
+            ("settled_ms", milestones.settled_ms),
+        ] {
+            all.entry(name).or_default().push(ms);
+        }
+    }
+    let figures = all.into_iter().filter_map(|(name, values)| {
+        let interval = Interval::of(&values)?;
+        let figure = Figure {
+            value: interval.mean,
+            half_width: interval.half_width,
+        };
+        Some((name.to_owned(), figure))
+    });
+    Ok(figures.collect())
+}

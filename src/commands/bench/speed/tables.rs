@@ -1,0 +1,358 @@
+//! The tables and charts of the four source documents, by their numbers, on our own worlds.
+
+use glam::{UVec3, Vec3};
+
+use super::{
+    super::{super::Failure, model::Missing},
+    spec::{Condition, RowSpec, Scene, Work},
+    suites::Wanted,
+};
+use crate::world::{LampPreset, LayoutSpec};
+
+const SUITE: &str = "tables";
+/// The worlds that the tables are of.
+pub const CAVE: &str = "cave";
+pub const CORNELL: &str = "cornell";
+/// Small boxes in a thin roof: where the error tables of probes tell most.
+pub const BEAM: &str = "beam";
+
+/// Those tables of the sources whose systems grotto does not have.
+pub fn missing() -> Vec<Missing> {
+    [
+        (
+            "g3d-7.8",
+            "the ray-traced occlusion field is not part of grotto yet",
+        ),
+        (
+            "octree",
+            "probes in the leaves of an octree are not part of grotto yet",
+        ),
+    ]
+    .map(|(table, reason)| Missing {
+        id: format!("{SUITE}/{table}"),
+        reason: reason.to_owned(),
+    })
+    .into()
+}
+
+/// Rows of every table whose world is among the wanted ones.
+pub fn tables(wanted: &Wanted<'_>) -> Result<Vec<RowSpec>, Failure> {
+    let mut all = Tables {
+        wanted,
+        rows: Vec::new(),
+    };
+    all.fibix()?;
+    all.g3d()?;
+    all.minecraft()?;
+    Ok(all.rows)
+}
+
+struct Tables<'a> {
+    wanted: &'a Wanted<'a>,
+    rows: Vec<RowSpec>,
+}
+
+impl Tables<'_> {
+    fn scene(&self, name: &str) -> Option<(usize, &Scene)> {
+        let mut scenes = self.wanted.scenes();
+        let found = scenes.find(|(_, scene, ..)| scene.world.name == name);
+        found.map(|(index, scene, ..)| (index, scene))
+    }
+
+    /// Adds a row of a table: the world's layout (or another), with these parameters.
+    fn add(
+        &mut self,
+        table: &str,
+        world: &str,
+        name: &str,
+        (layout, work): (Option<LayoutSpec>, Work),
+        set: &[(&str, &str)],
+    ) -> Result<(), Failure> {
+        let Some((index, scene)) = self.scene(world) else {
+            return Ok(());
+        };
+        let Some(camera) = self.wanted.camera(scene) else {
+            return Ok(());
+        };
+        let layout = layout.unwrap_or_else(|| scene.world.layouts[0].clone());
+        let size = self.wanted.size;
+        let mut spec = RowSpec::new(SUITE, (index, scene), camera, &layout, size, work)?;
+        for (key, value) in set {
+            spec = spec.with(key, value)?;
+        }
+        let spec = spec.varying("table", table);
+        self.rows.push(spec.called(table, name));
+        Ok(())
+    }
+
+    /// 4.1–4.7 and Fig. 4.8: maps, errors, stability, times. Its probes are Chebyshev's, and light the
+    /// picture alone.
+    fn fibix(&mut self) -> Result<(), Failure> {
+        const PROBES_ALONE: [(&str, &str); 2] = [
+            ("probes.visibility", "chebyshev"),
+            ("probes.final_gather", "off"),
+        ];
+        let with = |more: &[(&'static str, &'static str)]| [&PROBES_ALONE[..], more].concat();
+        let maps = [
+            ("8", "8"),
+            ("8", "16"),
+            ("8", "32"),
+            ("16", "16"),
+            ("32", "16"),
+        ];
+        for (irradiance, distance) in maps {
+            let set = with(&[
+                ("probes.irradiance_texels", irradiance),
+                ("probes.distance_texels", distance),
+            ]);
+            let name = format!("irradiance {irradiance}, distance {distance}");
+            let work = (None, Work::Bytes);
+            self.add("fibix-4.1", CORNELL, &name, work, &set)?;
+        }
+        let work = || (None, Work::Error);
+        self.add(
+            "fibix-4.2",
+            BEAM,
+            "direct light alone",
+            (None, Work::DirectError),
+            &PROBES_ALONE,
+        )?;
+        for (name, relocation, weights) in [
+            ("simple", "off", "lattice"),
+            ("offset", "statistical", "lattice"),
+            ("offset by occupancy", "exact", "lattice"),
+            ("adjusted filter", "statistical", "adjusted"),
+        ] {
+            let set = with(&[
+                ("probes.relocation", relocation),
+                ("probes.weights", weights),
+            ]);
+            self.add("fibix-4.2", BEAM, name, work(), &set)?;
+        }
+        for texels in ["8", "16", "32", "64"] {
+            let set = with(&[("probes.distance_texels", texels)]);
+            let name = format!("distance {texels}");
+            self.add("fibix-4.3", BEAM, &name, work(), &set)?;
+        }
+        let set = with(&[("probes.long_rays", "reject")]);
+        self.add(
+            "fibix-4.3",
+            BEAM,
+            "distance 16, long rays rejected",
+            work(),
+            &set,
+        )?;
+        for rays in ["8", "16", "32", "64", "128", "256"] {
+            let set = with(&[("probes.rays", rays)]);
+            let name = format!("rays {rays}");
+            let stability = (None, Work::Stability);
+            self.add("fibix-4.4", CORNELL, &name, stability, &set)?;
+        }
+        for distance in ["8", "16", "32"] {
+            for irradiance in ["4", "8", "16"] {
+                let set = with(&[
+                    ("probes.distance_texels", distance),
+                    ("probes.irradiance_texels", irradiance),
+                ]);
+                let name = format!("distance {distance}, irradiance {irradiance}");
+                self.add("fibix-4.5", BEAM, &name, work(), &set)?;
+            }
+        }
+        let lattice = self.lattice("11×10×15", UVec3::new(11, 10, 15));
+        let frames = || (lattice.clone(), Work::Frames(Condition::Moving));
+        for rays in ["8", "16", "32", "64", "128", "256"] {
+            let set = with(&[("probes.rays", rays), ("probes.states", "off")]);
+            let name = format!("rays {rays}");
+            self.add("fibix-4.6", CAVE, &name, frames(), &set)?;
+        }
+        for texels in ["4", "8", "16", "32", "64"] {
+            let set = with(&[
+                ("probes.rays", "64"),
+                ("probes.distance_texels", texels),
+                ("probes.states", "off"),
+            ]);
+            let name = format!("distance {texels}");
+            self.add("fibix-4.7", CAVE, &name, frames(), &set)?;
+        }
+        Ok(())
+    }
+
+    /// 7.3–7.7 and 7.9: the field's rays, times and states by grid, rays and culling.
+    fn g3d(&mut self) -> Result<(), Failure> {
+        const ALONE: (&str, &str) = ("probes.final_gather", "off");
+        let grids = [
+            ("16×16×16", UVec3::splat(16)),
+            ("32×16×32", UVec3::new(32, 16, 32)),
+            ("32×32×32", UVec3::splat(32)),
+        ];
+        for (grid, counts) in grids {
+            for rays in ["64", "512"] {
+                for states in ["off", "on"] {
+                    let set = [
+                        ALONE,
+                        ("probes.visibility", "chebyshev"),
+                        ("probes.rays", rays),
+                        ("probes.states", states),
+                    ];
+                    let name = format!("{grid}/rays {rays}/states {states}");
+                    let work = (self.lattice(grid, counts), Work::Frames(Condition::Moving));
+                    self.add("g3d-7.3-7.6-7.9", CAVE, &name, work, &set)?;
+                }
+            }
+        }
+        for counts in [
+            [16, 8, 16],
+            [16, 16, 16],
+            [32, 8, 32],
+            [32, 16, 32],
+            [32, 32, 32],
+        ] {
+            let probes: u32 = counts.iter().product();
+            for states in ["off", "on"] {
+                let name = format!("probes {probes}/states {states}");
+                let layout = self.lattice(&format!("{probes} probes"), UVec3::from_array(counts));
+                let set = [
+                    ALONE,
+                    ("probes.visibility", "chebyshev"),
+                    ("probes.rays", "64"),
+                    ("probes.states", states),
+                ];
+                let work = (layout, Work::Frames(Condition::Moving));
+                self.add("g3d-7.7", CAVE, &name, work, &set)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The charts: layouts, rays, textures, lamps, moving against still lamps.
+    fn minecraft(&mut self) -> Result<(), Failure> {
+        const RAYS: (&str, &str) = ("probes.rays", "400");
+        for world in [CAVE, CORNELL] {
+            let Some((_, scene)) = self.scene(world) else {
+                continue;
+            };
+            let mut layouts = scene.world.layouts.clone();
+            layouts.sort_by(|a, b| a.name.cmp(&b.name));
+            for layout in layouts {
+                let name = format!("{world}/{}", layout.name);
+                let work = (Some(layout), Work::Frames(Condition::Moving));
+                self.add("minecraft-layouts", world, &name, work, &[RAYS])?;
+            }
+        }
+        let moving = || (None, Work::Frames(Condition::Moving));
+        for rays in ["16", "144", "400", "900", "1600", "2025"] {
+            let name = format!("rays {rays}");
+            let set = [("probes.rays", rays)];
+            self.add("minecraft-rays", CAVE, &name, moving(), &set)?;
+        }
+        for textures in ["on", "off"] {
+            let name = format!("textures {textures}");
+            let set = [RAYS, ("textures.enabled", textures)];
+            self.add("minecraft-textures", CAVE, &name, moving(), &set)?;
+        }
+        for condition in [Condition::Moving, Condition::Still] {
+            for lamps in 1..=8 {
+                let name = format!("lamps {lamps}/{}", condition.name());
+                let work = (None, Work::Frames(condition));
+                self.add("minecraft-lamps", CAVE, &name, work, &[RAYS])?;
+                self.light_by(lamps);
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the last row the first lamps of its world's largest preset.
+    fn light_by(&mut self, count: usize) {
+        let lamps = self.scene(CAVE).map(|(_, scene)| scene.most_lamps());
+        if let (Some(row), Some(mut lamps)) = (self.rows.last_mut(), lamps) {
+            lamps.truncate(count);
+            row.lamps = LampPreset {
+                name: format!("first {count}"),
+                lamps,
+            };
+            row.varied.insert(
+                "lamps".to_owned(),
+                super::super::model::Varied::Number(count as f64),
+            );
+        }
+    }
+
+    /// Probes over the space of the cave's coarsest layout. `None` where there is no cave.
+    fn lattice(&self, name: &str, counts: UVec3) -> Option<LayoutSpec> {
+        let (_, scene) = self.scene(CAVE)?;
+        let reach = |layout: &&LayoutSpec| {
+            let span = (layout.counts - 1).as_vec3() * layout.spacing;
+            span.element_product()
+        };
+        let layouts = scene.world.layouts.iter();
+        let widest = layouts.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
+        let span = (widest.counts - 1).as_vec3() * widest.spacing;
+        let gaps = (counts - 1).max(UVec3::ONE).as_vec3();
+        // Rounded down to quarters of a voxel.
+        let spacing = ((span / gaps) * 4.0).floor() / 4.0;
+        Some(LayoutSpec {
+            name: name.to_owned(),
+            counts,
+            spacing: spacing.max(Vec3::splat(1.0)),
+            cascades: 1,
+            follow: false,
+            ..widest.clone()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{collections::BTreeSet, path::Path};
+
+    use super::*;
+    use crate::parameters::Parameters;
+
+    #[test]
+    fn every_table_has_its_rows() {
+        let load = |name: &str| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+                .join("worlds")
+                .join(name);
+            Scene::load(&path, &Parameters::default()).expect("a world of the repository")
+        };
+        let scenes = [load("cave.ron"), load("cornell.ron"), load("beam.ron")];
+        let wanted = Wanted {
+            scenes: &scenes,
+            only: vec![0, 1, 2],
+            cameras: &[],
+            layouts: &[],
+            size: [64, 36],
+            quick: false,
+        };
+        let rows = tables(&wanted).expect("sound");
+        let ids: BTreeSet<&str> = rows.iter().map(|row| row.id.as_str()).collect();
+        assert_eq!(ids.len(), rows.len(), "every row has a name of its own");
+        let of = |table: &str| {
+            let prefix = format!("tables/{table}/");
+            ids.iter().filter(|id| id.starts_with(&prefix)).count()
+        };
+        for (table, count) in [
+            ("fibix-4.1", 5),
+            ("fibix-4.2", 5),
+            ("fibix-4.3", 5),
+            ("fibix-4.4", 6),
+            ("fibix-4.5", 9),
+            ("fibix-4.6", 6),
+            ("fibix-4.7", 5),
+            ("g3d-7.3-7.6-7.9", 12),
+            ("g3d-7.7", 10),
+            ("minecraft-layouts", 8),
+            ("minecraft-rays", 6),
+            ("minecraft-textures", 2),
+            ("minecraft-lamps", 16),
+        ] {
+            assert_eq!(of(table), count, "{table}");
+        }
+        let lamps = |id: &str| {
+            let row = rows.iter().find(|row| row.id == id);
+            row.map(|row| row.lamps.lamps.len())
+        };
+        assert_eq!(lamps("tables/minecraft-lamps/lamps 3/still"), Some(3));
+    }
+}

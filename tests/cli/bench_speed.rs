@@ -1,0 +1,266 @@
+//! The suites of `grotto bench` that time frames: rows that exist and add up, in tiny pictures.
+
+use std::{fs, io::Read as _, path::Path};
+
+use serde_json::Value;
+
+use crate::{Ended, MINIMAL, end, folder, grotto, refused};
+
+/// The shortest run of a suite there is.
+fn tiny(suite: &[&str], more: &[&str]) -> Ended {
+    let mut command = grotto();
+    command.arg("bench").args(suite);
+    command.args(["--size", "32x18", "--frames", "2", "--measured", "12"]);
+    command.args(["--json", "--quiet", "--set", "probes.rays=8"]);
+    let ended = end(command.args(more));
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    ended
+}
+
+fn rows(report: &Value) -> &Vec<Value> {
+    report["rows"].as_array().expect("an array of rows")
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// What is the same in every row of frames, whatever the machine.
+fn adds_up(row: &Value, runs: u32) {
+    let id = &row["id"];
+    assert!(number(&row["fps"]) > 0.0, "{id}");
+    let frame = &row["frame_ms"];
+    // Frames timed pass by pass are every seventh; a software adapter has no others apart.
+    let of_each = number(&frame["count"]) / f64::from(runs);
+    assert!((9.0..=12.0).contains(&of_each), "{id}: {of_each}");
+    let order = ["median", "p95", "p99", "p999", "worst"].map(|name| number(&frame[name]));
+    assert!(order.is_sorted(), "{id}: {order:?}");
+    assert!((number(&row["fps"]) * order[0] - 1e3).abs() < 1e-6, "{id}");
+    assert!(
+        number(&frame["low1_fps"]) <= number(&row["fps"]) + 1e-9,
+        "{id}"
+    );
+    let timing = &row["timing"];
+    assert_eq!(
+        timing["runs_ms"].as_array().map(Vec::len),
+        Some(runs as usize)
+    );
+    let bars = timing["histogram"].as_array().expect("bars").iter();
+    let counted: f64 = bars.map(number).sum();
+    assert_eq!(counted, number(&frame["count"]), "{id}");
+    let passes = row["passes"].as_object().expect("passes");
+    for pass in [
+        "camera_rays",
+        "probe_rays",
+        "probe_blend",
+        "shade",
+        "tonemap",
+    ] {
+        assert!(passes.contains_key(pass), "{id}: no {pass}");
+    }
+    let probes = &row["probes"];
+    let states = ["alive", "sleeping", "dead"].map(|state| number(&probes[state]));
+    assert_eq!(states.iter().sum::<f64>(), number(&probes["total"]), "{id}");
+    let memory = &row["memory_bytes"];
+    let parts = number(&memory["voxels"]) + number(&memory["probes"]);
+    assert!(parts < number(&memory["total"]), "{id}");
+    assert_eq!(number(&row["rays"]["camera"]), 32.0 * 18.0, "{id}");
+}
+
+#[test]
+fn layouts_have_a_row_for_every_condition_and_the_files_say_the_same() {
+    let folder = folder();
+    let out = folder.path().join("new");
+    let out_text = out.to_str().expect("UTF-8");
+    let ended = tiny(
+        &["layouts", "worlds/cornell.ron", "--layout", "layout1"],
+        &["--runs", "2", "--out", out_text],
+    );
+    let report = ended.json();
+    assert_eq!(report["kind"], "grotto bench");
+    assert_eq!(report["complete"], true);
+    let ids: Vec<&str> = rows(&report)
+        .iter()
+        .map(|row| row["id"].as_str().expect("a name"))
+        .collect();
+    let expected = ["still", "moving", "flight", "edits"]
+        .map(|condition| format!("layouts/cornell/layout1/{condition}"));
+    assert_eq!(ids, expected);
+    for row in rows(&report) {
+        adds_up(row, 2);
+        assert_eq!(row["clock"], row["clock"].as_str().expect("a clock"));
+        assert_eq!(row["set"][0], "probes.rays=8");
+    }
+    let written = fs::read_to_string(out.join("bench.json")).expect("the report");
+    let written: Value = serde_json::from_str(&written).expect("JSON");
+    assert_eq!(written, report);
+    for name in ["rows.csv", "index.html"] {
+        let text = fs::read_to_string(out.join(name)).expect(name);
+        assert!(text.contains("layouts/cornell/layout1/edits"), "{name}");
+    }
+    // Four rows, two runs, twelve frames, one header.
+    assert_eq!(frames(&out).lines().count(), 4 * 2 * 12 + 1);
+
+    let again = ["bench", "layouts", MINIMAL, "--out", out_text];
+    refused(grotto().args(again), 2, &["already holds", "--overwrite"]);
+}
+
+/// The log of every frame.
+fn frames(folder: &Path) -> String {
+    let file = fs::File::open(folder.join("frames.csv.gz")).expect("the log");
+    let mut text = String::new();
+    flate2::read::MultiGzDecoder::new(file)
+        .read_to_string(&mut text)
+        .expect("a valid gzip file");
+    text
+}
+
+#[test]
+fn what_varies_does_so_and_nothing_else() {
+    let report = tiny(
+        &["states", "worlds/cornell.ron"],
+        &["--quick", "--runs", "1"],
+    )
+    .json();
+    // Two of the four layouts, two numbers of rays, on and off.
+    assert_eq!(rows(&report).len(), 2 * 2 * 2);
+    for row in rows(&report) {
+        adds_up(row, 1);
+        let states = row["varied"]["probes.states"].as_str().expect("a word");
+        let id = row["id"].as_str().expect("a name");
+        assert!(id.contains(&format!("states {states}")), "{id}");
+        let sleeping = number(&row["probes"]["sleeping"]);
+        assert!(states == "on" || sleeping == 0.0, "{id}: {sleeping} asleep");
+    }
+    let report = tiny(&["lights", "worlds/cornell.ron"], &["--runs", "1"]).json();
+    // No lamp and one, in three conditions.
+    assert_eq!(rows(&report).len(), 2 * 3);
+    for row in rows(&report) {
+        let shadow = number(&row["rays"]["shadow"]);
+        let lit = number(&row["varied"]["lamps"]) > 0.0;
+        assert_eq!(shadow > 0.0, lit, "{}", row["id"]);
+    }
+}
+
+#[test]
+fn rows_without_frames_have_figures() {
+    let report = tiny(
+        &["world", MINIMAL],
+        &["--quick", "--seed", "1", "--runs", "1"],
+    )
+    .json();
+    assert!(rows(&report).len() >= 4);
+    for row in rows(&report) {
+        assert!(row["frame_ms"].is_null(), "{}", row["id"]);
+        let figures = &row["figures"];
+        assert!(number(&figures["wall_ms"]["value"]) > 0.0, "{}", row["id"]);
+        assert!(number(&figures["peak_bytes"]["value"]) > 0.0);
+    }
+    let report = tiny(&["start", MINIMAL], &["--quick"]).json();
+    let figures = &rows(&report)[0]["figures"];
+    let order = [
+        "adapter_open_ms",
+        "world_built_ms",
+        "first_frame_ms",
+        "first_picture_ms",
+        "settled_ms",
+    ]
+    .map(|name| number(&figures[name]["value"]));
+    assert!(order.is_sorted(), "{order:?}");
+}
+
+#[test]
+fn quality_stands_beside_the_speed_of_what_stands_still() {
+    let folder = folder();
+    let cache = folder.path().to_str().expect("UTF-8");
+    let more = ["--runs", "1", "--quality", "--spp", "4", "--cache", cache];
+    let report = tiny(&["textures", "worlds/cornell.ron"], &more).json();
+    assert_eq!(rows(&report).len(), 4);
+    for row in rows(&report) {
+        let quality = &row["quality"];
+        let still = row["condition"] == "still";
+        assert_eq!(quality.is_object(), still, "{}", row["id"]);
+        if still {
+            let flip = number(&quality["flip"]);
+            assert!((0.0..1.0).contains(&flip) && flip > 0.0);
+            assert_eq!(quality["spp"], 4);
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_measured_is_refused_before_anything_is() {
+    let bench = |arguments: &[&str], parts: &[&str]| {
+        refused(grotto().arg("bench").args(arguments), 2, parts);
+    };
+    bench(
+        &["everything"],
+        &["`everything`", "layouts", "traversal", "tables"],
+    );
+    bench(&["layout"], &["Did you mean `layouts`?"]);
+    bench(&["layouts", "worlds/none.ron"], &["worlds/none.ron"]);
+    bench(&["layouts", MINIMAL, "--layout", "none"], &["no row"]);
+    bench(&["cascades", MINIMAL], &["no row", "`cascades`"]);
+    for runs in ["0", "1000000000", "-1", "some"] {
+        bench(&["layouts", MINIMAL, "--runs", runs], &["--runs"]);
+    }
+    bench(&["layouts", MINIMAL, "--shard", "5/4"], &["2/4"]);
+    let folder = folder();
+    let file = folder.path().join("file");
+    fs::write(&file, "").expect("writable");
+    let file = file.to_str().expect("UTF-8");
+    bench(&["layouts", MINIMAL, "--out", file], &["file"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_stopped_leaves_a_report_that_says_so() {
+    use std::{
+        process::Command,
+        thread::sleep,
+        time::{Duration, Instant},
+    };
+
+    let folder = folder();
+    let out = folder.path().join("out");
+    let mut command = grotto();
+    command.args([
+        "bench",
+        "layouts",
+        "worlds/cornell.ron",
+        "--layout",
+        "layout1",
+    ]);
+    command.args([
+        "--size",
+        "32x18",
+        "--frames",
+        "2",
+        "--measured",
+        "8",
+        "--runs",
+        "900",
+    ]);
+    command.arg("--quiet").arg("--out").arg(&out);
+    let mut child = command
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .expect("the binary starts");
+    // The first report is written ten seconds after the start.
+    let start = Instant::now();
+    while !out.join("bench.json").exists() && start.elapsed() < Duration::from_secs(60) {
+        sleep(Duration::from_millis(100));
+    }
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &id]).status();
+    assert!(sent.expect("kill is there").success());
+    let status = child.wait().expect("it ends");
+    assert_eq!(status.code(), Some(130));
+    let text = fs::read_to_string(out.join("bench.json")).expect("the report");
+    let report: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(report["complete"], false);
+    assert!(!rows(&report).is_empty());
+    assert!(frames(&out).lines().count() > 8);
+}
