@@ -37,8 +37,8 @@ const BEAM: &str = "worlds/beam.ron";
 
 /// Voxels from which a world counts as large: its frames take long, and fewer of them are measured.
 const LARGE: u64 = 10_000_000;
-/// Lamps of a large world in suites that vary something else: all of the cavern's would hide it.
-const LAMPS_OF_LARGE: u32 = 4;
+/// Lamps of a large world whose cascades are compared: all of the cavern's would hide what those cost.
+const LAMPS_OF_CASCADES: u32 = 4;
 
 impl SpeedSuite {
     pub fn name(self) -> &'static str {
@@ -186,12 +186,12 @@ impl Plan {
                 quick: arguments.quick,
             };
             let mut rows = part.rows(&wanted)?;
-            if !matches!(part, Part::Lights | Part::LightsOfAll) {
+            if *part == Part::Cascades {
                 let large = |row: &&mut RowSpec| is_large(&plan.scenes[row.scene].world);
                 for row in rows.iter_mut().filter(large) {
                     row.parameters.lights.max_lamps =
-                        row.parameters.lights.max_lamps.min(LAMPS_OF_LARGE);
-                    row.lamps.lamps.truncate(LAMPS_OF_LARGE as usize);
+                        row.parameters.lights.max_lamps.min(LAMPS_OF_CASCADES);
+                    row.lamps.lamps.truncate(LAMPS_OF_CASCADES as usize);
                 }
             }
             plan.groups.push(Group { rows });
@@ -257,7 +257,7 @@ impl Plan {
 
     /// How long the runs of a row are.
     pub fn length(&self, spec: &RowSpec, arguments: &Arguments) -> Length {
-        let large = is_large(&self.scenes[spec.scene].world);
+        let large = self.is_large(spec);
         let (settling, measured) = match (spec.suite, arguments.quick, large) {
             (_, false, true) => (100, 60),
             (_, true, true) => (30, 20),
@@ -269,6 +269,11 @@ impl Plan {
             settling: arguments.frames.unwrap_or(settling),
             measured: arguments.measured.unwrap_or(measured),
         }
+    }
+
+    /// Whether the frames of a spec's world take long.
+    pub fn is_large(&self, spec: &RowSpec) -> bool {
+        is_large(&self.scenes[spec.scene].world)
     }
 
     /// Fewest and most runs of a row.

@@ -252,10 +252,7 @@ impl<'a> Session<'a> {
             seed: self.arguments.seed,
             judging: self.judging,
             quick: self.arguments.quick,
-            settled: self
-                .arguments
-                .frames
-                .unwrap_or(start_settled(self.arguments)),
+            settled: self.settled(spec),
         };
         let scene = &self.plan.scenes[spec.scene];
         if !self
@@ -270,6 +267,18 @@ impl<'a> Session<'a> {
             Work::Build | Work::Start | Work::Traversal => common.without_rig(spec, scene),
             _ => Ok(vec![common.with_rig(spec, self.rig(rigs, spec)?)?]),
         }
+    }
+
+    /// Frames of a start after which light counts as settled.
+    fn settled(&self, spec: &RowSpec) -> u32 {
+        /// Of a world of ordinary size: its faces are at rest by then.
+        const SETTLED: u32 = 400;
+        let length = self.plan.length(spec, self.arguments);
+        let ordinary = match self.arguments.quick || self.plan.is_large(spec) {
+            true => length.settling,
+            false => SETTLED,
+        };
+        self.arguments.frames.unwrap_or(ordinary)
     }
 
     /// Adds rows, or notes why there are none. Only what ends the whole work is an error.
@@ -308,9 +317,4 @@ impl<'a> Session<'a> {
         self.report.rows[index].quality = Some(judging.quality(rig, spec)?);
         Ok(())
     }
-}
-
-/// Frames after which light counts as settled, where nobody says.
-fn start_settled(arguments: &Arguments) -> u32 {
-    if arguments.quick { 100 } else { 400 }
 }
