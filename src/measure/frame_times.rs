@@ -50,7 +50,8 @@ impl FrameStatistics {
             low1_integral_fps: low_integral_fps(frames_ms)?,
             stutters: slow.clone().count() as u32,
             stutter_share: if total > 0.0 {
-                slow.sum::<f64>() / total
+                // A sum of nothing is −0.
+                slow.fold(0.0, |sum, ms| sum + ms) / total
             } else {
                 0.0
             },
@@ -146,6 +147,7 @@ mod tests {
         assert_eq!(statistics.low1_fps, 500.0);
         assert_eq!(statistics.low1_integral_fps, 500.0);
         assert_eq!((statistics.stutters, statistics.stutter_share), (0, 0.0));
+        assert!(statistics.stutter_share.is_sign_positive());
     }
 
     #[test]
