@@ -35,6 +35,7 @@ fn play(arguments: &[&str]) -> Output {
             .args(["--auto-servernum", "--server-args=-screen 0 640x480x24"])
             .args([&grotto(), "play"])
             .args(arguments)
+            .env("RUST_LOG", "grotto=info")
             .env_remove("WAYLAND_DISPLAY"),
     )
 }
@@ -66,6 +67,27 @@ fn the_path_traced_reference_is_shown_in_the_window() {
     ]);
     let stderr = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{stderr}");
+}
+
+#[test]
+fn the_benchmark_flies_tells_its_figures_and_the_session_goes_on() {
+    // 30 frames to warm up (or those of half a second), 240 that count, and some that follow.
+    let output = play(&[
+        "worlds/minimal.ron",
+        "--benchmark",
+        "--frames",
+        "400",
+        "--size",
+        "64x40",
+        "--set",
+        "probes.rays=8",
+    ]);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert_eq!(stderr.matches("benchmark: minimal").count(), 1, "{stderr}");
+    for part in ["240 frames", "median", "1 % low, by time", "Present mode"] {
+        assert!(stderr.contains(part), "{part}: {stderr}");
+    }
 }
 
 #[test]

@@ -1,8 +1,11 @@
 //! World time, and how fast the window is.
 
-use std::{collections::VecDeque, time::Instant};
+use std::{
+    collections::VecDeque,
+    time::{Duration, Instant},
+};
 
-use crate::measure::statistics;
+use crate::measure::frame_times::FrameStatistics;
 
 /// Longest step of world time (seconds): lamps do not leap after a stall.
 const LONGEST_STEP_S: f64 = 0.25;
@@ -42,11 +45,15 @@ pub struct FrameRate {
     frames_ms: VecDeque<f64>,
     /// When the frame before began, if the time since then is that of a frame.
     last: Option<Instant>,
+    /// What they say, and when that was looked at.
+    figures: Option<(Instant, FrameStatistics)>,
 }
 
 impl FrameRate {
-    /// Frames that the slowest hundredth is taken of.
-    const KEPT: usize = 600;
+    /// Frames that the figures are of.
+    pub const KEPT: usize = 300;
+    /// From look to look at what they say, so that it can be read.
+    const LOOKED_AT: Duration = Duration::from_millis(250);
     /// The rate is that of the frames of so many milliseconds, so that it can be read.
     const SMOOTHED_MS: f64 = 500.0;
 
@@ -54,6 +61,12 @@ impl FrameRate {
     pub fn tick(&mut self, now: Instant) {
         if let Some(last) = self.last.replace(now) {
             self.push(now.saturating_duration_since(last).as_secs_f64() * 1e3);
+        }
+        let is_fresh = self
+            .figures
+            .is_some_and(|(at, _)| now.saturating_duration_since(at) < Self::LOOKED_AT);
+        if !is_fresh {
+            self.figures = FrameStatistics::of(&self.frames_ms()).map(|figures| (now, figures));
         }
     }
 
@@ -72,6 +85,7 @@ impl FrameRate {
     /// As when frames so far say nothing about those to come.
     pub fn clear(&mut self) {
         self.frames_ms.clear();
+        self.figures = None;
         self.interrupt();
     }
 
@@ -88,10 +102,14 @@ impl FrameRate {
         (total_ms > 0.0).then(|| 1e3 * frames / total_ms)
     }
 
-    /// Frames per second over the slowest hundredth of the frames.
-    pub fn low1_fps(&self) -> Option<f64> {
-        let frames: Vec<f64> = self.frames_ms.iter().copied().collect();
-        statistics::low1_fps(&frames)
+    /// Milliseconds of the frames, the latest last.
+    pub fn frames_ms(&self) -> Vec<f64> {
+        self.frames_ms.iter().copied().collect()
+    }
+
+    /// What the frames said a moment ago; `None` before the first.
+    pub fn figures(&self) -> Option<&FrameStatistics> {
+        self.figures.as_ref().map(|(_, figures)| figures)
     }
 }
 
@@ -136,7 +154,7 @@ mod tests {
     #[test]
     fn the_rate_is_that_of_the_last_half_second() {
         let mut rate = FrameRate::default();
-        assert_eq!((rate.fps(), rate.low1_fps()), (None, None));
+        assert_eq!(rate.fps(), None);
         for _ in 0..200 {
             rate.push(50.0);
         }
@@ -144,6 +162,25 @@ mod tests {
             rate.push(10.0);
         }
         assert!((rate.fps().expect("frames") - 100.0).abs() < 1e-9);
-        assert!((rate.low1_fps().expect("frames") - 20.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn figures_are_of_the_last_frames_and_stand_still_for_a_moment() {
+        let start = Instant::now();
+        let mut rate = FrameRate::default();
+        rate.tick(start);
+        assert!(rate.figures().is_none());
+        let mut now = start;
+        for frame in 0..400 {
+            now += Duration::from_millis(if frame < 350 { 50 } else { 10 });
+            rate.tick(now);
+        }
+        assert_eq!(rate.frames_ms().len(), FrameRate::KEPT);
+        let figures = *rate.figures().expect("frames");
+        assert_eq!((figures.median, figures.low1_fps), (50.0, 20.0));
+        rate.tick(now + Duration::from_millis(1));
+        assert_eq!(rate.figures(), Some(&figures));
+        rate.clear();
+        assert!(rate.figures().is_none());
     }
 }

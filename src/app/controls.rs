@@ -22,6 +22,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("F1", "this panel"),
     ("F2", "save a screenshot"),
     ("F3", "draw the probes, by another colour"),
+    ("F4", "benchmark: a flight, and what its frames took"),
     ("F5", "read world and shaders again"),
     ("F6", "path-traced reference"),
     ("F11", "full screen"),

@@ -3,13 +3,16 @@
 //!
 //! `session` is an open window: it hears the user and draws the frames; `show` is what it shows.
 //! The rest are their parts: `camera` and `controls` steer, `brush` digs and builds, `panel` and
-//! `widgets` choose, `screen` is the surface, `reload` watches files.
+//! `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself and
+//! `frame_graph` draws how long frames took.
 
+mod benchmark;
 mod brush;
 mod camera;
 mod clock;
 mod controls;
 mod faults;
+mod frame_graph;
 mod messages;
 mod panel;
 mod reload;
@@ -66,6 +69,8 @@ pub struct Options {
     pub seed: u32,
     /// Reads the shaders from this folder, and again when they are edited.
     pub shaders: Option<PathBuf>,
+    /// Begins with the benchmark.
+    pub benchmark: bool,
     /// Closes the window after this many frames.
     pub frames: Option<u32>,
 }

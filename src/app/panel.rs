@@ -7,7 +7,7 @@ use egui::{Align, Color32, Grid, Layout, RichText, ScrollArea, Slider, Ui};
 use super::{
     brush::Brush,
     clock::{FrameRate, WorldClock},
-    controls,
+    controls, frame_graph,
     show::{Choice, Show},
     views, widgets,
 };
@@ -152,11 +152,11 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
                 .heading()
                 .strong(),
         );
-        if let Some(low) = facts.rate.low1_fps() {
-            let ms = if fps > 0.0 { 1e3 / fps } else { 0.0 };
-            ui.weak(format!("{} ms · 1 % low {} FPS", digits(ms), digits(low)));
+        if fps > 0.0 {
+            ui.weak(format!("{} ms", digits(1e3 / fps)));
         }
     });
+    frame_graph::show(ui, facts.rate);
     ui.label(RichText::new(&gpu.summary.name).small())
         .on_hover_text(format!(
             "{}, through {}, driver {}",
@@ -366,7 +366,7 @@ fn parameters(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
 }
 
 /// Three digits or so.
-fn digits(number: f64) -> String {
+pub fn digits(number: f64) -> String {
     let decimals = match number {
         number if number >= 100.0 => 0,
         number if number >= 10.0 => 1,

@@ -11,6 +11,8 @@ pub struct Screen {
     window: Arc<Window>,
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
+    /// What frames are presented by without vsync.
+    unpaced: wgpu::PresentMode,
     /// The surface no longer fits the window.
     stale: bool,
 }
@@ -48,12 +50,13 @@ impl Screen {
         window: Arc<Window>,
         surface: wgpu::Surface<'static>,
     ) -> Result<Self, GpuError> {
-        let formats = surface.get_capabilities(&gpu.adapter).formats;
-        let format = egui_wgpu::preferred_framebuffer_format(&formats).map_err(|error| {
-            GpuError::NoAdapter {
-                reason: format!("`{}`: {error}", gpu.summary.name),
-            }
-        })?;
+        let capabilities = surface.get_capabilities(&gpu.adapter);
+        let format =
+            egui_wgpu::preferred_framebuffer_format(&capabilities.formats).map_err(|error| {
+                GpuError::NoAdapter {
+                    reason: format!("`{}`: {error}", gpu.summary.name),
+                }
+            })?;
         let size = window.inner_size();
         let configuration = wgpu::SurfaceConfiguration {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
@@ -71,6 +74,7 @@ impl Screen {
             window,
             surface,
             configuration,
+            unpaced: unpaced(&capabilities.present_modes),
             stale: true,
         })
     }
@@ -96,12 +100,18 @@ impl Screen {
         let mode = if vsync {
             wgpu::PresentMode::AutoVsync
         } else {
-            wgpu::PresentMode::AutoNoVsync
+            self.unpaced
         };
         if self.configuration.present_mode != mode {
             self.configuration.present_mode = mode;
             self.stale = true;
         }
+    }
+
+    /// What frames are presented by without vsync: [`wgpu::PresentMode::Fifo`], which waits for the display all the
+    /// same, where the surface has nothing else.
+    pub fn unpaced_mode(&self) -> wgpu::PresentMode {
+        self.unpaced
     }
 
     /// The texture of the next frame. With vsync this waits for the display.
@@ -138,5 +148,26 @@ impl Screen {
             // The device's error handler has heard why.
             Current::Validation => Acquired::Later,
         })
+    }
+}
+
+/// The best of what a surface offers for frames that wait for nothing.
+fn unpaced(offered: &[wgpu::PresentMode]) -> wgpu::PresentMode {
+    use wgpu::PresentMode::{Fifo, Immediate, Mailbox};
+    let mut known = [Immediate, Mailbox].into_iter();
+    known.find(|mode| offered.contains(mode)).unwrap_or(Fifo)
+}
+
+#[cfg(test)]
+mod tests {
+    use wgpu::PresentMode::{Fifo, FifoRelaxed, Immediate, Mailbox};
+
+    use super::*;
+
+    #[test]
+    fn without_vsync_nothing_waits_where_the_surface_can() {
+        assert_eq!(unpaced(&[Fifo, Mailbox, Immediate]), Immediate);
+        assert_eq!(unpaced(&[Fifo, FifoRelaxed, Mailbox]), Mailbox);
+        assert_eq!(unpaced(&[Fifo, FifoRelaxed]), Fifo);
     }
 }

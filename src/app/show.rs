@@ -64,7 +64,7 @@ pub struct Show {
     truth: Option<Truth>,
     choice: Choice,
     inspection: Inspection,
-    /// The voxels as the GPU has them, once an edit has needed them.
+    /// The voxels as the GPU has them, once something has needed them.
     voxels: Option<Voxels>,
 }
 
@@ -205,6 +205,17 @@ impl Show {
         Ok(())
     }
 
+    /// The voxels as the GPU has them.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the device is lost.
+    pub fn voxels(&mut self) -> Result<&Voxels, FrameError> {
+        if self.voxels.is_none() {
+            self.voxels = Some(self.frame.stage.read_back(&self.gpu)?);
+        }
+        Ok(self.voxels.as_ref().expect("they are read"))
+    }
+
     /// Changes voxels, on the CPU and on the GPU. They stay changed until the world is built anew.
     ///
     /// # Errors
@@ -213,10 +224,8 @@ impl Show {
         &mut self,
         change: impl FnOnce(&mut Voxels, &World) -> Edit,
     ) -> Result<(), FrameError> {
-        let mut voxels = match self.voxels.take() {
-            Some(voxels) => voxels,
-            None => self.frame.stage.read_back(&self.gpu)?,
-        };
+        self.voxels()?;
+        let mut voxels = self.voxels.take().expect("they were just read");
         let edit = change(&mut voxels, &self.world);
         // After an error the GPU's copy is as before: the next edit reads it back.
         self.frame.apply(&self.gpu, &voxels, &edit)?;

@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Begin with the path-traced reference (F6), and with time standing still
     #[arg(long)]
     reference: bool,
+    /// Begin with the benchmark (F4)
+    #[arg(long, conflicts_with = "reference")]
+    benchmark: bool,
     /// Set a parameter (repeatable); `grotto info --keys` lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     set: Vec<String>,
@@ -91,6 +94,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         adapter: run.adapter,
         seed: arguments.seed,
         shaders: arguments.shaders,
+        benchmark: arguments.benchmark,
         frames: arguments.frames,
     })?;
     Ok(())

@@ -208,7 +208,7 @@ fn every_pass_has_one_file_and_one_shader_of_its_name() {
 
 #[test]
 fn files_stay_readable() {
-    let all = [("src", "rs"), ("shaders", "wesl")];
+    let all = [("src", "rs"), ("benches", "rs"), ("shaders", "wesl")];
     let long: Vec<(String, usize)> = all
         .iter()
         .flat_map(|(folder, extension)| files(folder, extension))
@@ -229,6 +229,28 @@ fn files_stay_readable() {
         );
         assert!(reason.len() > 20, "{known}: say why");
     }
+}
+
+/// The benchmarks of Cargo.toml that the test suite does not run: criterion's own harness runs each once
+/// where they count as tests.
+fn benches_not_run(cargo_toml: &str) -> Vec<&str> {
+    let benches = cargo_toml.split("[[bench]]").skip(1);
+    let entries = benches.map(|rest| rest.split("\n[").next().unwrap_or(rest));
+    entries
+        .filter(|entry| {
+            let has = |line: &str| entry.lines().any(|known| known == line);
+            !(has("harness = false") && has("test = true"))
+        })
+        .collect()
+}
+
+#[test]
+fn every_bench_is_run_by_the_test_suite() {
+    let text = fs::read_to_string(root().join("Cargo.toml")).expect("the manifest");
+    assert!(text.contains("[[bench]]"), "the benches have entries");
+    assert_eq!(benches_not_run(&text), Vec::<&str>::new());
+    let planted = "[[bench]]\nname = \"a\"\nharness = false\n\n[profile.dev]\ntest = true\n";
+    assert_eq!(benches_not_run(planted).len(), 1, "a planted one is found");
 }
 
 #[test]

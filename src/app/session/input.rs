@@ -23,6 +23,9 @@ impl Session {
 
     /// Anything but a request to close or to draw.
     pub fn event(&mut self, event: &WindowEvent) {
+        if self.benchmark_takes(event) {
+            return;
+        }
         // What steers the camera is no business of the panel's, but it must hear what ends.
         let steers = match event {
             WindowEvent::CursorMoved { .. } | WindowEvent::MouseWheel { .. } => true,
@@ -92,6 +95,7 @@ impl Session {
             KeyCode::F1 => self.panel_open = !self.panel_open,
             KeyCode::F2 => self.screenshot_wanted = true,
             KeyCode::F3 => self.next_probes(),
+            KeyCode::F4 => self.begin_benchmark(),
             KeyCode::F5 => self.reload(true, true),
             KeyCode::F6 => self.toggle_reference(),
             KeyCode::F11 => {
@@ -140,7 +144,7 @@ impl Session {
         input.events.push(egui::Event::PointerGone);
     }
 
-    fn release_mouse(&mut self) {
+    pub(super) fn release_mouse(&mut self) {
         if self.captured {
             // A grab that was never had cannot be given up.
             let _ = self.window.set_cursor_grab(CursorGrabMode::None);

@@ -1,5 +1,6 @@
 //! A window that is open: what it shows, and one frame after another.
 
+mod benchmark;
 mod input;
 mod times;
 mod views;
@@ -13,10 +14,12 @@ use std::{
 use egui::Context;
 use winit::{event_loop::ActiveEventLoop, window::Window};
 
+use benchmark::Benchmarks;
+
 use super::{
     AppError, Options,
     brush::{self, Brush, Stroke},
-    camera::{self, flown},
+    camera,
     clock::{FrameRate, WorldClock},
     controls::Controls,
     faults::Faults,
@@ -67,6 +70,7 @@ pub struct Session {
     world_watch: Watch,
     shaders: Option<(PathBuf, Watch)>,
     screenshot_wanted: bool,
+    benchmarks: Benchmarks,
     seed: u32,
 }
 
@@ -116,7 +120,7 @@ impl Session {
             Some(gpu.limits.max_texture_dimension_2d as usize),
         );
         messages.toast("Click into the picture to look around; F1 hides the panel");
-        Ok(Self {
+        let mut session = Self {
             overlay: Overlay::new(&show.gpu, screen.format())?,
             timing: Timing::new(&gpu)?,
             settings: Settings {
@@ -153,8 +157,13 @@ impl Session {
                 .clone()
                 .map(|folder| (folder.clone(), Watch::folder(&folder, "wesl"))),
             screenshot_wanted: false,
+            benchmarks: Benchmarks::default(),
             seed: options.seed,
-        })
+        };
+        if options.benchmark {
+            session.begin_benchmark();
+        }
+        Ok(session)
     }
 
     /// Asks for the next frame.
@@ -180,14 +189,15 @@ impl Session {
         let now = Instant::now();
         let elapsed = now.saturating_duration_since(self.last_frame);
         self.last_frame = now;
-        self.settings.clock.advance(elapsed.as_secs_f64());
-        let input = self.controls.take(now);
-        self.camera = flown(&self.camera, &input, self.speed);
+        self.steer(now, elapsed)?;
+        let is_benchmark = self.benchmarks.running.is_some();
         if !self.hidden {
             self.rate.tick(now);
         }
-        self.follow_files(now);
-        self.screen.set_vsync(self.settings.vsync);
+        if !is_benchmark {
+            self.follow_files(now);
+        }
+        self.screen.set_vsync(self.settings.vsync && !is_benchmark);
         self.apply_settings();
         self.inspect_probes();
 
@@ -200,13 +210,17 @@ impl Session {
         self.hidden = matches!(acquired, Acquired::Hidden);
         let Acquired::Texture(texture) = acquired else {
             self.rate.clear();
+            if let Some(run) = &mut self.benchmarks.running {
+                run.interrupt();
+            }
             return self.check();
         };
         let shapes = self.run_panel(event_loop);
         let target = texture.texture.create_view(&Default::default());
         let gpu = self.show.gpu.clone();
         // The path tracer learns from its own time how much to do in a frame.
-        let is_timed = self.presented.is_multiple_of(FRAMES_TO_TIME) || self.show.truth().is_some();
+        let is_timed = self.show.truth().is_some()
+            || (self.presented.is_multiple_of(FRAMES_TO_TIME) && !is_benchmark);
         let mut recorder = if is_timed {
             Recorder::new(&gpu, Some(&mut self.timing))
         } else {
@@ -223,12 +237,15 @@ impl Session {
         self.window.pre_present_notify();
         gpu.queue.present(texture);
         self.presented += 1;
+        if let Some(run) = &mut self.benchmarks.running {
+            run.presented();
+        }
 
         self.hear_times(elapsed.as_secs_f64() * 1e3);
         if std::mem::take(&mut self.screenshot_wanted) {
             self.save_screenshot();
         }
-        if self.show.frame().frames().is_multiple_of(FRAMES_TO_COUNT) {
+        if !is_benchmark && self.show.frame().frames().is_multiple_of(FRAMES_TO_COUNT) {
             self.probes = Some(self.show.frame().field().state_counts(&gpu)?);
         }
         self.check()
@@ -253,7 +270,9 @@ impl Session {
         };
         let mut action = None;
         let output = context.run_ui(input, |ui| {
-            if self.panel_open {
+            if let Some(summary) = &self.benchmarks.summary {
+                summary.show(ui);
+            } else if self.panel_open && self.benchmarks.running.is_none() {
                 action = panel::show(ui, &facts, &mut self.settings).or(action);
             }
             if self.captured {

@@ -1,23 +1,30 @@
-//! What the times of frames are good for: the panel's figures, and how much the path tracer may do.
+//! What the times of frames are good for: the panel's figures, the benchmark's, and how much the path tracer may do.
 
-use super::Session;
+use super::{super::benchmark::Benchmark, Session};
 
 impl Session {
     /// Hears the times of passes that have arrived. `frame_ms`: milliseconds since the last frame.
     pub(super) fn hear_times(&mut self, frame_ms: f64) {
+        // A CPU's time of its passes is no GPU's: there the wall's clock alone counts.
+        let is_gpu_time = !self.show.gpu.summary.is_software();
         while let Some(times) = self.timing.next_frame() {
             if !times.passes_ms.is_empty() {
                 self.passes.push(&times);
+            }
+            if is_gpu_time && let Some(run) = &mut self.benchmarks.running {
+                run.gpu_took(times.frame_ms);
             }
             if let Some(truth) = self.show.truth() {
                 truth.took(Some(&times), frame_ms);
             }
         }
-        self.messages.status = self.show.truth().map(|truth| {
+        let benchmark = self.benchmarks.running.as_ref().map(Benchmark::status);
+        let traced = self.show.truth().map(|truth| {
             if !self.timing.supported() {
                 truth.took(None, frame_ms);
             }
             format!("path-traced: {} samples a pixel", truth.samples())
         });
+        self.messages.status = benchmark.or(traced);
     }
 }

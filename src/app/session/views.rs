@@ -26,7 +26,10 @@ impl Session {
             return;
         }
         match self.show.apply(next) {
-            Ok(true) => self.remade(),
+            Ok(true) => {
+                self.abandon_benchmark("The picture has another size: the benchmark was stopped");
+                self.remade();
+            }
             Ok(false) => {}
             Err(error) => {
                 self.messages.toast_error(error.to_string());

@@ -1,0 +1,190 @@
+//! F4: the benchmark takes the camera and the clock, and gives both back.
+
+use std::time::{Duration, Instant};
+
+use winit::{
+    event::{ElementState, KeyEvent, WindowEvent},
+    keyboard::{KeyCode, PhysicalKey},
+};
+
+use super::{
+    super::{
+        AppError,
+        benchmark::{Before, Benchmark, Course, Phase, Summary, Surroundings},
+        camera::flown,
+    },
+    Session,
+};
+
+/// A benchmark that runs, and what the last one said until that is closed.
+#[derive(Default)]
+pub(super) struct Benchmarks {
+    pub running: Option<Benchmark>,
+    pub summary: Option<Summary>,
+}
+
+impl Session {
+    /// Begins a benchmark.
+    pub(super) fn begin_benchmark(&mut self) {
+        if self.show.choice().traced {
+            self.messages
+                .toast("The benchmark is of light by probes: F6 returns to them");
+            return;
+        }
+        let world = self.show.world().clone();
+        let course = match self.show.voxels() {
+            Ok(voxels) => Course::new(&world, voxels, &self.camera),
+            Err(error) => return self.messages.toast_error(error.to_string()),
+        };
+        let before = Before {
+            camera: self.camera.clone(),
+            clock: self.settings.clock,
+        };
+        let software = self.show.gpu.summary.is_software();
+        let benchmark = Benchmark::new(course, before, world.voxel_m, software, Instant::now());
+        self.messages.status = Some(benchmark.status());
+        self.benchmarks.summary = None;
+        self.benchmarks.running = Some(benchmark);
+        self.release_mouse();
+        self.remade();
+    }
+
+    /// Ends the benchmark that runs, if one does, and shows what it has found.
+    pub(super) fn end_benchmark(&mut self) {
+        let Some(benchmark) = self.benchmarks.running.take() else {
+            return;
+        };
+        let mode = self.screen.unpaced_mode();
+        let summary = &self.show.gpu.summary;
+        let surroundings = Surroundings {
+            world: self.show.world().name.clone(),
+            layout: self.show.choice().layout.clone(),
+            size: self.show.frame().size(),
+            adapter: summary.name.clone(),
+            software: summary.is_software(),
+            presented: format!("{mode:?}"),
+            paced: mode == wgpu::PresentMode::Fifo,
+        };
+        let (before, summary) = benchmark.end(surroundings);
+        match &summary {
+            Some(summary) => tracing::info!("benchmark: {}", summary.text()),
+            None => self
+                .messages
+                .toast("Benchmark stopped before any frame counted"),
+        }
+        self.benchmarks.summary = summary;
+        self.give_back(before);
+    }
+
+    /// Ends a benchmark whose frames can no longer be compared with each other. In the warm-up no frame counts
+    /// yet: a window often finds its size in its first frames.
+    pub(super) fn abandon_benchmark(&mut self, reason: &str) {
+        let counting = |run: &mut Benchmark| run.is_counting();
+        if let Some(benchmark) = self.benchmarks.running.take_if(counting) {
+            let (before, _) = benchmark.end(Surroundings::default());
+            self.messages.toast_error(reason);
+            self.give_back(before);
+        }
+    }
+
+    fn give_back(&mut self, before: Before) {
+        self.messages.status = None;
+        self.camera = before.camera;
+        self.settings.clock = before.clock;
+        self.controls.release_all();
+        self.remade();
+    }
+
+    /// Moves the camera and the clock: as the user steers, or as a benchmark flies.
+    ///
+    /// # Errors
+    /// [`AppError::Gpu`] when the device is lost.
+    pub(super) fn steer(&mut self, now: Instant, elapsed: Duration) -> Result<(), AppError> {
+        let input = self.controls.take(now);
+        let phase = self
+            .benchmarks
+            .running
+            .as_mut()
+            .map(|run| run.begin_frame(now));
+        match phase {
+            Some(Phase::WarmedUp) => {
+                // The times that arrive from now on are of frames that count.
+                self.show.gpu.wait()?;
+                self.hear_times(0.0);
+                if let Some(run) = &mut self.benchmarks.running {
+                    run.start_counting(Instant::now());
+                }
+            }
+            Some(Phase::Over) => {
+                self.show.gpu.wait()?;
+                self.hear_times(0.0);
+                self.end_benchmark();
+            }
+            Some(Phase::WarmUp | Phase::Counting) | None => {}
+        }
+        match &self.benchmarks.running {
+            Some(run) => {
+                self.camera = run.camera();
+                self.settings.clock.time_s = run.time_s();
+            }
+            None => {
+                self.settings.clock.advance(elapsed.as_secs_f64());
+                self.camera = flown(&self.camera, &input, self.speed);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes what a user does while a benchmark runs or its summary is shown: Esc and F4 stop it, any key or
+    /// click closes the summary, and nothing else happens. What ends (a key that is let go) is not taken.
+    pub(super) fn benchmark_takes(&mut self, event: &WindowEvent) -> bool {
+        let begins = match event {
+            WindowEvent::MouseInput { state, .. }
+            | WindowEvent::KeyboardInput {
+                event: KeyEvent { state, .. },
+                ..
+            } => *state == ElementState::Pressed,
+            WindowEvent::MouseWheel { .. } => true,
+            _ => false,
+        };
+        let is_busy = self.benchmarks.running.is_some() || self.benchmarks.summary.is_some();
+        if !(begins && is_busy) {
+            return false;
+        }
+        let key = match event {
+            WindowEvent::KeyboardInput { event, .. } if !event.repeat => match event.physical_key {
+                PhysicalKey::Code(code) => Some(code),
+                PhysicalKey::Unidentified(_) => None,
+            },
+            _ => None,
+        };
+        if self.benchmarks.running.is_some() {
+            if matches!(key, Some(KeyCode::Escape | KeyCode::F4)) {
+                self.end_benchmark();
+            }
+        } else if key.is_some_and(closes) || matches!(event, WindowEvent::MouseInput { .. }) {
+            self.benchmarks.summary = None;
+        }
+        true
+    }
+}
+
+/// Whether a key closes the summary: not those that take a picture of the screen or only modify others.
+fn closes(key: KeyCode) -> bool {
+    use KeyCode::{
+        AltLeft, AltRight, ControlLeft, ControlRight, PrintScreen, ShiftLeft, ShiftRight,
+        SuperLeft, SuperRight,
+    };
+    !matches!(
+        key,
+        AltLeft
+            | AltRight
+            | ControlLeft
+            | ControlRight
+            | PrintScreen
+            | ShiftLeft
+            | ShiftRight
+            | SuperLeft
+            | SuperRight
+    )
+}
