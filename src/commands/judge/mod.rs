@@ -1,12 +1,12 @@
 //! `grotto judge`: DDGI against path-traced references, as one table.
 
-mod cache;
+pub(super) mod cache;
 mod page;
 mod report;
-mod row;
+pub(super) mod row;
 mod summary;
 mod table;
-mod truth;
+pub(super) mod truth;
 mod work;
 
 use std::{collections::BTreeMap, path::PathBuf};
@@ -84,6 +84,15 @@ fn camera_mask(text: &str) -> Result<(String, PathBuf), String> {
         .split_once('=')
         .ok_or("write CAMERA=FILE, as in dark=mask.png")?;
     Ok((camera.to_owned(), path.into()))
+}
+
+pub(super) const COMMAND: &str = "judge";
+
+pub(super) fn merge(
+    _parts: &[super::part::Part],
+    _folder: &std::path::Path,
+) -> Result<Result<(), Failure>, Failure> {
+    Ok(Ok(()))
 }
 
 /// Worlds of those who name none.
