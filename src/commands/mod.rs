@@ -13,6 +13,7 @@ mod merge;
 mod options;
 mod out_file;
 mod output;
+mod part;
 mod play;
 mod record;
 pub mod reference;

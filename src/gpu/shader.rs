@@ -2,7 +2,10 @@
 
 use std::{borrow::Cow, collections::BTreeMap, fs, path::Path};
 
-use wesl::{CompileOptions, Mangler, ModulePath, ResolveError, Resolver};
+use wesl::{
+    CompileOptions, Mangler, ModulePath, ResolveError, Resolver,
+    syntax::{Declaration, Function, GlobalDeclaration, Struct, TranslationUnit, TypeAlias},
+};
 
 use super::GpuError;
 
@@ -21,6 +24,8 @@ pub struct Composed {
     pub wgsl: String,
     pub module: naga::Module,
     pub info: naga::valid::ModuleInfo,
+    /// The names of the modules that it is made of, sorted; those made at run time among them.
+    pub sources: Vec<String>,
 }
 
 impl ShaderLibrary {
@@ -66,8 +71,13 @@ impl ShaderLibrary {
         changed.chain(gone)
     }
 
+    /// The text of a module.
+    pub fn text(&self, name: &str) -> Option<&str> {
+        self.modules.get(name).map(|text| &**text)
+    }
+
     /// Resolves the imports of module `name` (`passes/shade`). `generated` adds modules that are
-    /// made at run time, imported as `package::generated::NAME`.
+    /// made at run time, imported as `package::generated::NAME`. The same modules give the same bytes.
     ///
     /// # Errors
     /// [`GpuError::Shader`] with the place, for a missing module, a syntax error, a type error.
@@ -87,9 +97,13 @@ impl ShaderLibrary {
             validate: false,
             ..CompileOptions::default()
         };
-        let wgsl = wesl::compile_sourcemap(&root, &resolver, &ReadableMangler, &options)
-            .map_err(|error| fault(without_colours(&error.to_string())))?
-            .to_string();
+        let mut resolved = wesl::compile_sourcemap(&root, &resolver, &ReadableMangler, &options)
+            .map_err(|error| fault(without_colours(&error.to_string())))?;
+        put_in_order(&mut resolved.syntax);
+        let wgsl = resolved.syntax.to_string();
+        let modules = resolved.modules.iter();
+        let mut sources: Vec<String> = modules.map(|path| path.components.join("/")).collect();
+        sources.sort();
         let module = naga::front::wgsl::parse_str(&wgsl)
             .map_err(|error| fault(error.emit_to_string_with_path(&wgsl, name)))?;
         let info = naga::valid::Validator::new(
@@ -103,8 +117,36 @@ impl ShaderLibrary {
             wgsl,
             module,
             info,
+            sources,
         })
     }
+}
+
+/// Sorts declarations by their modules, and keeps the order within a module. WESL 0.4.0 visits the entry points
+/// of a shader, and so the modules that they import, in the order of a hash map: another one in each run.
+fn put_in_order(shader: &mut TranslationUnit) {
+    shader
+        .global_directives
+        .sort_by_cached_key(ToString::to_string);
+    shader
+        .global_declarations
+        .sort_by_cached_key(|declaration| place(declaration.node()));
+}
+
+/// The module of a declaration; its own text where it has no name that tells.
+fn place(declaration: &GlobalDeclaration) -> (String, String) {
+    let named = match declaration {
+        GlobalDeclaration::Declaration(Declaration { ident, .. })
+        | GlobalDeclaration::TypeAlias(TypeAlias { ident, .. })
+        | GlobalDeclaration::Struct(Struct { ident, .. })
+        | GlobalDeclaration::Function(Function { ident, .. }) => ident.name(),
+        GlobalDeclaration::Void | GlobalDeclaration::ConstAssert(_) => {
+            return (String::new(), declaration.to_string());
+        }
+    };
+    // Names of the shader's own module are as the source has them.
+    let module = named.split_once("__").map_or("", |(_, module)| module);
+    (module.to_owned(), String::new())
 }
 
 /// A text without the escape sequences that colour it in a terminal (ECMA-48: ESC [ … letter).

@@ -1,5 +1,6 @@
 //! Pictures and statistics. Knows no world.
 
+pub mod block_sums;
 pub mod changes;
 pub mod comparison;
 pub mod flip;

@@ -174,31 +174,46 @@ impl PathTrace {
         })
     }
 
-    /// The picture so far: linear radiance, or the view's data (depth in voxels). Each pixel is the
-    /// mean of its own samples; without any it shows what is not random.
+    /// Forgets all samples, and keeps what is not random.
+    pub fn clear(&self, recorder: &mut Recorder<'_>) {
+        for buffer in [&self.sums, &self.totals] {
+            recorder.encoder.clear_buffer(buffer, 0, None);
+        }
+    }
+
+    /// What is not random: linear radiance, or the view's data (depth in voxels).
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
-    pub fn read(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
+    pub fn read_certain(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
         let [width, height] = self.size;
-        let read = |buffer: &wgpu::Buffer| -> Result<Vec<[f32; 4]>, GpuError> {
-            let bytes = u64::from(width) * u64::from(height) * Self::BYTES_PER_PIXEL;
-            gpu.read_buffer_range(buffer, 0, bytes)
-        };
-        let (certain, sums, totals) =
-            (read(&self.certain)?, read(&self.sums)?, read(&self.totals)?);
-        let pixel = |((certain, sum), total): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
-            let count = f64::from(sum[3]) + f64::from(total[3]);
-            std::array::from_fn(|channel| {
-                let sum = f64::from(sum[channel]) + f64::from(total[channel]);
-                (f64::from(certain[channel]) + sum / count.max(1.0)) as f32
-            })
-        };
+        let certain = self.read(gpu, &self.certain)?;
         Ok(Picture {
             width,
             height,
-            rgb: certain.iter().zip(&sums).zip(&totals).map(pixel).collect(),
+            rgb: certain.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
         })
+    }
+
+    /// Of each pixel the sum of the samples since [`clear`](Self::clear), and how many they are. `samples`: how
+    /// many they are expected to be.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_sums(&self, gpu: &Gpu, samples: u32) -> Result<Vec<[f32; 4]>, GpuError> {
+        let mut sums = self.read(gpu, &self.sums)?;
+        if sums.iter().any(|sum| sum[3] != samples as f32) {
+            // Others have moved on.
+            for (sum, total) in sums.iter_mut().zip(self.read(gpu, &self.totals)?) {
+                *sum = std::array::from_fn(|channel| total[channel] + sum[channel]);
+            }
+        }
+        Ok(sums)
+    }
+
+    fn read(&self, gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<[f32; 4]>, GpuError> {
+        let bytes = u64::from(self.size[0]) * u64::from(self.size[1]) * Self::BYTES_PER_PIXEL;
+        gpu.read_buffer_range(buffer, 0, bytes)
     }
 }
 

@@ -9,17 +9,17 @@ use super::{
         Failure,
         options::RunOptions,
         output,
-        reference::{TraceRequest, trace},
+        reference::{TraceRequest, content, sources, trace},
     },
     cache::{Cache, Found, Key, Truth, fnv1a},
 };
 use crate::{
     frame::Stage,
-    gpu::{Gpu, ShaderLibrary},
+    gpu::Gpu,
     lights::Lights,
     measure::picture::Picture,
     reference::{self, FilmOptions, View},
-    world::{Camera, ResponseSpec, World, generate, materials::MaterialSet, voxels::Voxels},
+    world::{Camera, World, generate, materials::MaterialSet, voxels::Voxels},
 };
 
 /// Who says what is true.
@@ -65,13 +65,6 @@ const CPU_SOURCES: [&str; 5] = [
     include_str!("../../reference/render.rs"),
     include_str!("../../lights/lamp.rs"),
 ];
-const GPU_SOURCES: [&str; 4] = [
-    include_str!("../reference.rs"),
-    include_str!("../../lights/emitters.rs"),
-    include_str!("../../lights/table.rs"),
-    include_str!("../../passes/path_trace.rs"),
-];
-
 impl<'a> Tracer<'a> {
     /// The reference, traced if it is not in the cache. `stage` is the world on the adapter.
     ///
@@ -98,14 +91,6 @@ impl<'a> Tracer<'a> {
     }
 
     fn key(&self, film: &Film<'_>) -> Result<Key, Failure> {
-        // Who looks, where probes stand and what may change change nothing about the world as it is.
-        let mut world = self.world.clone();
-        world.name.clear();
-        world.title.clear();
-        world.cameras.clear();
-        world.layouts.clear();
-        world.lamp_presets.clear();
-        world.response = ResponseSpec::default();
         let Film {
             camera,
             size,
@@ -120,8 +105,8 @@ impl<'a> Tracer<'a> {
         };
         Ok(Key {
             content: format!(
-                "{tracer} {world:?} {:?} {basis:?} {size:?} {spp} {seed} {textures}",
-                self.lights
+                "{tracer} {} {basis:?} {size:?} {spp} {seed} {textures}",
+                content(self.world, self.lights)
             ),
             version: self.version()?,
             size: *size,
@@ -131,10 +116,7 @@ impl<'a> Tracer<'a> {
     fn version(&self) -> Result<String, Failure> {
         let sources = match self.against {
             Against::Cpu => CPU_SOURCES.concat(),
-            Against::Reference => {
-                let shader = ShaderLibrary::embedded().compose("passes/path_trace", &[])?;
-                GPU_SOURCES.concat() + &shader.wgsl
-            }
+            Against::Reference => sources(&self.gpu.shaders)?,
         };
         Ok(format!(
             "{} {:032x}",
