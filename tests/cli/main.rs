@@ -1,6 +1,7 @@
 //! The command line, driven as a user drives it.
 
 mod bench;
+mod bench_reports;
 mod info;
 mod refusals;
 mod render;

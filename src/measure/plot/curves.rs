@@ -66,6 +66,8 @@ fn draw(svg: &mut String, plot: &Curves<'_>) -> Drawn {
         .light_line_style(TRANSPARENT)
         .axis_style(AXIS)
         .label_style(font())
+        .x_label_formatter(&|value| plot.x.label(*value))
+        .y_label_formatter(&|value| plot.y.label(*value))
         .draw()?;
     for curve in &plot.curves {
         let finite = curve
