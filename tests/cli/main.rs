@@ -1,6 +1,7 @@
 //! The command line, driven as a user drives it.
 
 mod bench;
+mod bench_reports;
 mod bench_speed;
 mod info;
 mod refusals;

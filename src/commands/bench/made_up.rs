@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::{
     super::shard::Shard,
     model::{
-        Adapter, Build, Figure, GpuState, KIND, Machine, Probes, Quality, Report, Row, SCHEMA,
-        Timing, Varied, WorldRecord,
+        Adapter, Build, Figure, GpuState, KIND, Machine, Missing, Part, Probes, Quality, Report,
+        Row, SCHEMA, Timing, Varied, WorldRecord,
     },
 };
 use crate::measure::frame_times::{FrameStatistics, Interval};
@@ -164,4 +164,32 @@ pub fn report() -> Report {
         missing: Vec::new(),
         parts: Vec::new(),
     }
+}
+
+/// A report in which nothing is empty or `null`, so that it has every key of the schema.
+pub fn full_report() -> Report {
+    let mut full = report();
+    for row in &mut full.rows {
+        row.varied.insert("key".to_owned(), Varied::Number(1.0));
+        let half_width = Some(0.1);
+        let value = 1.0;
+        row.figures
+            .insert("figure_ms".to_owned(), Figure { value, half_width });
+    }
+    full.missing.push(Missing {
+        id: "none".to_owned(),
+        reason: "no reason".to_owned(),
+    });
+    full.parts.push(Part {
+        label: "card".to_owned(),
+        suite: full.suite.clone(),
+        complete: true,
+        quick: false,
+        command: full.command.clone(),
+        started: full.started.clone(),
+        elapsed_s: 1.0,
+        build: full.build.clone(),
+        machine: full.machine.clone(),
+    });
+    full
 }

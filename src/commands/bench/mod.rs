@@ -1,7 +1,9 @@
 //! `grotto bench SUITE`: one file a suite.
 
+mod diff;
 mod flight;
 mod flight_look;
+mod history;
 #[cfg(test)]
 mod made_up;
 pub mod merge;
@@ -67,6 +69,8 @@ enum Suite {
     Stability(stability::Arguments),
     Response(response::Arguments),
     Flight(flight::Arguments),
+    Diff(diff::Arguments),
+    History(history::Arguments),
     Merge(merge::Arguments),
     #[command(external_subcommand)]
     Unknown(Vec<String>),
@@ -123,6 +127,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Suite::Stability(arguments) => stability::run(arguments),
         Suite::Response(arguments) => response::run(arguments),
         Suite::Flight(arguments) => flight::run(arguments),
+        Suite::Diff(arguments) => diff::run(arguments),
+        Suite::History(arguments) => history::run(arguments),
         Suite::Merge(arguments) => merge::run(arguments),
     }
 }

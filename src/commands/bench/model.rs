@@ -330,3 +330,65 @@ impl Row {
         self.adapter.kind == "software"
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use serde_json::Value;
+
+    use super::super::made_up::full_report;
+
+    const DOCUMENT: &str = include_str!("../../../docs/bench.md");
+    /// What is under these has names of its own, not of the schema.
+    const FREE: [&str; 7] = [
+        "varied",
+        "passes",
+        "pass_runs_ms",
+        "rays",
+        "mrays_per_s",
+        "memory_bytes",
+        "figures",
+    ];
+
+    /// All keys of the schema. `free` says that the keys of this object are none.
+    fn collect(value: &Value, free: bool, keys: &mut BTreeSet<String>) {
+        match value {
+            Value::Object(members) => {
+                for (key, value) in members {
+                    if !free {
+                        keys.insert(key.clone());
+                    }
+                    // A figure under a free name has keys of the schema again.
+                    collect(value, !free && FREE.contains(&key.as_str()), keys);
+                }
+            }
+            Value::Array(values) => values.iter().for_each(|value| collect(value, false, keys)),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn every_key_is_documented() {
+        let report = serde_json::to_value(full_report()).expect("JSON");
+        let mut keys = BTreeSet::new();
+        collect(&report, false, &mut keys);
+        for known in [
+            "low1_integral_fps",
+            "half_width",
+            "graphics_mhz",
+            "spp",
+            "label",
+            "reason",
+        ] {
+            assert!(keys.contains(known), "{known} is not found: {keys:?}");
+        }
+        let documented = |key: &&String| DOCUMENT.contains(&format!("`{key}`"));
+        let missing: Vec<&String> = keys.iter().filter(|key| !documented(key)).collect();
+        assert!(
+            missing.is_empty(),
+            "docs/bench.md does not name {missing:?}"
+        );
+        assert!(!documented(&&"no_such_key".to_owned()));
+    }
+}

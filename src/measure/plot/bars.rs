@@ -36,9 +36,9 @@ pub struct Stack {
 const BAR: i32 = 15;
 const GAP: i32 = 9;
 const BOTTOM: i32 = 18;
-/// Widths in pixels: of the names, of a letter, and of the values behind the bars.
+/// Most letters of a name.
 const MOST_NAME: usize = 19;
-const LETTER: f64 = 6.2;
+/// Room for the values behind the bars, in pixels.
 const VALUE: i32 = 40;
 
 /// Groups below each other, each bar with its interval and its value behind it. Where the values spread widely the
@@ -127,6 +127,16 @@ impl Plot<'_, '_> {
     }
 }
 
+/// Pixels of a name, in fonts that are wider than most.
+fn wide(name: &str) -> f64 {
+    let letter = |letter: char| match letter {
+        'm' | 'w' | 'M' | 'W' | '×' | '@' => 10.5,
+        'i' | 'l' | 'j' | 'f' | 't' | '.' | ' ' => 4.5,
+        _ => 6.9,
+    };
+    name.chars().map(letter).sum()
+}
+
 /// Names to the left, ticks below, and what `content` draws.
 fn draw(
     label: &str,
@@ -137,12 +147,8 @@ fn draw(
 ) -> String {
     let mut svg = String::new();
     let bottom: i32 = heights.iter().sum();
-    let longest = names
-        .iter()
-        .map(|name| name.chars().count())
-        .max()
-        .unwrap_or(0);
-    let left = (LETTER * longest.min(MOST_NAME) as f64) as i32 + 8;
+    let widest = names.iter().map(|name| wide(&cut(name, MOST_NAME)));
+    let left = widest.fold(0.0, f64::max) as i32 + 10;
     let drawn = || -> Drawn {
         let size = (WIDTH, (bottom + BOTTOM) as u32);
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();

@@ -41,7 +41,7 @@ pub struct Curves<'a> {
     pub notes: Vec<(f64, f64, String)>,
 }
 
-const HEIGHT: u32 = 236;
+const HEIGHT: u32 = 250;
 const LEFT: u32 = 44;
 
 /// The plot as SVG.
@@ -55,10 +55,10 @@ fn draw(svg: &mut String, plot: &Curves<'_>) -> Drawn {
     let root = SVGBackend::with_string(svg, (WIDTH, HEIGHT)).into_drawing_area();
     let font = || ("sans-serif", FONT).into_font().color(&INK);
     let mut chart = ChartBuilder::on(&root)
-        .margin_top(20)
+        .margin_top(24)
         .margin_right(10)
         .set_label_area_size(LabelAreaPosition::Left, LEFT)
-        .set_label_area_size(LabelAreaPosition::Bottom, 34)
+        .set_label_area_size(LabelAreaPosition::Bottom, 42)
         .build_cartesian_2d(plot.x.clone(), plot.y.clone())?;
     chart
         .configure_mesh()
@@ -66,6 +66,8 @@ fn draw(svg: &mut String, plot: &Curves<'_>) -> Drawn {
         .light_line_style(TRANSPARENT)
         .axis_style(AXIS)
         .label_style(font())
+        .x_label_formatter(&|value| plot.x.label(*value))
+        .y_label_formatter(&|value| plot.y.label(*value))
         .draw()?;
     for curve in &plot.curves {
         let finite = curve

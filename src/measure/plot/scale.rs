@@ -124,6 +124,48 @@ impl Scale {
         scale
     }
 
+    /// Places 0, 1, 2, … with names, as far as they have room.
+    pub fn named(names: &[String]) -> Self {
+        let last = names.len().saturating_sub(1) as f64;
+        let (from, to) = (-0.3, last + 0.3);
+        let longest = names
+            .iter()
+            .map(|name| name.chars().count())
+            .max()
+            .unwrap_or(0);
+        let room = ((0.95 / (0.05 + 0.022 * longest as f64)) as usize).max(1);
+        let every = names.len().div_ceil(room).max(1);
+        let ticks = names.iter().enumerate().step_by(every);
+        Self {
+            from,
+            to,
+            log: false,
+            ticks: ticks.map(|(at, name)| (at as f64, name.clone())).collect(),
+        }
+    }
+
+    /// Linear, close around all values: for changes that are small beside what they change.
+    pub fn around(values: impl Iterator<Item = f64> + Clone, most_ticks: usize) -> Self {
+        let finite = values.filter(|value| value.is_finite());
+        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        if low > high {
+            return Self::linear(0.0, 1.0, most_ticks);
+        }
+        // Noise must not fill the plot.
+        let margin = (0.15 * (high - low))
+            .max(0.03 * high.abs())
+            .max(f64::MIN_POSITIVE);
+        Self::linear(low - margin, high + margin, most_ticks)
+    }
+
+    /// The label of a tick.
+    pub(super) fn label(&self, value: f64) -> String {
+        let tick = self.ticks.iter().find(|(tick, _)| *tick == value);
+        tick.map_or(String::new(), |(_, label)| label.clone())
+    }
+
     /// Where a value lies, 0 to 1; values outside lie at the edges.
     pub fn at(&self, value: f64) -> f64 {
         let share = if self.log {
@@ -238,6 +280,20 @@ mod tests {
         assert!((wide.at(3.0) - 0.5).abs() < 1e-9);
         assert!((2..=5).contains(&wide.ticks.len()), "{:?}", wide.ticks);
         assert!(!Scale::spanning(std::iter::empty(), 5).is_log());
+    }
+
+    #[test]
+    fn names_have_room_and_small_changes_are_seen() {
+        let names: Vec<String> = (0..40).map(|index| format!("commit{index:02}")).collect();
+        let scale = Scale::named(&names);
+        assert!((2..=6).contains(&scale.ticks.len()), "{:?}", scale.ticks);
+        assert_eq!(scale.label(0.0), "commit00");
+        assert_eq!(Scale::named(&names[..3]).ticks.len(), 3);
+        let close = Scale::around([10.0, 10.1].into_iter(), 4);
+        assert!(close.at(10.1) - close.at(10.0) > 0.1);
+        assert!(close.at(10.0) > 0.1 && close.at(10.1) < 0.9);
+        let equal = Scale::around([0.0; 2].into_iter(), 4);
+        assert!(equal.at(0.0).is_finite());
     }
 
     #[test]

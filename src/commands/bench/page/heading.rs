@@ -12,37 +12,39 @@ pub fn heading(report: &Report) -> String {
     for words in warnings(report) {
         text += &warning(&words);
     }
+    let adapters = distinct(report.rows.iter().map(|row| &row.adapter));
+    let mut general: Vec<(&str, String)> = adapters
+        .into_iter()
+        .map(|adapter| ("Adapter", adapter_words(adapter)))
+        .collect();
+    let seeds = distinct(report.rows.iter().map(|row| row.seed));
+    let seeds: Vec<String> = seeds.iter().map(u32::to_string).collect();
+    general.push(("Seed of the rays", seeds.join(", ")));
     if report.parts.is_empty() {
-        text += &facts(&origin(
+        general.extend(origin(
             &report.machine,
             &report.build,
             &report.started,
             report.elapsed_s,
             &report.command,
         ));
-    } else {
-        text += &paragraph(
-            "Results of several cards or machines. What they are called stands behind the names of the rows.",
-        );
-        for part in &report.parts {
-            text += &format!("<h3>{}</h3>\n", escaped(&part.label));
-            text += &facts(&origin(
-                &part.machine,
-                &part.build,
-                &part.started,
-                part.elapsed_s,
-                &part.command,
-            ));
-        }
     }
-    let adapters = distinct(report.rows.iter().map(|row| &row.adapter));
-    let adapters: Vec<(&str, String)> = adapters
-        .into_iter()
-        .map(|adapter| ("Adapter", adapter_words(adapter)))
-        .collect();
-    let seeds = distinct(report.rows.iter().map(|row| row.seed));
-    let seeds: Vec<String> = seeds.iter().map(u32::to_string).collect();
-    text += &facts(&[adapters, vec![("Seed of the rays", seeds.join(", "))]].concat());
+    text += &facts(&general);
+    if !report.parts.is_empty() {
+        text += &paragraph(
+            "Results of several cards or machines: the names of rows end with `@` and what follows here.",
+        );
+    }
+    for part in &report.parts {
+        text += &format!("<h3>{}</h3>\n", escaped(&part.label));
+        text += &facts(&origin(
+            &part.machine,
+            &part.build,
+            &part.started,
+            part.elapsed_s,
+            &part.command,
+        ));
+    }
     text + &worlds(report)
 }
 

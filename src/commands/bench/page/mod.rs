@@ -10,6 +10,7 @@ mod published;
 mod quality;
 mod tables;
 
+pub use self::heading::adapter_words;
 use super::model::{Report, Row};
 use crate::measure::plot::escaped;
 
