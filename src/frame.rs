@@ -219,6 +219,8 @@ impl Frame {
         self.field = field;
         self.faces = faces;
         self.frames = 0;
+        // Probes without a history know of no change.
+        self.lights_before = None;
         Ok(())
     }
 

@@ -19,7 +19,10 @@ fn every_shader_is_composed_to_the_same_bytes() {
     let cave = file::load(&cave, &Overrides::default()).expect("a world of ours");
     let shape = shape_module(&cave);
     let library = ShaderLibrary::embedded();
-    let passes: Vec<&str> = library.names().filter(|name| name.starts_with("passes/")).collect();
+    let passes: Vec<&str> = library
+        .names()
+        .filter(|name| name.starts_with("passes/"))
+        .collect();
     assert!(passes.len() > 15, "{passes:?}");
     let compose = |name: &str| {
         let composed = library.compose(name, &[("shape", &shape)]);
@@ -41,10 +44,19 @@ fn the_sources_of_a_shader_are_the_modules_that_it_is_composed_of() {
     };
     let first = sources();
     assert!(first.is_sorted());
-    for name in ["passes/path_trace", "light/emitters", "march/march", "data/voxels", "color/hash"] {
+    for name in [
+        "passes/path_trace",
+        "light/emitters",
+        "march/march",
+        "data/voxels",
+        "color/hash",
+    ] {
         assert!(first.iter().any(|source| source == name), "{first:?}");
     }
-    assert!(!first.iter().any(|source| source.starts_with("probes/")), "{first:?}");
+    assert!(
+        !first.iter().any(|source| source.starts_with("probes/")),
+        "{first:?}"
+    );
     assert!(first.iter().all(|name| library.text(name).is_some()));
     for _ in 1..TIMES {
         assert_eq!(sources(), first);

@@ -73,7 +73,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Found::Reports(command) => join_reports(command)?,
     };
     let files = draft.publish()?;
-    let files: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+    let files: Vec<String> = files
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
     if run.json {
         let record = Record {
             command,
@@ -119,9 +122,7 @@ fn look(folders: &[PathBuf]) -> Result<Found, Failure> {
     let mut files = Vec::new();
     let mut reports = Vec::new();
     for folder in folders {
-        let refused = |reason: &str| {
-            Failure::bad_input(format!("{}: {reason}", folder.display()))
-        };
+        let refused = |reason: &str| Failure::bad_input(format!("{}: {reason}", folder.display()));
         let parts = part::files_in(folder)?;
         let report = REPORTS
             .iter()

@@ -203,7 +203,9 @@ fn decode(bytes: &[u8]) -> Result<(Head, Vec<u8>), &'static str> {
     const DAMAGED: &str = "the part is damaged; run it again";
     let Some(rest) = bytes.strip_prefix(FIRST_LINE) else {
         return Err(match bytes.starts_with(ANY_VERSION) {
-            true => "the part was written by another version of grotto; run all parts with one version",
+            true => {
+                "the part was written by another version of grotto; run all parts with one version"
+            }
             false => "it is no part that grotto wrote",
         });
     };
@@ -265,7 +267,11 @@ mod tests {
             decode(&flipped).expect_err("a bit is flipped");
         }
         let newer = [b"grotto part 2\n", &whole[FIRST_LINE.len()..]].concat();
-        assert!(decode(&newer).expect_err("newer").contains("another version"));
+        assert!(
+            decode(&newer)
+                .expect_err("newer")
+                .contains("another version")
+        );
     }
 
     #[test]
@@ -274,11 +280,19 @@ mod tests {
         for index in [2, 1] {
             stored(folder.path(), head(index));
         }
-        for other in ["a.exr", "a.exr.part-4-of-3", "a.exr.part-1", "a.exr.part-1-of-3~"] {
+        for other in [
+            "a.exr",
+            "a.exr.part-4-of-3",
+            "a.exr.part-1",
+            "a.exr.part-1-of-3~",
+        ] {
             fs::write(folder.path().join(other), "").expect("writable");
         }
         let found = files_in(folder.path()).expect("a folder");
-        let names: Vec<_> = found.iter().filter_map(|path| path.file_name()?.to_str()).collect();
+        let names: Vec<_> = found
+            .iter()
+            .filter_map(|path| path.file_name()?.to_str())
+            .collect();
         assert_eq!(names, ["a.exr.part-1-of-3", "a.exr.part-2-of-3"]);
         files_in(&folder.path().join("nowhere")).expect_err("no folder");
     }
@@ -296,7 +310,12 @@ mod tests {
             failure.to_string()
         };
         let all = in_order([3, 1, 2].map(head).map(part).into()).expect("a whole");
-        assert_eq!(all.iter().map(|part| part.head.shard.index).collect::<Vec<_>>(), [1, 2, 3]);
+        assert_eq!(
+            all.iter()
+                .map(|part| part.head.shard.index)
+                .collect::<Vec<_>>(),
+            [1, 2, 3]
+        );
         assert!(refused([3, 1].map(head).into()).contains("part 2/3 is missing"));
         assert!(refused([3, 1, 2, 2].map(head).into()).contains("part 2/3 is there 2 times"));
         let mut foreign = head(2);
@@ -316,9 +335,18 @@ mod tests {
         stored(folder.path(), head(1));
         let mut other = head(1);
         other.facts[0].1 = "128".to_owned();
-        let refused = PartFile::new(folder.path(), other).map(|_| ()).expect_err("another");
-        assert!(refused.to_string().contains("samples was 64 and would be 128"), "{refused}");
+        let refused = PartFile::new(folder.path(), other)
+            .map(|_| ())
+            .expect_err("another");
+        assert!(
+            refused
+                .to_string()
+                .contains("samples was 64 and would be 128"),
+            "{refused}"
+        );
         fs::write(folder.path().join(head(2).file_name()), "mine").expect("writable");
-        PartFile::new(folder.path(), head(2)).map(|_| ()).expect_err("not ours");
+        PartFile::new(folder.path(), head(2))
+            .map(|_| ())
+            .expect_err("not ours");
     }
 }

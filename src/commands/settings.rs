@@ -138,6 +138,25 @@ impl Setting {
         parameters
     }
 
+    /// Keys and values as people write them.
+    pub fn texts(&self) -> Vec<(String, String)> {
+        let text = |(name, value): &(&'static str, Value)| ((*name).to_owned(), value.to_string());
+        self.values.iter().map(text).collect()
+    }
+
+    /// Reads [`texts`](Self::texts).
+    ///
+    /// # Errors
+    /// For keys that there are not, and values that they do not take.
+    pub fn from_texts(texts: &[(String, String)]) -> Result<Self, ParameterError> {
+        let read = |(name, text): &(String, String)| {
+            let key = Key::find(name)?;
+            Ok((key.name, key.parse(text)?))
+        };
+        let values = texts.iter().map(read).collect::<Result<_, _>>()?;
+        Ok(Self { values })
+    }
+
     /// The value of a key as people write it, if it varies.
     pub fn value(&self, name: &str) -> Option<String> {
         let found = self.values.iter().find(|(key, _)| *key == name);
@@ -219,6 +238,12 @@ mod tests {
         assert_eq!(json, r#"{"probes.relocation":"off","probes.rays":16}"#);
         assert_eq!(settings[1].note(), ", relocation off");
         assert_eq!(settings[1].value("probes.rays").as_deref(), Some("16"));
+        for setting in &settings {
+            let read = Setting::from_texts(&setting.texts()).expect("as written");
+            assert_eq!(read, *setting);
+        }
+        let other = [("probes.rays".to_owned(), "many".to_owned())];
+        Setting::from_texts(&other).expect_err("no number");
     }
 
     #[test]

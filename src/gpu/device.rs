@@ -48,18 +48,40 @@ pub struct AdapterSummary {
     pub backend: String,
 }
 
+const KINDS: [(wgpu::DeviceType, &str); 4] = [
+    (wgpu::DeviceType::DiscreteGpu, "discrete"),
+    (wgpu::DeviceType::IntegratedGpu, "integrated"),
+    (wgpu::DeviceType::VirtualGpu, "virtual"),
+    (wgpu::DeviceType::Cpu, "software"),
+];
+const OTHER: &str = "other";
+
+impl<'de> serde::Deserialize<'de> for AdapterSummary {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(serde::Deserialize)]
+        struct Read {
+            name: String,
+            kind: String,
+            driver: String,
+            backend: String,
+        }
+        let read = Read::deserialize(deserializer)?;
+        let known = KINDS.iter().find(|(_, kind)| *kind == read.kind);
+        Ok(Self {
+            name: read.name,
+            kind: known.map_or(OTHER, |(_, kind)| kind),
+            driver: read.driver,
+            backend: read.backend,
+        })
+    }
+}
+
 impl AdapterSummary {
     fn of(info: &wgpu::AdapterInfo) -> Self {
-        let kind = match info.device_type {
-            wgpu::DeviceType::DiscreteGpu => "discrete",
-            wgpu::DeviceType::IntegratedGpu => "integrated",
-            wgpu::DeviceType::VirtualGpu => "virtual",
-            wgpu::DeviceType::Cpu => "software",
-            wgpu::DeviceType::Other => "other",
-        };
+        let known = KINDS.iter().find(|(of, _)| *of == info.device_type);
         Self {
             name: info.name.clone(),
-            kind,
+            kind: known.map_or(OTHER, |(_, kind)| kind),
             driver: format!("{} {}", info.driver, info.driver_info)
                 .trim()
                 .to_owned(),

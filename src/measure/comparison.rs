@@ -1,6 +1,6 @@
 //! A picture against a reference, by every metric at once.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
     flip::{self, flip},
@@ -51,7 +51,7 @@ impl Shown {
 }
 
 /// FLIP over the pixels, each in [0, 1].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlipSummary {
     pub mean: f64,
     pub p99: f64,
@@ -59,7 +59,7 @@ pub struct FlipSummary {
 }
 
 /// Sum over RGB of the absolute difference of display values, in [0, 3].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AbsoluteSummary {
     pub mean: f64,
     pub max: f64,
@@ -67,7 +67,7 @@ pub struct AbsoluteSummary {
 
 /// Every metric of a pair, as `--json` gives it. What is not finite (light against black) is `null`
 /// there.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     pub flip: FlipSummary,
     pub abs_sum: AbsoluteSummary,

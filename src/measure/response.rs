@@ -1,6 +1,6 @@
 //! How many frames light takes to follow a change of the scene.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
     metrics::{MetricError, comparable},
@@ -9,7 +9,7 @@ use super::{
 
 /// Frames from a change until this share of it is seen, the first frame that shows any of it being
 /// frame 1; `None` when the frames that were watched were too few.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Response {
     pub to_90: Option<u32>,
     pub to_99: Option<u32>,

@@ -1,6 +1,6 @@
 //! How much the pictures of a still scene change from one frame to the next.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
     metrics::{MetricError, comparable},
@@ -9,7 +9,7 @@ use super::{
 
 /// Change of a pixel between consecutive frames: the sum over RGB of the absolute difference of
 /// display values, in [0, 3].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stability {
     pub mean: f64,
     /// 99 of 100 changes are at most this; a multiple of 1/255.

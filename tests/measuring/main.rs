@@ -5,6 +5,7 @@ mod compare;
 mod contact;
 mod dynamics;
 mod judge;
+mod parts;
 mod tables;
 
 use std::{

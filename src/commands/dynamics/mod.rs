@@ -2,7 +2,7 @@
 
 mod edits;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use self::edits::{Opening, moved_lamp};
 use super::{Failure, driver::Driver, subject::Subject};
@@ -41,7 +41,7 @@ pub fn stability(
 
 /// Frames to follow each change; `None` for one that the world has no place for, or whose indirect
 /// light the camera hardly sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Responses {
     pub lamp_on: Option<Response>,
     pub lamp_off: Option<Response>,

@@ -2,6 +2,7 @@
 
 pub(super) mod cache;
 mod page;
+mod part;
 mod report;
 pub(super) mod row;
 mod summary;
@@ -13,10 +14,17 @@ use std::{collections::BTreeMap, path::PathBuf};
 
 use clap::Args;
 
-use self::{cache::Cache, page::Page, report::Files, truth::Against, work::Judge};
+pub(super) use self::part::merge;
+use self::{
+    cache::Cache,
+    page::Page,
+    report::Files,
+    truth::Against,
+    work::{Judge, Missed, Progress},
+};
 use super::{
-    EXIT_FAULT, EXIT_INTERRUPTED, Failure, dynamics::WATCHED_FRAMES, memory, options::RunOptions,
-    output, settings::Varied, stop, subject::SubjectOptions,
+    EXIT_FAULT, Failure, dynamics::WATCHED_FRAMES, memory, options::RunOptions, output,
+    settings::Varied, shard::Shard, stop, subject::SubjectOptions,
 };
 use crate::measure::{picture_file, selection::Selection};
 
@@ -75,6 +83,9 @@ pub struct Arguments {
     /// Trace every reference anew, and keep none
     #[arg(long)]
     no_cache: bool,
+    /// Only part I of N of the rows, in a file of its own; `grotto merge` joins the parts
+    #[arg(long, value_name = "I/N", value_parser = Shard::parse)]
+    shard: Option<Shard>,
     #[command(flatten)]
     run: RunOptions,
 }
@@ -88,13 +99,6 @@ fn camera_mask(text: &str) -> Result<(String, PathBuf), String> {
 
 pub(super) const COMMAND: &str = "judge";
 
-pub(super) fn merge(
-    _parts: &[super::part::Part],
-    _folder: &std::path::Path,
-) -> Result<Result<(), Failure>, Failure> {
-    Ok(Ok(()))
-}
-
 /// Worlds of those who name none.
 const WORLDS: &str = "worlds";
 
@@ -107,10 +111,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let [width, height] = arguments.subjects.size.map(u64::from);
     memory::check("judging pictures of this size", width * height * 400)?;
     let masks = read_masks(arguments)?;
-    let files = Files::new(&arguments.out)?;
+    let files = match arguments.shard {
+        None => Some(Files::new(&arguments.out)?),
+        Some(_) => None,
+    };
     let page = Page::new(&arguments.out, arguments.page_pictures, arguments.pictures)?;
     let stop = stop::at_ctrl_c(run);
     let gpu = output::open_gpu(run)?;
+    let part = arguments
+        .shard
+        .map(|shard| part::file(arguments, &paths, &gpu, shard));
+    let part = part.transpose()?;
     let cache = match arguments.no_cache {
         true => Cache::none(),
         false => Cache::new(arguments.cache.as_deref()),
@@ -121,51 +132,54 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         cache: &cache,
         masks: &masks,
         stop: &stop,
-        files: &files,
+        files: files.as_ref(),
+        shard: arguments.shard.unwrap_or(Shard::WHOLE),
         varied: &varied,
         rows: Vec::new(),
+        places: Vec::new(),
         page,
         failures: Vec::new(),
+        progress: Progress::default(),
     };
     for path in &paths {
-        match judge.world(path) {
-            Ok(()) => {}
-            Err(failure) if failure.exit_code() == EXIT_INTERRUPTED => {
-                return judge.stopped();
-            }
-            Err(failure) => {
-                let text = format!("{} fails; the reason follows", path.display());
-                output::note(run, &text);
-                judge.failures.push((path.clone(), failure));
-            }
+        if judge.world(path).is_err() {
+            return judge.stopped();
         }
     }
-    if judge.rows.is_empty() {
+    if judge.progress.rows == 0 || part.is_none() && judge.rows.is_empty() {
         verdict(judge.failures, paths.len())?;
         return Err(Failure::bad_input(
             "no world has the cameras and layouts that --camera and --layout name",
         ));
     }
-    judge.write(true)?;
-    judge.print(true)?;
+    match part {
+        None => {
+            judge.write(true)?;
+            judge.print(true)?;
+        }
+        Some(file) => {
+            part::write(&judge, file, paths.len())?;
+            judge.print(false)?;
+        }
+    }
     verdict(judge.failures, paths.len())
 }
 
 /// # Errors
 /// When a world is missing from the table: a fault if one of them is ours, else bad input.
-fn verdict(mut failures: Vec<(PathBuf, Failure)>, worlds: usize) -> Result<(), Failure> {
+fn verdict(mut failures: Vec<Missed>, worlds: usize) -> Result<(), Failure> {
     match failures.pop() {
         None => Ok(()),
-        Some((_, failure)) if worlds == 1 => Err(failure),
+        Some(missed) if worlds == 1 => Err(missed.failure),
         Some(last) => {
             failures.push(last);
-            let reasons = failures.iter().map(|(_, failure)| failure.reason());
+            let reasons = failures.iter().map(|missed| missed.failure.reason());
             let text = format!(
                 "{} of {worlds} worlds are not in the table:\n{}",
                 failures.len(),
                 reasons.collect::<Vec<_>>().join("\n")
             );
-            let mut codes = failures.iter().map(|(_, failure)| failure.exit_code());
+            let mut codes = failures.iter().map(|missed| missed.failure.exit_code());
             Err(match codes.any(|code| code == EXIT_FAULT) {
                 true => Failure::fault(text),
                 false => Failure::bad_input(text),

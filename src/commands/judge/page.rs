@@ -1,11 +1,9 @@
 //! The table as one HTML page that needs nothing else: small pictures are part of it.
 
-use std::{
-    fmt::{Display, Write as _},
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
+use serde::{Deserialize, Serialize};
 
 use super::{
     super::Failure,
@@ -25,7 +23,7 @@ use crate::{
 
 /// Grows row by row.
 pub struct Page {
-    pictures: String,
+    fragments: Vec<Fragment>,
     /// Of the pictures in the page, in pixels; 0 leaves them out.
     width: u32,
     /// Where every picture is kept in full size, if anywhere.
@@ -34,12 +32,20 @@ pub struct Page {
     world: String,
     /// The name of the camera that came last.
     camera: String,
-    /// Cameras and rows so far: numbers tell apart files whose names are alike.
-    sections: u32,
+}
+
+/// What the page shows of a world, a camera or a row.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fragment {
+    /// Among all worlds, cameras and rows, in their order; those of other parts count.
+    pub place: u32,
+    pub html: String,
+    /// Files in the folder of pictures, by their names.
+    pub files: Vec<String>,
 }
 
 /// The folder beside the page for pictures in full size.
-const PICTURES: &str = "pictures";
+pub const PICTURES: &str = "pictures";
 
 const STYLE: &str = "\
 :root{color-scheme:light dark;--line:#8884;--faint:#8882}\
@@ -83,26 +89,48 @@ impl Page {
                 .map_err(|error| Failure::bad_input(format!("{}: {error}", folder.display())))?;
         }
         Ok(Self {
-            pictures: String::new(),
+            fragments: Vec::new(),
             width,
             folder,
             world: String::new(),
             camera: String::new(),
-            sections: 0,
         })
     }
 
-    pub fn world(&mut self, world: &World) {
-        self.world.clone_from(&world.name);
-        if self.width > 0 {
-            let (name, title) = (escaped(&world.name), escaped(&world.title));
-            self.add(format_args!("<h2>{name}</h2>\n<p>{title}</p>\n"));
+    /// Of fragments in the order of their places, whose pictures have this width.
+    pub fn of_fragments(fragments: Vec<Fragment>, width: u32) -> Self {
+        Self {
+            fragments,
+            width,
+            folder: None,
+            world: String::new(),
+            camera: String::new(),
         }
+    }
+
+    pub fn fragments(&self) -> &[Fragment] {
+        &self.fragments
+    }
+
+    pub fn world(&mut self, place: u32, world: &World) {
+        self.world.clone_from(&world.name);
+        let html = match self.width {
+            0 => String::new(),
+            _ => {
+                let (name, title) = (escaped(&world.name), escaped(&world.title));
+                format!("<h2>{name}</h2>\n<p>{title}</p>\n")
+            }
+        };
+        self.fragments.push(Fragment {
+            place,
+            html,
+            files: Vec::new(),
+        });
     }
 
     /// # Errors
     /// When a picture in full size cannot be written.
-    pub fn camera(&mut self, camera: &Camera, target: &Target) -> Result<(), Failure> {
+    pub fn camera(&mut self, place: u32, camera: &Camera, target: &Target) -> Result<(), Failure> {
         self.camera.clone_from(&camera.name);
         let stem = format!("{} {}", self.world, self.camera);
         let shown = |what, caption: &str, picture| Figure {
@@ -111,6 +139,7 @@ impl Page {
             picture: Show::Picture(picture),
         };
         self.figures(
+            place,
             &format!("<h3>Camera {}</h3>\n", escaped(&camera.name)),
             &stem,
             &[
@@ -126,7 +155,7 @@ impl Page {
 
     /// # Errors
     /// As [`camera`](Self::camera).
-    pub fn row(&mut self, row: &Row, pictures: &Pictures) -> Result<(), Failure> {
+    pub fn row(&mut self, place: u32, row: &Row, pictures: &Pictures) -> Result<(), Failure> {
         let caption = |of: &crate::measure::comparison::Comparison| {
             format!(
                 "FLIP: mean {:.4}, p99 {:.4}; absolute {:.4}; energy {:.3}",
@@ -148,6 +177,7 @@ impl Page {
         };
         let stem = format!("{} {} {}", self.world, self.camera, row.layout);
         self.figures(
+            place,
             &format!("<h4>{heading}</h4>\n"),
             &stem,
             &[
@@ -175,10 +205,17 @@ impl Page {
         )
     }
 
-    /// In the page under a heading, and in full size in files whose names hold `stem`.
-    fn figures(&mut self, heading: &str, stem: &str, all: &[Figure<'_>]) -> Result<(), Failure> {
-        self.sections += 1;
+    /// In the page under a heading, and in full size in files whose names hold `stem`; their places tell apart
+    /// those whose names are alike.
+    fn figures(
+        &mut self,
+        place: u32,
+        heading: &str,
+        stem: &str,
+        all: &[Figure<'_>],
+    ) -> Result<(), Failure> {
         let mut texts = String::new();
+        let mut files = Vec::new();
         // Two pictures of a reference stand over the four of a row.
         let class = if all.len() == 2 {
             " class=\"wide\""
@@ -191,9 +228,10 @@ impl Page {
                 Some(folder) => {
                     let name = format!(
                         "{}.png",
-                        file_stem(&format!("{:03} {stem} {}", self.sections, figure.what))
+                        file_stem(&format!("{place:03} {stem} {}", figure.what))
                     );
                     picture_file::write_png(&folder.join(&name), &figure.picture.full())?;
+                    files.push(name.clone());
                     Some(name)
                 }
             };
@@ -215,17 +253,12 @@ impl Page {
             texts +=
                 &format!("<figure{class}>{image}<figcaption>{caption}</figcaption></figure>\n");
         }
-        if self.width > 0 {
-            self.add(format_args!(
-                "{heading}<div class=\"row\">\n{texts}</div>\n"
-            ));
-        }
+        let html = match self.width {
+            0 => String::new(),
+            _ => format!("{heading}<div class=\"row\">\n{texts}</div>\n"),
+        };
+        self.fragments.push(Fragment { place, html, files });
         Ok(())
-    }
-
-    fn add(&mut self, text: impl Display) {
-        // Writing to a String cannot fail.
-        let _ = write!(self.pictures, "{text}");
     }
 
     /// The whole page with these tables.
@@ -247,6 +280,7 @@ impl Page {
             0 => "",
             _ => " Heat maps show FLIP in magma: black is 0, pale yellow is 1.",
         };
+        let pictures: String = self.fragments.iter().map(|f| &f.html[..]).collect();
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width\">\n\
@@ -255,7 +289,7 @@ impl Page {
              {warnings}{failures}{settings}{}<p>{LEGEND}{maps}</p>\n{}</html>\n",
             escaped(&report.made_by()),
             of_rows(report.rows, report.varied).html(),
-            self.pictures
+            pictures
         )
     }
 }

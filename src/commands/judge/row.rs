@@ -1,6 +1,6 @@
 //! One row of the table: a camera's picture in one layout, judged by the reference.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
     super::{
@@ -24,12 +24,13 @@ use crate::{
 };
 
 /// What was measured. Fields in the order in which they are printed; what is not finite is `null`.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
     pub world: String,
     pub camera: String,
     pub layout: String,
     /// Values of the keys that vary.
+    #[serde(skip_deserializing)]
     pub settings: Setting,
     /// Whether this is direct light without any probes: the worst that DDGI may be.
     pub direct_alone: bool,

@@ -2,16 +2,18 @@
 
 use std::{
     collections::BTreeMap,
+    ops::Range,
     path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
 
 use super::{
     super::{
-        Failure,
+        EXIT_INTERRUPTED, Failure,
         driver::Driver,
         output,
         settings::Setting,
+        shard::Shard,
         subject::{Subject, Unnamed},
     },
     Arguments,
@@ -37,20 +39,46 @@ pub struct Judge<'a> {
     pub cache: &'a Cache,
     pub masks: &'a BTreeMap<String, Selection>,
     pub stop: &'a Arc<AtomicBool>,
-    pub files: &'a Files,
+    /// `None` where this is a part of the work.
+    pub files: Option<&'a Files>,
+    pub shard: Shard,
     /// Keys with a column of their own.
     pub varied: &'a [&'static str],
     pub rows: Vec<Row>,
+    /// Of each row, among all worlds, cameras and rows.
+    pub places: Vec<u32>,
     pub page: Page,
     /// Worlds that are missing from the table, and why.
-    pub failures: Vec<(PathBuf, Failure)>,
+    pub failures: Vec<Missed>,
+    /// How far it has come.
+    pub progress: Progress,
+}
+
+/// Counts worlds, cameras and rows in their order, so that parts of the work number them alike.
+#[derive(Default)]
+pub struct Progress {
+    /// Rows of the worlds that are done with, those of other parts too.
+    pub rows: usize,
+    /// Where the world begins that is at work, and where it ends.
+    world: Range<u32>,
+    /// What is at work.
+    at: u32,
+}
+
+/// A world that is missing from the table, or that has only its first rows there.
+pub struct Missed {
+    pub path: PathBuf,
+    pub failure: Failure,
+    /// The places of the world, and the one that failed.
+    pub world: Range<u32>,
+    pub at: u32,
 }
 
 impl Judge<'_> {
-    fn report(&self, complete: bool) -> Report<'_> {
-        let missing = |(path, failure): &(PathBuf, Failure)| Missing {
-            world: path.display().to_string(),
-            message: failure.reason().to_owned(),
+    pub fn report(&self, complete: bool) -> Report<'_> {
+        let missing = |missed: &Missed| Missing {
+            world: missed.path.display().to_string(),
+            message: missed.failure.reason().to_owned(),
         };
         Report {
             version: env!("CARGO_PKG_VERSION"),
@@ -65,8 +93,12 @@ impl Judge<'_> {
         }
     }
 
+    /// Writes all files, unless they are for others to make of the parts.
     pub fn write(&self, complete: bool) -> Result<(), Failure> {
-        self.files.write(&self.report(complete), &self.page)
+        match self.files {
+            Some(files) => files.write(&self.report(complete), &self.page),
+            None => Ok(()),
+        }
     }
 
     pub fn print(&self, complete: bool) -> Result<(), Failure> {
@@ -86,6 +118,12 @@ impl Judge<'_> {
             )));
         }
         self.print(false)?;
+        if self.files.is_none() {
+            return Err(Failure::interrupted(format!(
+                "stopped: part {} is not written",
+                self.shard
+            )));
+        }
         Err(Failure::interrupted(format!(
             "stopped: {out} holds the first {} rows, and says that there were to be more",
             self.rows.len()
@@ -93,7 +131,31 @@ impl Judge<'_> {
     }
 
     /// Adds the rows of a world; those that are done stay when it fails.
+    ///
+    /// # Errors
+    /// When it was stopped. Whatever else goes wrong is told of in the table.
     pub fn world(&mut self, path: &Path) -> Result<(), Failure> {
+        let start = self.progress.world.end;
+        self.progress.world = start..start;
+        self.progress.at = start;
+        match self.rows_of(path) {
+            Err(failure) if failure.exit_code() == EXIT_INTERRUPTED => return Err(failure),
+            Err(failure) => {
+                let text = format!("{} fails; the reason follows", path.display());
+                output::note(&self.arguments.run, &text);
+                self.failures.push(Missed {
+                    path: path.to_owned(),
+                    failure,
+                    world: self.progress.world.clone(),
+                    at: self.progress.at,
+                });
+            }
+            Ok(()) => {}
+        }
+        Ok(())
+    }
+
+    fn rows_of(&mut self, path: &Path) -> Result<(), Failure> {
         let (arguments, run) = (self.arguments, &self.arguments.run);
         let loaded = Subject::load(path, run, &arguments.subjects, Unnamed::All)?;
         let Some(subject) = loaded else {
@@ -101,6 +163,18 @@ impl Judge<'_> {
             output::note(run, &text);
             return Ok(());
         };
+        let settings = subject.settings.len();
+        let per_camera = usize::from(arguments.direct) + subject.layouts.len() * settings;
+        let first_row = self.progress.rows;
+        self.progress.rows += subject.cameras.len() * per_camera;
+        let start = self.progress.world.start;
+        // The world itself, and each camera with its rows.
+        self.progress.world.end += (1 + subject.cameras.len() * (1 + per_camera)) as u32;
+        let shard = self.shard;
+        let has_any = move |mut rows: Range<usize>| rows.any(|row| shard.has(row));
+        if !has_any(first_row..self.progress.rows) {
+            return Ok(());
+        }
         let stage = Stage::build(self.gpu, &subject.world)?;
         let mut driver = Driver::new(
             self.gpu,
@@ -120,11 +194,22 @@ impl Judge<'_> {
             stop: self.stop,
             voxels: None,
         };
-        self.page.world(&subject.world);
-        for camera in &subject.cameras {
+        self.page.world(start, &subject.world);
+        for (index, camera) in subject.cameras.iter().enumerate() {
+            let mut row = first_row + index * per_camera;
+            if !has_any(row..row + per_camera) {
+                continue;
+            }
+            self.progress.at = start + (1 + index * (1 + per_camera)) as u32;
             let target = self.target(&subject, camera, &mut tracer, &mut driver)?;
-            self.page.camera(camera, &target)?;
-            if arguments.direct {
+            self.page.camera(self.progress.at, camera, &target)?;
+            // Whether the next row is one of this part.
+            let mut is_mine = |progress: &mut Progress| {
+                progress.at += 1;
+                row += 1;
+                shard.has(row - 1)
+            };
+            if arguments.direct && is_mine(&mut self.progress) {
                 let names = Names {
                     subject: &subject,
                     camera,
@@ -136,6 +221,9 @@ impl Judge<'_> {
             }
             for layout in &subject.layouts {
                 for settings in &subject.settings {
+                    if !is_mine(&mut self.progress) {
+                        continue;
+                    }
                     let probes = settings.of(&subject.parameters).probes;
                     driver.replace_probes(layout, &probes)?;
                     let names = Names {
@@ -226,8 +314,9 @@ impl Judge<'_> {
     /// Adds a row, and writes all that there are.
     fn add(&mut self, (row, pictures): (Row, Pictures)) -> Result<(), Failure> {
         output::note(&self.arguments.run, &table::line(&row));
-        self.page.row(&row, &pictures)?;
+        self.page.row(self.progress.at, &row, &pictures)?;
         self.rows.push(row);
+        self.places.push(self.progress.at);
         self.write(false)
     }
 }

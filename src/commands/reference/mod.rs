@@ -8,11 +8,11 @@ use std::{path::PathBuf, sync::atomic::AtomicBool, time::Instant};
 use clap::Args;
 use serde::Serialize;
 
+pub use self::trace::{TraceRequest, Traced, trace};
 pub(super) use self::{
     part::{COMMAND, merge},
     trace::{content, sources},
 };
-pub use self::trace::{TraceRequest, Traced, trace};
 use super::{
     Failure, memory,
     options::{PictureOptions, RunOptions, Scene},

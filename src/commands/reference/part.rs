@@ -81,7 +81,11 @@ pub fn head(
         ("the adapter", format!("{adapter} ({driver}, {backend})")),
         (
             "the world",
-            format!("{} {}", scene.world.name, name(&content(&scene.world, lights))),
+            format!(
+                "{} {}",
+                scene.world.name,
+                name(&content(&scene.world, lights))
+            ),
         ),
         (
             "the camera",
@@ -157,7 +161,12 @@ pub fn run(job: &Job<'_>, file: PartFile, cancel: &AtomicBool) -> Result<(), Fai
         blocks: blocks.count(),
         first_block: mine.start,
         end_block: mine.end,
-        nodes: sampled.sums.nodes().iter().map(|n| n.blocks.clone()).collect(),
+        nodes: sampled
+            .sums
+            .nodes()
+            .iter()
+            .map(|n| n.blocks.clone())
+            .collect(),
     };
     let path = file.write(&encode(&description, &sampled))?;
     let record = job.record(sampled.samples, Some(shard), seconds);
@@ -224,7 +233,11 @@ pub fn merge(parts: &[Part], out: &Path) -> Result<(), Failure> {
 }
 
 fn bits(picture: &Picture) -> impl Iterator<Item = u32> {
-    picture.rgb.as_flattened().iter().map(|value| value.to_bits())
+    picture
+        .rgb
+        .as_flattened()
+        .iter()
+        .map(|value| value.to_bits())
 }
 
 fn encode(description: &Description, sampled: &Sampled) -> Vec<u8> {

@@ -60,10 +60,7 @@ impl Blocks {
     /// None where nothing about the picture is random.
     pub fn of(request: &TraceRequest<'_>) -> Self {
         let random = request.antialias
-            || matches!(
-                request.view,
-                View::Full | View::Indirect | View::Irradiance
-            );
+            || matches!(request.view, View::Full | View::Indirect | View::Irradiance);
         Self::of_samples(if random { request.spp } else { 0 })
     }
 
@@ -182,7 +179,9 @@ pub fn trace_blocks(
         schedule.restart(samples.len() as u32);
         record(&|recorder| pass.clear(recorder))?;
         let stopped = || cancel.load(Ordering::Relaxed);
-        while !stopped() && let Some(slice) = schedule.next_slice() {
+        while !stopped()
+            && let Some(slice) = schedule.next_slice()
+        {
             let slice = Slice {
                 samples: slice.samples.start + samples.start..slice.samples.end + samples.start,
                 ..slice
@@ -337,7 +336,10 @@ mod tests {
             fs::write(&path, text + "// edited\n").expect("writable");
         };
         append("probes/gather.wesl");
-        assert!(texts.contains(&read(folder.path())), "the tracer knows no probes");
+        assert!(
+            texts.contains(&read(folder.path())),
+            "the tracer knows no probes"
+        );
         append("march/march.wesl");
         assert!(!texts.contains(&read(folder.path())), "it marches");
     }
