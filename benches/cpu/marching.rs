@@ -14,12 +14,12 @@ use super::{CAVE, CAVE_VOXELS, points};
 
 const RAYS: u64 = 4096;
 
+type March = fn(&Voxels, &Ray) -> Outcome;
+
 pub fn all(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("marching");
     group.throughput(Throughput::Elements(RAYS));
-    let marchers: [(&str, fn(&Voxels, &Ray) -> Outcome); 2] =
-        [("cells", march), ("voxels", march_plain)];
-    for (name, march) in marchers {
+    for (name, march) in [("cells", march as March), ("voxels", march_plain)] {
         group.bench_function(name, |bencher| {
             let (voxels, rays) = (&*CAVE_VOXELS, rays());
             bencher.iter(|| {
