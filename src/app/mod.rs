@@ -9,7 +9,6 @@ mod brush;
 mod camera;
 mod clock;
 mod controls;
-mod faults;
 mod messages;
 mod panel;
 mod reload;

@@ -19,7 +19,6 @@ use super::{
     camera::{self, flown},
     clock::{FrameRate, WorldClock},
     controls::Controls,
-    faults::Faults,
     messages::Messages,
     panel::{self, Action, Facts, PassMeans, Settings},
     reload::Watch,
@@ -30,7 +29,7 @@ use super::{
 };
 use crate::{
     frame::FrameError,
-    gpu::{self, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
+    gpu::{self, Faults, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
     passes::overlay::{Overlay, PanelShapes},
     world::Camera,
