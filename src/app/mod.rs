@@ -67,6 +67,8 @@ pub struct Options {
     pub shaders: Option<PathBuf>,
     /// Closes the window after this many frames.
     pub frames: Option<u32>,
+    /// Destroys the device after this many frames, as a driver that fails does: for tests.
+    pub lose_device_at: Option<u32>,
 }
 
 /// Why the window is not, or no longer, open.

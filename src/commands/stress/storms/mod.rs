@@ -1,6 +1,7 @@
 //! Storms: changes that come faster than any player makes them, and what must hold afterwards.
 //! `docs/storms.md` says what each does and what it checks.
 
+mod aftermath;
 mod changes;
 mod judge;
 mod kinds;
