@@ -11,6 +11,7 @@
 //! ```
 
 mod inspect;
+mod moved;
 mod passes;
 mod stage;
 

@@ -56,6 +56,22 @@ fn the_window_opens_shows_frames_and_closes() {
 }
 
 #[test]
+fn the_window_goes_on_when_its_device_is_lost() {
+    let arguments = [
+        "worlds/minimal.ron",
+        "--size",
+        "160x96",
+        "--set",
+        "probes.rays=16",
+    ];
+    let lost = ["--lose-device-at", "2", "--frames", "5"];
+    let output = play(&[&arguments[..], &lost].concat());
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("the device was lost"), "{stderr}");
+}
+
+#[test]
 fn the_path_traced_reference_is_shown_in_the_window() {
     let output = play(&[
         "worlds/minimal.ron",

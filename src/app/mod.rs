@@ -11,7 +11,6 @@ mod brush;
 mod camera;
 mod clock;
 mod controls;
-mod faults;
 mod frame_graph;
 mod messages;
 mod panel;
@@ -73,6 +72,8 @@ pub struct Options {
     pub benchmark: bool,
     /// Closes the window after this many frames.
     pub frames: Option<u32>,
+    /// Destroys the device after this many frames, as a driver that fails does: for tests.
+    pub lose_device_at: Option<u32>,
 }
 
 /// Why the window is not, or no longer, open.

@@ -200,6 +200,22 @@ impl Show {
         Ok(())
     }
 
+    /// Shows the same on a device that takes the place of a lost one: edits stay, light is found anew.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold it.
+    pub fn move_to(&mut self, gpu: Gpu) -> Result<(), FrameError> {
+        let layout = layout(&self.world, &self.choice.layout);
+        let probes = &self.choice.parameters.probes;
+        let voxels = self.voxels.as_ref();
+        self.frame = self
+            .frame
+            .moved_to(&gpu, &self.world, voxels, layout, probes)?;
+        self.gpu = gpu;
+        self.truth = self.traced(&self.choice)?;
+        Ok(())
+    }
+
     fn rebuild(&mut self, world: World, choice: Choice) -> Result<(), FrameError> {
         *self = Self::new(self.gpu.clone(), &self.path, world, choice)?;
         Ok(())
@@ -348,7 +364,7 @@ mod tests {
     use glam::IVec3;
 
     use super::*;
-    use crate::gpu::{GpuError, ShaderChecks};
+    use crate::gpu::{Faults, GpuError, ShaderChecks};
 
     fn shown() -> Show {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
@@ -391,6 +407,22 @@ mod tests {
             Edit::default()
         })
         .expect("it fits");
+    }
+
+    #[test]
+    fn edits_survive_the_loss_of_the_device() {
+        let mut show = shown();
+        let at = IVec3::new(2, 30, 3);
+        for edited in [0, 1] {
+            let faults = Faults::watch(&show.gpu);
+            show.gpu.device.destroy();
+            assert!(show.read_display().is_err() && faults.is_lost());
+            let gpu = show.gpu.reopened(None).expect("the adapter is still there");
+            show.move_to(gpu).expect("it fits");
+            assert!(show.read_display().is_ok());
+            assert_eq!(on_the_gpu(&show).material(at), edited);
+            show.edit(|voxels, _| voxels.set(at, 1)).expect("it fits");
+        }
     }
 
     #[test]

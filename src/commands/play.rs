@@ -54,6 +54,9 @@ pub struct Arguments {
     /// Close the window after this many frames
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
+    /// Destroy the device after this many frames, as a driver that fails does
+    #[arg(long, value_name = "N", hide = true)]
+    lose_device_at: Option<u32>,
 }
 
 pub fn run(arguments: Arguments) -> Result<(), Failure> {
@@ -96,6 +99,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         shaders: arguments.shaders,
         benchmark: arguments.benchmark,
         frames: arguments.frames,
+        lose_device_at: arguments.lose_device_at,
     })?;
     Ok(())
 }

@@ -2,8 +2,6 @@
 
 use std::sync::mpsc;
 
-use wgpu::util::DeviceExt as _;
-
 use super::{Gpu, GpuError};
 
 /// Data that a shader reads as it lies in memory.
@@ -43,12 +41,16 @@ impl Gpu {
 
     /// A uniform buffer with this value.
     pub fn uniform_buffer<T: Structured>(&self, label: &str, value: &T) -> wgpu::Buffer {
-        self.device
-            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some(label),
-                contents: bytemuck::bytes_of(value),
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            })
+        // Written through the queue: a buffer that is mapped when it is made panics on a lost device.
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: size_of::<T>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue
+            .write_buffer(&buffer, 0, bytemuck::bytes_of(value));
+        buffer
     }
 
     /// A texture of width, height and layers that shaders store to and sample, zeroed, that can be

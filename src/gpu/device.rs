@@ -224,6 +224,21 @@ impl Gpu {
         })
     }
 
+    /// A new device of the same adapter, in place of one that is lost: nothing that was made with the old one
+    /// works with it. `surface` is what it must be able to present to.
+    ///
+    /// # Errors
+    /// As [`Gpu::open`]; [`GpuError::AdapterNotFound`] when the adapter itself has gone.
+    pub fn reopened(&self, surface: Option<&wgpu::Surface<'_>>) -> Result<Self, GpuError> {
+        let name = Some(self.summary.name.as_str());
+        let opened = Self::open_with(self.instance.clone(), name, surface, self.checks)?;
+        Ok(Self {
+            shaders: self.shaders.clone(),
+            first_groups: self.first_groups,
+            ..opened
+        })
+    }
+
     /// The same device with other shaders; nothing that was compiled before is taken over.
     pub fn with_shaders(&self, shaders: ShaderLibrary) -> Self {
         Self {

@@ -4,6 +4,7 @@
 
 mod buffers;
 mod device;
+mod faults;
 mod kernel;
 mod memory;
 mod recorder;
@@ -14,6 +15,7 @@ mod timing;
 
 pub use buffers::Structured;
 pub use device::{AdapterReport, AdapterSummary, Gpu, ShaderChecks, adapters, instance};
+pub use faults::Faults;
 pub use kernel::{Bindings, Kernel, KernelSpec};
 pub use memory::available_memory;
 pub use recorder::Recorder;

@@ -2,6 +2,7 @@
 
 mod benchmark;
 mod input;
+mod lost;
 mod times;
 mod views;
 
@@ -11,7 +12,6 @@ use std::{
     time::{Instant, SystemTime},
 };
 
-use egui::Context;
 use winit::{event_loop::ActiveEventLoop, window::Window};
 
 use benchmark::Benchmarks;
@@ -22,7 +22,6 @@ use super::{
     camera,
     clock::{FrameRate, WorldClock},
     controls::Controls,
-    faults::Faults,
     messages::Messages,
     panel::{self, Action, Facts, PassMeans, Settings},
     reload::Watch,
@@ -33,7 +32,7 @@ use super::{
 };
 use crate::{
     frame::FrameError,
-    gpu::{self, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
+    gpu::{self, Faults, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
     passes::overlay::{Overlay, PanelShapes},
     world::Camera,
@@ -72,6 +71,9 @@ pub struct Session {
     screenshot_wanted: bool,
     benchmarks: Benchmarks,
     seed: u32,
+    /// When a lost device was last replaced.
+    replaced: Option<Instant>,
+    lose_device_at: Option<u32>,
 }
 
 impl Session {
@@ -107,18 +109,6 @@ impl Session {
         };
         let mut messages = Messages::default();
         let show = build(&gpu, options, choice, &mut messages)?;
-        let context = Context::default();
-        context.set_theme(egui::Theme::Dark);
-        // A click that spans slow frames is still a click.
-        context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
-        let egui = egui_winit::State::new(
-            context,
-            egui::ViewportId::ROOT,
-            event_loop,
-            Some(window.scale_factor() as f32),
-            None,
-            Some(gpu.limits.max_texture_dimension_2d as usize),
-        );
         messages.toast("Click into the picture to look around; F1 hides the panel");
         let mut session = Self {
             overlay: Overlay::new(&show.gpu, screen.format())?,
@@ -134,11 +124,13 @@ impl Session {
                 },
                 brush: Brush::default(),
             },
+            egui: lost::panel_state(event_loop, &window, &show.gpu),
             window,
             screen,
             faults,
             show,
-            egui,
+            replaced: None,
+            lose_device_at: options.lose_device_at,
             panel_open: true,
             messages,
             camera: options.camera.clone(),
@@ -181,11 +173,23 @@ impl Session {
         self.presented
     }
 
-    /// One frame, from what was steered and edited to what is shown.
+    /// One frame, on a new device if the last one was lost.
     ///
     /// # Errors
     /// [`AppError`] when the GPU failed: there will be no further frame.
     pub fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
+        if self.faults.is_lost() {
+            self.replace_device(event_loop)?;
+        }
+        match self.draw_frame(event_loop) {
+            // The next frame has another device.
+            Err(_) if self.faults.is_lost() => Ok(()),
+            drawn => drawn,
+        }
+    }
+
+    /// From what was steered and edited to what is shown.
+    fn draw_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let now = Instant::now();
         let elapsed = now.saturating_duration_since(self.last_frame);
         self.last_frame = now;
@@ -229,6 +233,10 @@ impl Session {
         let time_s = self.settings.clock.time_s;
         self.show
             .record(&mut recorder, &self.camera, time_s, self.seed)?;
+        if self.faults.is_lost() {
+            // The panel cannot be drawn with a lost device.
+            return self.check();
+        }
         let size = [texture.texture.width(), texture.texture.height()];
         let picture = self.show.display();
         self.overlay
@@ -239,6 +247,9 @@ impl Session {
         self.presented += 1;
         if let Some(run) = &mut self.benchmarks.running {
             run.presented();
+        }
+        if self.lose_device_at == Some(self.presented) {
+            gpu.device.destroy();
         }
 
         self.hear_times(elapsed.as_secs_f64() * 1e3);

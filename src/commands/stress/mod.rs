@@ -1,13 +1,13 @@
 //! `grotto stress`: random procedural scenes and storms, each checked, repeatable by its seed.
 
-mod storms;
+pub mod storms;
 
 use std::path::PathBuf;
 
 use clap::Args;
 
 use self::storms::StormOptions;
-use super::{Failure, options::RunOptions, shard::Shard};
+use super::{Failure, options::RunOptions, output, shard::Shard, stop};
 
 /// Render random procedural scenes, and storms of changes, and check everything that must hold
 #[derive(Args)]
@@ -37,6 +37,20 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let _ = (&arguments.scenes, &arguments.out, &arguments.shard);
-    storms::run(&arguments.storms, arguments.seed, &arguments.run)
+    let _ = (&arguments.scenes, &arguments.shard);
+    let Arguments {
+        storms: options,
+        seed,
+        out,
+        run,
+        ..
+    } = arguments;
+    let stop = stop::at_ctrl_c(run);
+    let records = storms::run(options, *seed, out, run, &stop)?;
+    if run.json {
+        output::print_json(&records)?;
+    } else {
+        output::print(&storms::table(&records))?;
+    }
+    storms::verdict(&records)
 }

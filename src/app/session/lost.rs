@@ -1,0 +1,66 @@
+//! A device that is lost while the window is open, and what takes its place.
+
+use std::time::{Duration, Instant};
+
+use winit::{event_loop::ActiveEventLoop, window::Window};
+
+use super::Session;
+use crate::{
+    app::{
+        AppError,
+        screen::{self, Screen},
+    },
+    gpu::{Faults, Gpu, Timing},
+    passes::overlay::Overlay,
+};
+
+/// A device that is lost again within this time is not replaced: the next one would be lost too.
+const LEAST_BETWEEN: Duration = Duration::from_secs(10);
+
+impl Session {
+    /// Opens the adapter again and moves all that is shown to it. Edits stay; light is found anew.
+    ///
+    /// # Errors
+    /// [`AppError`] when there is no such device any more, and when devices are lost one after another.
+    pub(super) fn replace_device(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
+        let now = Instant::now();
+        let last = self.replaced.replace(now);
+        if last.is_some_and(|last| now.saturating_duration_since(last) < LEAST_BETWEEN) {
+            return self.check();
+        }
+        tracing::error!("the device was lost; another one takes its place");
+        let surface = screen::surface(&self.show.gpu.instance, &self.window)?;
+        let gpu = self.show.gpu.reopened(Some(&surface))?;
+        self.faults = Faults::watch(&gpu);
+        self.screen = Screen::new(&gpu, self.window.clone(), surface)?;
+        self.overlay = Overlay::new(&gpu, self.screen.format())?;
+        self.timing = Timing::new(&gpu)?;
+        // The textures of the panel were on the old device: a new context gives all of them again.
+        self.egui = panel_state(event_loop, &self.window, &gpu);
+        self.show.move_to(gpu)?;
+        self.messages
+            .toast("The GPU was lost and opened again; edits are kept, light is found anew");
+        self.remade();
+        Ok(())
+    }
+}
+
+/// The panel's state for a device.
+pub(super) fn panel_state(
+    event_loop: &ActiveEventLoop,
+    window: &Window,
+    gpu: &Gpu,
+) -> egui_winit::State {
+    let context = egui::Context::default();
+    context.set_theme(egui::Theme::Dark);
+    // A click that spans slow frames is still a click.
+    context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
+    egui_winit::State::new(
+        context,
+        egui::ViewportId::ROOT,
+        event_loop,
+        Some(window.scale_factor() as f32),
+        None,
+        Some(gpu.limits.max_texture_dimension_2d as usize),
+    )
+}
