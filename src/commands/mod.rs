@@ -20,7 +20,7 @@ mod render;
 mod settings;
 mod shard;
 mod stop;
-mod stress;
+pub mod stress;
 mod subject;
 
 use std::panic::PanicHookInfo;
