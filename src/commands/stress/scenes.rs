@@ -45,6 +45,9 @@ pub struct SceneOptions {
     /// Plants a fault into every scene: the proof that checks can fail
     #[arg(long, value_name = "FAULT", value_enum, hide = true)]
     pub plant: Option<Fault>,
+    /// Most scenes that are played to shrink one that fails
+    #[arg(long, value_name = "N", default_value_t = MOST_TRIES, hide = true)]
+    pub tries: u32,
 }
 
 /// Shortest time between two reports of unfinished work.
@@ -269,7 +272,15 @@ impl Run<'_> {
         message: &str,
     ) -> Result<Row, Failure> {
         let fault = self.options.plant;
-        let shrunk = shrink(watched, scene, check, message, fault, MOST_TRIES, self.stop);
+        let shrunk = shrink(
+            watched,
+            scene,
+            check,
+            message,
+            fault,
+            self.options.tries,
+            self.stop,
+        );
         let name = format!("{}-{}.ron", scene.name, check.name());
         let file = format!("{FAILURES}/{name}");
         let mut command = shrunk.scene.command(&file);

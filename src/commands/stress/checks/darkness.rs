@@ -10,7 +10,7 @@ use crate::{
     lights::{LampShape, Lights},
     measure::picture::Picture,
     reference::march::{FACE_NORMALS, Outcome, Ray, march},
-    world::{World, voxels::Voxels},
+    world::{Camera, World, voxels::Voxels},
 };
 
 /// Light that is none: below what rounding of halves leaves of it.
@@ -28,19 +28,28 @@ const STONE: u8 = 2;
 
 impl Darkness {
     pub fn of(play: &Play<'_>) -> Self {
-        let world = &play.subject.world;
-        let lit = lit_air(world, &play.voxels, &play.lights());
+        Self::seen_by(
+            &play.view.camera,
+            &play.subject.world,
+            &play.voxels,
+            &play.lights(),
+        )
+    }
+
+    /// What a camera sees.
+    fn seen_by(camera: &Camera, world: &World, voxels: &Voxels, lights: &Lights) -> Self {
+        let lit = lit_air(world, voxels, lights);
         let size = world.size.as_ivec3();
         let index = |at: IVec3| (at.x + size.x * (at.y + size.y * at.z)) as usize;
         let inside = |at: IVec3| at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all();
         let [width, height] = SIZE;
-        let basis = play.view.camera.basis(f64::from(width) / f64::from(height));
+        let basis = camera.basis(f64::from(width) / f64::from(height));
         let picture = DVec2::new(f64::from(width), f64::from(height));
         let origin = basis.origin - world.origin.as_dvec3();
         let pixels = (0..width * height).map(|pixel| {
             let at = DVec2::new(f64::from(pixel % width), f64::from(pixel / width)) + 0.5;
             let ray = Ray::new(origin, basis.direction_ws(at, picture));
-            let Outcome::Hit(hit) = march(&play.voxels, &ray) else {
+            let Outcome::Hit(hit) = march(voxels, &ray) else {
                 return false;
             };
             let before = hit.voxel + FACE_NORMALS[usize::from(hit.face)];

@@ -41,10 +41,15 @@ fn colour(dice: &mut Dice) -> Term {
     match dice.whole(0, 5) {
         0 => Term::Tuple("Hash", vec![albedo(dice), albedo(dice)]),
         1 => {
-            let below = |dice: &mut Dice| {
-                Term::Tuple("", vec![number(dice.number(-16.0, 16.0)), albedo(dice)])
-            };
-            let stops = (0..dice.whole(1, 3)).map(|_| below(dice)).collect();
+            let mut tops: Vec<f64> = (0..dice.whole(1, 3))
+                .map(|_| dice.number(-16.0, 16.0))
+                .collect();
+            tops.sort_by(f64::total_cmp);
+            tops.dedup();
+            let stops = tops.into_iter();
+            let stops = stops
+                .map(|top| Term::Tuple("", vec![number(top), albedo(dice)]))
+                .collect();
             record(
                 "Bands",
                 vec![("below", Term::List(stops)), ("above", albedo(dice))],
