@@ -300,6 +300,11 @@ impl FaceTable {
         Ok(u64::from(count[0]) * u64::from(FACE_RAYS))
     }
 
+    /// The `FaceHistory` of every entry: [`Self::HISTORY_BYTES`] each.
+    pub fn histories(&self) -> &wgpu::Buffer {
+        &self.histories
+    }
+
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
         let buffers = [

@@ -283,6 +283,21 @@ impl ProbeField {
         &self.rays
     }
 
+    /// What lies in f32 between frames, with names: light, distances, and what is known of their changes.
+    pub fn histories(&self) -> [(&'static str, &wgpu::Buffer); 4] {
+        [
+            ("the rays of probes", &self.rays),
+            ("the irradiance history", &self.irradiance_history),
+            ("the distance history", &self.distance_history),
+            ("the trends of probes", &self.trends),
+        ]
+    }
+
+    /// What each probe gives to faces of voxels: `shaders/probes/probe_cube.wesl`, halves throughout.
+    pub fn ambient_cubes(&self) -> &wgpu::Buffer {
+        &self.ambient_cubes
+    }
+
     /// Irradiance over π (RGB) and whether the probe gives light (A): rgba16float.
     pub fn irradiance_atlas(&self) -> &wgpu::Texture {
         &self.irradiance_atlas

@@ -38,7 +38,11 @@ impl Bench {
         let picture = self.path(folder).join("room.exr").display().to_string();
         let usual = ["reference", ROOM, "--size", "24x16", "-o", &picture];
         let spp = ["--spp", "44"];
-        let spp = if flags.contains(&spp[0]) { &[][..] } else { &spp };
+        let spp = if flags.contains(&spp[0]) {
+            &[][..]
+        } else {
+            &spp
+        };
         start(&[&usual[..], spp, flags].concat())
     }
 

@@ -10,7 +10,7 @@ use grotto::passes::distances::Distances;
 use grotto::passes::voxelise::{Voxelise, VoxeliseReport};
 use grotto::world::World;
 use grotto::world::file::{self, Overrides};
-use grotto::world::generate::generate;
+use grotto::world::generate::{differing, generate};
 use grotto::world::noise::NoiseBank;
 use grotto::world::rules::RuleSet;
 use grotto::world::sdf::{Sdf, Shape, shape_module};
@@ -230,41 +230,6 @@ fn voxelised(gpu: &Gpu, world: &World) -> (Voxels, VoxeliseReport) {
         .record(gpu, &mut recorder, &voxels);
     recorder.submit(gpu).expect("submits");
     (voxels.read_back(gpu).expect("reads back"), report)
-}
-
-/// How many voxels of the two differ; each must lie within rounding of a boundary, that is, some
-/// point within `tolerance` of its centre has the other's material.
-fn differing(
-    world: &World,
-    found: &Voxels,
-    wanted: &Voxels,
-    tolerance: f64,
-) -> Result<usize, String> {
-    let shape = Shape::new(&world.shape, &world.noises);
-    let rules = RuleSet::new(&world.rules, &shape);
-    let size = world.size;
-    let mut count = 0;
-    for (i, (a, b)) in listed(found).iter().zip(listed(wanted)).enumerate() {
-        if *a == b {
-            continue;
-        }
-        count += 1;
-        let i = i as u32;
-        let voxel = UVec3::new(i % size.x, i / size.x % size.y, i / size.x / size.y);
-        let centre = (world.origin + voxel.as_ivec3()).as_dvec3() + 0.5;
-        let near = (0..27).any(|k| {
-            let p = centre + tolerance * (IVec3::new(k % 3, k / 3 % 3, k / 9) - 1).as_dvec3();
-            let value = shape.eval(p);
-            value.abs() < tolerance || value < 0.0 && rules.material(p, value, &shape) == *a
-        });
-        if !near {
-            return Err(format!(
-                "voxel {voxel} is {a}, not {b}; shape {}",
-                shape.eval(centre)
-            ));
-        }
-    }
-    Ok(count)
 }
 
 #[test]

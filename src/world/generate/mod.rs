@@ -8,11 +8,13 @@
 //!   it needs no brick.
 
 mod bins;
+mod compare;
 
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 
 pub use bins::FeatureBins;
+pub use compare::differing;
 
 use super::World;
 use super::rules::RuleSet;

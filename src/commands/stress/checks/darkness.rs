@@ -1,0 +1,179 @@
+//! Where no light can come: air that is connected, through faces of voxels, to no lamp, to nothing that shines and
+//! not to the outside. No light passes an edge or a corner between voxels, so such a space is exactly black. This
+//! knows of no noise, and holds the path tracer too.
+
+use glam::{DVec2, DVec3, IVec3};
+
+use super::super::play::{Play, SIZE};
+use super::voxels::all;
+use crate::{
+    lights::{LampShape, Lights},
+    measure::picture::Picture,
+    reference::march::{FACE_NORMALS, Outcome, Ray, march},
+    world::{Camera, World, voxels::Voxels},
+};
+
+/// Light that is none: below what rounding of halves leaves of it.
+const NOTHING: f32 = 1e-4;
+
+/// For each pixel, whether what it shows lies in the dark.
+pub struct Darkness {
+    pub pixels: Vec<bool>,
+}
+
+/// What is known of a voxel.
+const UNKNOWN: u8 = 0;
+const LIT: u8 = 1;
+const STONE: u8 = 2;
+
+impl Darkness {
+    pub fn of(play: &Play<'_>) -> Self {
+        Self::seen_by(
+            &play.view.camera,
+            &play.subject.world,
+            &play.voxels,
+            &play.lights(),
+        )
+    }
+
+    /// What a camera sees.
+    fn seen_by(camera: &Camera, world: &World, voxels: &Voxels, lights: &Lights) -> Self {
+        let lit = lit_air(world, voxels, lights);
+        let size = world.size.as_ivec3();
+        let index = |at: IVec3| (at.x + size.x * (at.y + size.y * at.z)) as usize;
+        let inside = |at: IVec3| at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all();
+        let [width, height] = SIZE;
+        let basis = camera.basis(f64::from(width) / f64::from(height));
+        let picture = DVec2::new(f64::from(width), f64::from(height));
+        let origin = basis.origin - world.origin.as_dvec3();
+        let pixels = (0..width * height).map(|pixel| {
+            let at = DVec2::new(f64::from(pixel % width), f64::from(pixel / width)) + 0.5;
+            let ray = Ray::new(origin, basis.direction_ws(at, picture));
+            let Outcome::Hit(hit) = march(voxels, &ray) else {
+                return false;
+            };
+            let before = hit.voxel + FACE_NORMALS[usize::from(hit.face)];
+            // In front of it there is air that no light reaches; what borders on it shines no light into it.
+            inside(before) && lit[index(before)] == UNKNOWN
+        });
+        Self {
+            pixels: pixels.collect(),
+        }
+    }
+
+    /// Light in a dark place of a picture.
+    pub fn light_in(&self, picture: &Picture) -> Result<(), String> {
+        let lit = self.pixels.iter().zip(&picture.rgb).enumerate();
+        let mut bright = lit.filter(|(_, (dark, rgb))| **dark && rgb.iter().any(|v| *v > NOTHING));
+        let Some((pixel, (_, rgb))) = bright.next() else {
+            return Ok(());
+        };
+        let (x, y) = (pixel as u32 % picture.width, pixel as u32 / picture.width);
+        Err(format!(
+            "{rgb:?} at pixel ({x}, {y}) and light at {} more of {} pixels, in a space that no light can reach",
+            bright.count(),
+            self.pixels.iter().filter(|dark| **dark).count()
+        ))
+    }
+}
+
+/// For each voxel, x then y then z, what is known of it.
+fn lit_air(world: &World, voxels: &Voxels, lights: &Lights) -> Vec<u8> {
+    let size = voxels.size().as_ivec3();
+    let index = |at: IVec3| (at.x + size.x * (at.y + size.y * at.z)) as usize;
+    let inside = |at: IVec3| at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all();
+    let mut known: Vec<u8> = all(voxels.size())
+        .map(|at| {
+            if voxels.material(at) == 0 {
+                UNKNOWN
+            } else {
+                STONE
+            }
+        })
+        .collect();
+    let mut open: Vec<IVec3> = Vec::new();
+    let reach = |at: IVec3, known: &mut Vec<u8>, open: &mut Vec<IVec3>| {
+        if inside(at) && known[index(at)] == UNKNOWN {
+            known[index(at)] = LIT;
+            open.push(at);
+        }
+    };
+    // A lamp in stone, or on a border, is taken to light all that it touches.
+    for lamp in lights
+        .lamps
+        .iter()
+        .filter(|lamp| lamp.shape != LampShape::Directional)
+    {
+        let at: DVec3 = lamp.position_ws - world.origin.as_dvec3();
+        let at = at.floor().as_ivec3();
+        for k in 0..27 {
+            reach(
+                at + IVec3::new(k % 3, k / 3 % 3, k / 9) - 1,
+                &mut known,
+                &mut open,
+            );
+        }
+    }
+    for at in all(voxels.size()) {
+        let on_the_edge = at.cmpeq(IVec3::ZERO).any() || at.cmpeq(size - 1).any();
+        if on_the_edge {
+            reach(at, &mut known, &mut open);
+        }
+        let material = voxels.material(at);
+        let shines = |material: u8| {
+            world.materials[usize::from(material) - 1]
+                .emission
+                .max_element()
+                > 0.0
+        };
+        if material != 0 && shines(material) {
+            for side in FACE_NORMALS {
+                reach(at + side, &mut known, &mut open);
+            }
+        }
+    }
+    while let Some(at) = open.pop() {
+        for side in FACE_NORMALS {
+            reach(at + side, &mut known, &mut open);
+        }
+    }
+    known
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::{
+        file::{Overrides, parse},
+        generate::generate,
+    };
+
+    #[test]
+    fn closed_rooms_are_dark_and_rooms_with_a_lamp_are_not() {
+        let text = "(title: \"\", size: (16, 8, 8), shape: Subtraction([
+                Translate(by: (8, 4, 4), of: Box(half: (8, 4, 4))),
+                Translate(by: (4, 4, 4), of: Box(half: (2, 2, 2))),
+                Translate(by: (12, 4, 4), of: Box(half: (2, 2, 2)))]),
+            lamps: [Preset(name: \"p\", lamps: [(position: (4, 4, 4), power: 10)])])";
+        let world = parse(text, "rooms", None, &Overrides::default()).expect("sound");
+        let lights = Lights::at(&world, &world.lamp_presets[0], 0.0);
+        let known = lit_air(&world, &generate(&world), &lights);
+        let at = |x: usize| known[x + 16 * (4 + 8 * 4)];
+        assert_eq!((at(4), at(8), at(12)), (LIT, STONE, UNKNOWN));
+    }
+
+    #[test]
+    fn light_in_the_dark_is_found() {
+        let darkness = Darkness {
+            pixels: vec![false, true],
+        };
+        let of = |value| Picture {
+            width: 2,
+            height: 1,
+            rgb: vec![[9.0; 3], [value; 3]],
+        };
+        assert_eq!(darkness.light_in(&of(0.0)), Ok(()));
+        let found = darkness.light_in(&of(0.01)).expect_err("light in the dark");
+        assert!(found.contains("(1, 0)"), "{found}");
+    }
+}

@@ -1,0 +1,161 @@
+//! The furnace bound: the most light that any surface of a world can send.
+//!
+//! Let M be the greatest radiance that leaves a surface, per channel. A surface sends its emission, its albedo
+//! times the direct light over π, and its albedo times the mean of what it sees, which is at most M or the sky:
+//! M ≤ e + ρ·(E/π + max(M, S)). So M ≤ max(S, (e + ρ·E/π)/(1 − ρ), e + ρ·(E/π + S)): the radiance of a white
+//! furnace (Veach 1997, §8.3) whose walls all have the greatest emission, albedo and direct light of the world.
+//! E is bounded by each lamp's intensity over its radius squared, for nothing is nearer than that.
+
+use glam::{DVec3, Vec3};
+
+use super::super::subject::Subject;
+use crate::{
+    measure::picture::Picture,
+    world::{Colour, LampKind, Motion, World},
+};
+
+/// Estimates of light from emissive faces are unbiased and noisy: single ones lie above the mean.
+const NOISE: f32 = 2.0;
+/// Halves round, and probes clamp to what a half can hold.
+const ROUNDING: f32 = 1.01;
+const MOST_HALF: f32 = 65504.0;
+
+/// Most radiance per channel; `None` where an albedo of 1 leaves no bound below what a half can hold.
+pub fn bound(subject: &Subject) -> Option<Vec3> {
+    let world = &subject.world;
+    let mut direct = DVec3::ZERO;
+    for lamp in &subject.lamps.lamps {
+        let turns = lamp
+            .motion
+            .iter()
+            .any(|motion| matches!(motion, Motion::HueCycle { .. }));
+        let colour = if turns {
+            Vec3::splat(lamp.colour.max_element())
+        } else {
+            lamp.colour
+        };
+        let power = colour.as_dvec3() * f64::from(lamp.power);
+        direct += match lamp.kind {
+            LampKind::Directional { .. } => power,
+            LampKind::Point | LampKind::Spot { .. } => {
+                let radius = f64::from(lamp.radius).max(crate::lights::lamp::MIN_RADIUS);
+                power / (4.0 * std::f64::consts::PI * radius * radius)
+            }
+        };
+    }
+    direct += world
+        .sun
+        .map_or(DVec3::ZERO, |sun| sun.irradiance.as_dvec3());
+    let sky = world
+        .sky
+        .zenith
+        .max(world.sky.horizon)
+        .max(world.sky.ground)
+        .as_dvec3();
+    let albedo = most_albedo(world).as_dvec3();
+    let emission = world
+        .materials
+        .iter()
+        .fold(Vec3::ZERO, |most, of| most.max(of.emission));
+    let own = emission.as_dvec3() + albedo * direct / std::f64::consts::PI;
+    let closed = own / (DVec3::ONE - albedo);
+    let open = own + albedo * sky;
+    let bound = sky.max(closed).max(open).as_vec3();
+    (bound.is_finite() && bound.max_element() * ROUNDING < MOST_HALF).then_some(bound)
+}
+
+pub fn most_albedo(world: &World) -> Vec3 {
+    let of = |colour: &Colour| match colour {
+        Colour::Flat(colour) => *colour,
+        Colour::Bands { below, above } => below
+            .iter()
+            .fold(*above, |most, (_, colour)| most.max(*colour)),
+        Colour::DitherX { low, high, .. } | Colour::Hash(low, high) => low.max(*high),
+    };
+    let materials = world.materials.iter();
+    materials.fold(Vec3::ZERO, |most, material| {
+        most.max(of(&material.a)).max(of(&material.b))
+    })
+}
+
+/// Whether the world has light that comes by chance: from emissive faces, chosen at random.
+fn slack(world: &World) -> f32 {
+    let shines = |emission: Vec3| emission.max_element() > 0.0;
+    let noisy = world
+        .materials
+        .iter()
+        .any(|material| shines(material.emission));
+    if noisy { ROUNDING * NOISE } else { ROUNDING }
+}
+
+/// Every pixel against the bound.
+pub fn picture(what: &str, picture: &Picture, subject: &Subject) -> Result<(), String> {
+    let Some(bound) = bound(subject) else {
+        return Ok(());
+    };
+    let most = bound * slack(&subject.world) + 1e-4;
+    for (index, rgb) in picture.rgb.iter().enumerate() {
+        if Vec3::from_array(*rgb).cmpgt(most).any() {
+            let (x, y) = (index as u32 % picture.width, index as u32 / picture.width);
+            return Err(format!(
+                "{what}: {rgb:?} at pixel ({x}, {y}), and nothing of this world can send more than {bound}"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The irradiance over π that probes keep is a mean of radiances, so the same bound holds.
+pub fn atlas(texels: &[f32], subject: &Subject) -> Result<(), String> {
+    let Some(bound) = bound(subject) else {
+        return Ok(());
+    };
+    let most = bound * slack(&subject.world) + 1e-4;
+    for (index, texel) in texels.chunks_exact(4).enumerate() {
+        let light = Vec3::new(texel[0], texel[1], texel[2]);
+        if light.cmpgt(most).any() {
+            return Err(format!(
+                "the irradiance atlas: {light} in texel {index}, and nothing of this world can send more than {bound}"
+            ));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::file::{Overrides, parse};
+
+    fn furnace(albedo: f32) -> Subject {
+        let text = format!(
+            "(title: \"\", size: (8, 8, 8), shape: Empty, sky: (zenith: (0, 0, 0)), \
+             materials: {{\"a\": (a: Flat({albedo}, {albedo}, {albedo}), emission: (1, 1, 1))}})"
+        );
+        let world = parse(&text, "furnace", None, &Overrides::default()).expect("sound");
+        Subject::of(world, &[], 0).expect("sound")
+    }
+
+    #[test]
+    fn the_bound_is_the_radiance_of_a_furnace() {
+        let bound = bound(&furnace(0.5)).expect("finite");
+        assert!(
+            (bound - Vec3::splat(2.0)).abs().max_element() < 1e-6,
+            "{bound}"
+        );
+        assert!(super::bound(&furnace(1.0)).is_none());
+    }
+
+    #[test]
+    fn more_than_the_bound_is_found() {
+        let subject = furnace(0.5);
+        let of = |value| Picture {
+            width: 1,
+            height: 1,
+            rgb: vec![[value; 3]],
+        };
+        assert_eq!(picture("it", &of(2.0), &subject), Ok(()));
+        assert!(picture("it", &of(4.1), &subject).is_err());
+        assert!(atlas(&[0.0, 5.0, 0.0, 1.0], &subject).is_err());
+    }
+}

@@ -1,0 +1,109 @@
+//! No NaN, no infinity and no negative light in any buffer of light, told by bits.
+
+use half::f16;
+
+use super::super::play::Play;
+use crate::{
+    commands::Failure,
+    measure::picture::Picture,
+    passes::{FaceTable, ProbeField},
+};
+
+/// A picture's linear light.
+pub fn picture(what: &str, picture: &Picture) -> Result<(), String> {
+    for (index, rgb) in picture.rgb.iter().enumerate() {
+        if let Some(bad) = rgb.iter().find(|value| !value.is_finite() || **value < 0.0) {
+            let (x, y) = (index as u32 % picture.width, index as u32 / picture.width);
+            return Err(format!("{what}: {bad} at pixel ({x}, {y})"));
+        }
+    }
+    Ok(())
+}
+
+fn finite(what: &str, mut values: impl Iterator<Item = f32>) -> Result<(), String> {
+    match values.position(|value| !value.is_finite()) {
+        Some(index) => Err(format!("{what}: number {index} is not finite")),
+        None => Ok(()),
+    }
+}
+
+fn light(what: &str, values: &[f32]) -> Result<(), String> {
+    finite(what, values.iter().copied())?;
+    match values.iter().position(|value| *value < 0.0) {
+        Some(index) => Err(format!(
+            "{what}: number {index} is {}, less than no light",
+            values[index]
+        )),
+        None => Ok(()),
+    }
+}
+
+/// What probes and faces remember.
+pub fn buffers(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
+    let (gpu, field) = (play.gpu, play.frame.field());
+    for (name, buffer) in field.histories() {
+        let values: Vec<f32> = gpu.read_buffer(buffer)?;
+        if let bad @ Err(_) = finite(name, values.into_iter()) {
+            return Ok(bad);
+        }
+    }
+    let cubes: Vec<f16> = gpu.read_buffer(field.ambient_cubes())?;
+    let cubes: Vec<f32> = cubes.into_iter().map(f16::to_f32).collect();
+    if let bad @ Err(_) = light("the light of probes along the axes", &cubes) {
+        return Ok(bad);
+    }
+    if let bad @ Err(_) = light("the irradiance atlas", &atlas(play)?) {
+        return Ok(bad);
+    }
+    faces(play)
+}
+
+/// The first layer of the irradiance atlas; worlds as small as these have no other.
+pub fn atlas(play: &Play<'_>) -> Result<Vec<f32>, Failure> {
+    let field: &ProbeField = play.frame.field();
+    let texels: Vec<[f16; 4]> = play.gpu.read_texture(field.irradiance_atlas())?;
+    Ok(texels.into_iter().flatten().map(f16::to_f32).collect())
+}
+
+/// Words of `FaceHistory` that are no numbers: the key, rays drawn, the frame.
+const WORDS_OF_FACE: usize = FaceTable::HISTORY_BYTES as usize / 4;
+const WHOLE_NUMBERS: std::ops::Range<usize> = 32..35;
+
+fn faces(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
+    let faces = play.frame.faces();
+    if !faces.is_used() {
+        return Ok(Ok(()));
+    }
+    let values: Vec<f32> = play.gpu.read_buffer(faces.histories())?;
+    let numbers = values.iter().enumerate();
+    let mut numbers =
+        numbers.filter(|(index, _)| !WHOLE_NUMBERS.contains(&(index % WORDS_OF_FACE)));
+    Ok(match numbers.find(|(_, value)| !value.is_finite()) {
+        Some((index, _)) => Err(format!(
+            "the light of faces: number {} of entry {} is not finite",
+            index % WORDS_OF_FACE,
+            index / WORDS_OF_FACE
+        )),
+        None => Ok(()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_light_is_found_with_its_place() {
+        let of = |value| Picture {
+            width: 2,
+            height: 2,
+            rgb: vec![[0.0; 3], [0.0; 3], [0.0; 3], [0.0, value, 0.0]],
+        };
+        assert_eq!(picture("it", &of(4.0)), Ok(()));
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1e-3] {
+            let found = picture("it", &of(bad)).expect_err("bad light");
+            assert!(found.contains("pixel (1, 1)"), "{found}");
+        }
+        assert!(light("it", &[1.0, -1.0]).is_err() && light("it", &[1.0, f32::NAN]).is_err());
+    }
+}

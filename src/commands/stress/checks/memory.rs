@@ -1,0 +1,70 @@
+//! Memory on the adapter: none stays behind, and none is taken that was not predicted.
+
+use crate::{frame::Frame, gpu::Gpu, world::file::Summary};
+
+/// Bytes that the adapter has given away; `None` where it does not say.
+pub fn allocated(gpu: &Gpu) -> Option<u64> {
+    gpu.device
+        .generate_allocator_report()
+        .map(|report| report.total_allocated_bytes)
+}
+
+/// After everything of a scene was dropped.
+pub fn returned(before: Option<u64>, after: Option<u64>) -> Option<Result<(), String>> {
+    let (before, after) = (before?, after?);
+    Some(if after <= before {
+        Ok(())
+    } else {
+        Err(format!(
+            "{} bytes stay on the adapter when the scene is gone",
+            after - before
+        ))
+    })
+}
+
+/// Uniforms, tables and texture padding that `Frame::memory` leaves out.
+const SMALL: u64 = 2 << 20;
+/// Bytes of a brick with its masks.
+const BRICK: u64 = 576;
+
+/// What a scene takes against what `grotto check` and `Frame::memory` say of it.
+pub fn predicted(frame: &Frame, summary: &Summary, taken: Option<u64>) -> Result<(), String> {
+    let memory = frame.memory();
+    let grid = frame.stage.voxels.grid.size();
+    if grid != summary.grid_bytes.max(16) {
+        return Err(format!(
+            "the grid takes {grid} bytes, and `grotto check` says {}",
+            summary.grid_bytes
+        ));
+    }
+    let cells = summary.size.map(|edge| u64::from(edge.div_ceil(8)));
+    let most = grid + cells.iter().product::<u64>() * BRICK + 1024;
+    if memory.voxels > most {
+        return Err(format!(
+            "the voxels take {} bytes, and all cells together {most}",
+            memory.voxels
+        ));
+    }
+    match taken {
+        Some(taken) if taken > memory.total + SMALL => Err(format!(
+            "the scene takes {taken} bytes of the adapter, and {} are reported",
+            memory.total
+        )),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stays_behind_is_counted() {
+        assert_eq!(returned(Some(5), Some(5)), Some(Ok(())));
+        assert_eq!(returned(None, Some(5)), None);
+        let left = returned(Some(5), Some(21))
+            .expect("known")
+            .expect_err("16 bytes");
+        assert!(left.contains("16 bytes"), "{left}");
+    }
+}

@@ -1,0 +1,147 @@
+//! What must hold of every scene. `docs/stress.md` gives each check's bound and where it comes from.
+
+pub mod darkness;
+pub mod energy;
+pub mod finite;
+pub mod marching;
+pub mod memory;
+pub mod reference;
+pub mod voxels;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// A check, by the name that reports give it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Check {
+    /// A generated world is one that `grotto check` accepts.
+    Loads,
+    /// Everything is built and rendered without an error or a panic.
+    Runs,
+    /// No validation error of wgpu.
+    Validation,
+    /// The GPU's voxels are the CPU's but for rounding.
+    Voxels,
+    /// The brick map keeps its invariants: octant distances are those of a fresh build.
+    Distances,
+    /// Marching hits what one voxel a step hits.
+    Marching,
+    /// After edits the GPU's voxels are the CPU's copy.
+    Edits,
+    /// No NaN, no infinity and no negative light.
+    Finite,
+    /// No light above the furnace bound.
+    Energy,
+    /// No light where none can come.
+    Dark,
+    /// Not far from a path-traced reference.
+    Band,
+    /// The same bytes twice.
+    Repeat,
+    /// No memory stays behind.
+    Memory,
+    /// No more memory than predicted.
+    Predicted,
+    /// No dispatch holds a GPU for long.
+    Dispatch,
+    /// The scene takes no longer than it may.
+    Time,
+}
+
+impl Check {
+    pub const ALL: [Self; 16] = [
+        Self::Loads,
+        Self::Runs,
+        Self::Validation,
+        Self::Voxels,
+        Self::Distances,
+        Self::Marching,
+        Self::Edits,
+        Self::Finite,
+        Self::Energy,
+        Self::Dark,
+        Self::Band,
+        Self::Repeat,
+        Self::Memory,
+        Self::Predicted,
+        Self::Dispatch,
+        Self::Time,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Loads => "loads",
+            Self::Runs => "runs",
+            Self::Validation => "validation",
+            Self::Voxels => "voxels",
+            Self::Distances => "distances",
+            Self::Marching => "marching",
+            Self::Edits => "edits",
+            Self::Finite => "finite",
+            Self::Energy => "energy",
+            Self::Dark => "dark",
+            Self::Band => "band",
+            Self::Repeat => "repeat",
+            Self::Memory => "memory",
+            Self::Predicted => "predicted",
+            Self::Dispatch => "dispatch",
+            Self::Time => "time",
+        }
+    }
+}
+
+/// What the checks say of a scene: nothing of those that do not apply to it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Findings(pub BTreeMap<Check, Result<(), String>>);
+
+impl Findings {
+    /// Notes a verdict; of several, the first that is bad stays.
+    pub fn note(&mut self, check: Check, verdict: Result<(), String>) {
+        let known = self.0.entry(check).or_insert(Ok(()));
+        if known.is_ok() {
+            *known = verdict;
+        }
+    }
+
+    /// Why a check failed, if it did.
+    pub fn failure(&self, check: Check) -> Option<&str> {
+        self.0.get(&check)?.as_ref().err().map(String::as_str)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_of_the_file_and_unique() {
+        for check in Check::ALL {
+            let json = serde_json::to_string(&check).expect("JSON");
+            assert_eq!(json, format!("\"{}\"", check.name()));
+            assert_eq!(
+                Check::ALL
+                    .iter()
+                    .filter(|other| other.name() == check.name())
+                    .count(),
+                1
+            );
+        }
+    }
+
+    #[test]
+    fn the_first_bad_verdict_stays() {
+        let mut findings = Findings::default();
+        for verdict in [
+            Ok(()),
+            Err("first".to_owned()),
+            Ok(()),
+            Err("second".to_owned()),
+        ] {
+            findings.note(Check::Finite, verdict);
+        }
+        assert_eq!(findings.failure(Check::Finite), Some("first"));
+        assert_eq!(findings.failure(Check::Dark), None);
+    }
+}

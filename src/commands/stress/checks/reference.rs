@@ -1,0 +1,98 @@
+//! The picture against a short path-traced reference of the same moment.
+
+use std::sync::atomic::AtomicBool;
+
+use super::super::play::{Play, SIZE};
+use super::{darkness::Darkness, energy};
+use crate::{
+    commands::{
+        Failure,
+        reference::{TraceRequest, trace},
+    },
+    measure::picture::Picture,
+    reference::View,
+    world::LayoutSpec,
+    world::World,
+};
+
+/// Paths of each pixel: the mean over a picture is then known to a few per cent.
+const SAMPLES: u32 = 32;
+/// How many times as bright, or as dark, as the reference a picture may be on the whole. Wide, for the layouts are
+/// as bad as chance makes them: one probe may have to light a whole world.
+const BAND: f64 = 4.0;
+/// Mean luminance below which a picture is too dark to be compared: a few samples decide it.
+const LEAST: f64 = 2e-3;
+/// Above this albedo light takes more frames to settle than a scene has.
+const MOST_ALBEDO: f32 = 0.9;
+
+pub fn traced(play: &Play<'_>) -> Result<Picture, Failure> {
+    let request = TraceRequest {
+        camera: &play.view.camera,
+        size: SIZE,
+        view: View::Full,
+        spp: SAMPLES,
+        seed: 1,
+        textures: play.view.textures,
+        antialias: false,
+    };
+    let never = AtomicBool::new(false);
+    let traced = trace(
+        play.gpu,
+        &play.frame.stage,
+        &play.lights(),
+        &request,
+        &|_, _| {},
+        &never,
+    )?;
+    Ok(traced.picture)
+}
+
+fn mean(picture: &Picture) -> f64 {
+    let luminance = |rgb: &[f32; 3]| {
+        0.2126 * f64::from(rgb[0]) + 0.7152 * f64::from(rgb[1]) + 0.0722 * f64::from(rgb[2])
+    };
+    picture.rgb.iter().map(luminance).sum::<f64>() / picture.rgb.len() as f64
+}
+
+/// Whether the probes of a layout reach all of the world.
+fn covers(layout: &LayoutSpec, world: &World) -> bool {
+    let half = world.size.as_vec3() / 2.0;
+    let off = (layout.centre - world.origin.as_vec3() - half).abs();
+    let reach = (layout.counts.as_vec3() * 0.5) * layout.spacing;
+    !layout.follow && (off + half).cmple(reach * 1.01).all()
+}
+
+/// The mean of the picture against that of the reference. `None` where the two cannot be compared.
+pub fn band(play: &Play<'_>, shown: &Picture, truth: &Picture) -> Option<Result<(), String>> {
+    let subject = play.subject;
+    if energy::most_albedo(&subject.world).max_element() > MOST_ALBEDO {
+        return None;
+    }
+    let (shown, truth) = (mean(shown), mean(truth));
+    if shown.max(truth) < LEAST {
+        return None;
+    }
+    let verdict = |is_fine: bool| {
+        let message = || {
+            format!(
+                "mean luminance {shown:.4}, and {truth:.4} in the reference: more than {BAND} times as {}",
+                if shown > truth { "bright" } else { "dark" }
+            )
+        };
+        Some(if is_fine { Ok(()) } else { Err(message()) })
+    };
+    if shown > truth {
+        return verdict(shown <= BAND * truth);
+    }
+    // Where there are no probes, there may be no light.
+    covers(&subject.layout, &subject.world)
+        .then(|| verdict(shown * BAND >= truth))
+        .flatten()
+}
+
+/// The reference itself is dark where no light can come.
+pub fn is_dark(darkness: &Darkness, truth: &Picture) -> Result<(), String> {
+    darkness
+        .light_in(truth)
+        .map_err(|message| format!("the reference has {message}"))
+}

@@ -1,0 +1,75 @@
+//! What the GPU builds, against the CPU's reference and against the invariants of the structure.
+
+use glam::{IVec3, UVec3};
+
+use super::super::subject::Subject;
+use crate::{
+    gpu::Gpu,
+    passes::GpuVoxels,
+    world::{
+        generate::{differing, generate},
+        voxels::Voxels,
+    },
+};
+
+/// Voxels around a centre within which the shape may be rounded to the other side (f32 against f64).
+const TOLERANCE: f64 = 1e-3;
+/// Share of the voxels that may lie so near to a boundary. Small worlds of round numbers have whole planes of
+/// voxel centres on one, where either answer is right.
+const MOST_SHARE: f64 = 0.05;
+
+/// The GPU's voxels against those of `world::generate`.
+pub fn against_the_cpu(subject: &Subject, found: &Voxels) -> Result<(), String> {
+    let world = &subject.world;
+    let count = differing(world, found, &generate(world), TOLERANCE)?;
+    let all = f64::from(world.size.element_product());
+    if count as f64 > (MOST_SHARE * all).max(8.0) {
+        return Err(format!(
+            "{count} of {all} voxels differ, each within rounding of a boundary"
+        ));
+    }
+    Ok(())
+}
+
+/// The GPU's voxels against the copy that was edited along.
+pub fn against_the_copy(found: &Voxels, copy: &Voxels) -> Result<(), String> {
+    let size = found.size();
+    for index in 0..size.element_product() {
+        let at = UVec3::new(
+            index % size.x,
+            index / size.x % size.y,
+            index / size.x / size.y,
+        );
+        let (a, b) = (found.material(at.as_ivec3()), copy.material(at.as_ivec3()));
+        if a != b {
+            return Err(format!(
+                "after the edits voxel {at} is {a} on the GPU and {b} on the CPU"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Plants a distance that reaches into stone: of the first empty cell beside a solid one.
+pub fn overstate(gpu: &Gpu, on_gpu: &GpuVoxels, voxels: &Voxels) {
+    let (grid, ..) = voxels.raw();
+    let far = 0x00ff_ffff;
+    let near = grid
+        .iter()
+        .position(|word| word >> 31 == 0 && word & far != far);
+    if let Some(index) = near {
+        gpu.queue.write_buffer(
+            &on_gpu.grid,
+            index as u64 * 4,
+            &(grid[index] | far).to_le_bytes(),
+        );
+    }
+}
+
+/// Every voxel of a box of this size, for those who look at all.
+pub fn all(size: UVec3) -> impl Iterator<Item = IVec3> {
+    let size = size.as_ivec3();
+    (0..size.z).flat_map(move |z| {
+        (0..size.y).flat_map(move |y| (0..size.x).map(move |x| IVec3::new(x, y, z)))
+    })
+}

@@ -1,0 +1,209 @@
+//! A scene played from start to end: frames, time that runs, a camera that moves, edits, and frames that settle.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec3, IVec3, Vec3};
+
+use super::{
+    super::Failure,
+    fault::Fault,
+    subject::{EditPlan, Subject},
+};
+use crate::{
+    frame::{Frame, Stage},
+    gpu::{Gpu, Recorder, Timing},
+    lights::Lights,
+    parameters::{ProbeParameters, Visibility},
+    passes::{View, ViewMode},
+    world::voxels::Voxels,
+};
+
+/// Width and height of the pictures: small, so that a scene takes a second where a CPU plays the GPU.
+pub const SIZE: [u32; 2] = [48, 32];
+/// Frames at rest, in motion, after each edit, after the jump, and until the light has settled again.
+const FIRST: u32 = 4;
+const MOVING: u32 = 6;
+const AFTER_EDIT: u32 = 2;
+const JUMPED: u32 = 2;
+const SETTLING: u32 = 32;
+/// Seconds between frames in motion.
+const FRAME_S: f64 = 1.0 / 60.0;
+
+/// The parts of a scene, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    First,
+    Moving,
+    Edits,
+    Jump,
+    /// Fresh probes under lights that stand still: what is compared with a reference.
+    Settled,
+}
+
+impl Part {
+    pub const ALL: [Self; 5] = [
+        Self::First,
+        Self::Moving,
+        Self::Edits,
+        Self::Jump,
+        Self::Settled,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::First => "at first",
+            Self::Moving => "in motion",
+            Self::Edits => "after edits",
+            Self::Jump => "after a jump in time",
+            Self::Settled => "settled",
+        }
+    }
+}
+
+pub struct Play<'a> {
+    pub gpu: &'a Gpu,
+    pub subject: &'a Subject,
+    pub frame: Frame,
+    /// The CPU's copy, edited along.
+    pub voxels: Voxels,
+    pub view: View,
+    probes: ProbeParameters,
+    elapsed_s: f64,
+    timing: Timing,
+    /// The longest that each pass took in a frame (milliseconds), where the adapter says.
+    pub longest_ms: BTreeMap<String, f64>,
+}
+
+impl<'a> Play<'a> {
+    /// # Errors
+    /// When the adapter cannot hold the scene.
+    pub fn new(
+        gpu: &'a Gpu,
+        subject: &'a Subject,
+        stage: Stage,
+        fault: Option<Fault>,
+    ) -> Result<Self, Failure> {
+        let parameters = &subject.parameters;
+        let mut probes = parameters.probes.clone();
+        if fault == Some(Fault::Leak) {
+            probes.visibility = Visibility::None;
+        }
+        let voxels = stage.read_back(gpu)?;
+        Ok(Self {
+            gpu,
+            subject,
+            frame: Frame::new(gpu, stage, &subject.layout, &probes, SIZE)?,
+            voxels,
+            view: View {
+                camera: subject.camera().clone(),
+                size: SIZE,
+                frame: 0,
+                seed: 0,
+                exposure_ev: parameters.picture.exposure_ev,
+                mode: ViewMode::Full,
+                time_s: subject.script.start_s,
+                textures: parameters.textures.enabled,
+            },
+            probes,
+            elapsed_s: 0.0,
+            timing: Timing::new(gpu)?,
+            longest_ms: BTreeMap::new(),
+        })
+    }
+
+    /// The lights of the last frame.
+    pub fn lights(&self) -> Lights {
+        self.subject.lights(self.elapsed_s)
+    }
+
+    /// # Errors
+    /// When the adapter fails.
+    pub fn part(&mut self, part: Part) -> Result<(), Failure> {
+        match part {
+            Part::First => self.frames(FIRST),
+            Part::Moving => self.walk(),
+            Part::Edits => {
+                for plan in &self.subject.script.edits {
+                    self.edit(plan)?;
+                    self.frames(AFTER_EDIT)?;
+                }
+                Ok(())
+            }
+            Part::Jump => {
+                self.elapsed_s += self.subject.script.jump_s;
+                self.view.camera.position =
+                    self.place(self.subject.script.goal) + Vec3::splat(999.0);
+                self.frames(1)?;
+                self.view.camera = self.subject.camera().clone();
+                self.frames(JUMPED)
+            }
+            Part::Settled => {
+                self.frame
+                    .replace_probes(self.gpu, &self.subject.layout, &self.probes)?;
+                self.frames(SETTLING)
+            }
+        }
+    }
+
+    /// Time runs, and the camera goes to the goal and back.
+    fn walk(&mut self) -> Result<(), Failure> {
+        let start = self.subject.camera().clone();
+        let goal = self.place(self.subject.script.goal);
+        for step in 1..=MOVING {
+            self.elapsed_s += FRAME_S;
+            let way = step as f32 / MOVING as f32;
+            self.view.camera.position = start.position.lerp(goal, way);
+            self.view.camera.yaw_deg = start.yaw_deg + 40.0 * way;
+            self.frames(1)?;
+        }
+        self.view.camera = start;
+        Ok(())
+    }
+
+    fn frames(&mut self, count: u32) -> Result<(), Failure> {
+        for _ in 0..count {
+            let lights = self.lights();
+            self.view.frame = self.frame.frames();
+            self.view.time_s = self.subject.script.start_s + self.elapsed_s;
+            // Where a CPU plays the GPU, timing would run one pass after the other, which no frame in use does.
+            let timed = !self.gpu.summary.is_software();
+            let mut recorder = Recorder::new(self.gpu, timed.then_some(&mut self.timing));
+            self.frame
+                .record(self.gpu, &mut recorder, &self.view, &lights, &self.probes);
+            recorder.submit(self.gpu)?;
+            self.gpu.wait()?;
+            while let Some(times) = self.timing.next_frame() {
+                for (pass, ms) in times.passes_ms {
+                    let longest = self.longest_ms.entry(pass).or_default();
+                    *longest = longest.max(ms);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// World space of a share of the world's box.
+    fn place(&self, share: [f64; 3]) -> Vec3 {
+        let world = &self.subject.world;
+        let share = DVec3::from_array(share);
+        (world.origin.as_dvec3() + share * world.size.as_dvec3()).as_vec3()
+    }
+
+    fn edit(&mut self, plan: &EditPlan) -> Result<(), Failure> {
+        let world = &self.subject.world;
+        let centre_gs = self.place(plan.at) - world.origin.as_vec3();
+        let materials = world.materials.len() as u32;
+        let material = plan
+            .material
+            .map_or(0, |number| (number % materials + 1) as u8);
+        let radius = plan.radius as f32;
+        let edit = if plan.round {
+            self.voxels.fill_sphere(centre_gs, radius, material)
+        } else {
+            let corner = |sign: f32| (centre_gs + sign * radius * Vec3::new(1.0, 0.5, 0.3)).floor();
+            let (low, high): (IVec3, IVec3) = (corner(-1.0).as_ivec3(), corner(1.0).as_ivec3());
+            self.voxels.fill_box(low, high, material)
+        };
+        Ok(self.frame.apply(self.gpu, &self.voxels, &edit)?)
+    }
+}

@@ -1,0 +1,257 @@
+//! `stress.json`: what was examined and what failed. Nothing in it depends on time, on chance, or on how the
+//! work was shared, so that merged parts are the whole. Times are in `times.json`.
+
+use std::{collections::BTreeMap, fmt::Write as _, fs, path::Path};
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    super::{Failure, out_file::OutFile, shard::Shard},
+    checks::{Check, Findings},
+    known::Known,
+};
+use crate::gpu::AdapterSummary;
+
+/// Says what kind of file a report is.
+pub const KIND: &str = "grotto stress";
+/// Raised when a key changes its meaning or goes.
+pub const SCHEMA: u32 = 1;
+/// The report in its folder.
+pub const FILE: &str = "stress.json";
+pub const TIMES: &str = "times.json";
+/// The folder of scenes that fail.
+pub const FAILURES: &str = "failures";
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Report {
+    pub kind: String,
+    pub schema: u32,
+    /// Of grotto.
+    pub version: String,
+    pub adapter: Adapter,
+    /// Seed of the first scene, and how many scenes were asked for.
+    pub seed: u32,
+    pub scenes: u32,
+    /// The world that was examined in place of generated ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub world: Option<String>,
+    /// Parameters that were set in every scene.
+    pub set: Vec<String>,
+    /// The part of the scenes that was examined; left out for all of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<Shard>,
+    /// Whether every scene was examined.
+    pub complete: bool,
+    /// Scenes that were examined, those of known failures included.
+    pub examined: u32,
+    /// Verdicts of each check.
+    pub checks: BTreeMap<Check, Count>,
+    pub failures: Vec<Row>,
+    /// Failures that are listed as known.
+    pub known: Vec<Row>,
+    /// Those of the list that pass: they are to be taken from it.
+    pub cured: Vec<Row>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Adapter {
+    pub name: String,
+    pub kind: String,
+    pub driver: String,
+    pub backend: String,
+}
+
+impl From<&AdapterSummary> for Adapter {
+    fn from(summary: &AdapterSummary) -> Self {
+        Self {
+            name: summary.name.clone(),
+            kind: summary.kind.to_owned(),
+            driver: summary.driver.clone(),
+            backend: summary.backend.clone(),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Count {
+    pub passed: u32,
+    pub failed: u32,
+    pub known: u32,
+}
+
+/// One check of one scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// Its place among the scenes that were asked for.
+    pub index: u32,
+    pub scene: String,
+    pub seed: u32,
+    pub check: Check,
+    /// What was found, in the simplest scene that fails.
+    pub message: String,
+    /// That scene, in the folder of the report.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// What shows it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<String>,
+    /// Why it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+impl Report {
+    /// Counts what the checks say of a scene, and gives the checks that failed and are not known to.
+    pub fn count(
+        &mut self,
+        index: u32,
+        scene: (&str, u32),
+        findings: &Findings,
+        known: &Known,
+    ) -> Vec<Check> {
+        self.examined += 1;
+        let (name, seed) = scene;
+        let row = |check, message: &str, reason: &str| Row {
+            index,
+            scene: name.to_owned(),
+            seed,
+            check,
+            message: message.to_owned(),
+            file: None,
+            command: None,
+            reason: Some(reason.to_owned()),
+        };
+        let mut failed = Vec::new();
+        for (&check, verdict) in &findings.0 {
+            let count = self.checks.entry(check).or_default();
+            match (verdict, known.reason(name, check)) {
+                (Ok(()), _) => count.passed += 1,
+                (Err(message), Some(reason)) => {
+                    count.known += 1;
+                    self.known.push(row(check, message, reason));
+                }
+                (Err(_), None) => {
+                    count.failed += 1;
+                    failed.push(check);
+                }
+            }
+        }
+        for (check, reason) in known.checks(name) {
+            if findings.failure(check).is_none() {
+                self.cured.push(row(check, "passes", reason));
+            }
+        }
+        self.sort();
+        failed
+    }
+
+    pub fn sort(&mut self) {
+        for rows in [&mut self.failures, &mut self.known, &mut self.cured] {
+            rows.sort_by_key(|row| (row.index, row.check));
+        }
+    }
+
+    /// Whether nothing is wrong that is not known to be.
+    pub fn verdict(&self) -> Result<(), Failure> {
+        if self.failures.is_empty() && self.cured.is_empty() {
+            return Ok(());
+        }
+        let mut message = format!("{} unknown failures", self.failures.len());
+        if let Some(row) = self.failures.first() {
+            let _ = write!(message, "; {} fails `{}`", row.scene, row.check.name());
+        }
+        if let Some(row) = self.cured.first() {
+            let _ = write!(
+                message,
+                "; {} known failures pass, {} `{}` first: take them from tests/stress/known.ron",
+                self.cured.len(),
+                row.scene,
+                row.check.name()
+            );
+        }
+        Err(Failure::gate(message))
+    }
+
+    /// For a terminal.
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "{:<12}{:>8}{:>8}{:>8}\n",
+            "check", "passed", "failed", "known"
+        );
+        for (check, count) in &self.checks {
+            let Count {
+                passed,
+                failed,
+                known,
+            } = count;
+            let _ = writeln!(text, "{:<12}{passed:>8}{failed:>8}{known:>8}", check.name());
+        }
+        for row in &self.failures {
+            let _ = writeln!(
+                text,
+                "\n{} fails `{}`: {}",
+                row.scene,
+                row.check.name(),
+                row.message
+            );
+            if let Some(command) = &row.command {
+                let _ = writeln!(text, "    {command}");
+            }
+        }
+        for row in &self.cured {
+            let _ = writeln!(
+                text,
+                "\n{} passes `{}`, and is listed as known",
+                row.scene,
+                row.check.name()
+            );
+        }
+        let all = if self.complete { "" } else { ", not all" };
+        let adapter = &self.adapter;
+        let _ = writeln!(
+            text,
+            "\n{} scenes{all} on {} ({}): {} failures, {} known, {} of the known pass",
+            self.examined,
+            adapter.name,
+            adapter.kind,
+            self.failures.len(),
+            self.known.len(),
+            self.cured.len()
+        );
+        text
+    }
+
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), Failure> {
+        OutFile::new(folder, FILE)?.write_json(self)
+    }
+
+    /// The report of a folder.
+    ///
+    /// # Errors
+    /// For a file that is missing, damaged, of another kind or newer.
+    pub fn read(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join(FILE);
+        let unusable = |error: &dyn std::fmt::Display| {
+            Failure::bad_input(format!("{}: {error}", path.display()))
+        };
+        let text = fs::read_to_string(&path).map_err(|error| unusable(&error))?;
+        let value: serde_json::Value = serde_json::from_str(&text)
+            .map_err(|error| unusable(&format!("no report of grotto stress: {error}")))?;
+        if value["kind"] != KIND {
+            return Err(unusable(&"no report of grotto stress"));
+        }
+        if value["schema"].as_u64() != Some(u64::from(SCHEMA)) {
+            return Err(unusable(&format!(
+                "its schema is {}, and this grotto reads {SCHEMA}",
+                value["schema"]
+            )));
+        }
+        serde_json::from_value(value).map_err(|error| unusable(&format!("damaged: {error}")))
+    }
+}

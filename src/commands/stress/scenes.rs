@@ -1,0 +1,308 @@
+//! The run: scenes dealt to workers, each with a GPU of its own, and a report that is always complete so far.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicBool, AtomicUsize, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use clap::Args;
+
+use super::{
+    super::{Failure, options::RunOptions, out_file::OutFile, output, shard::Shard},
+    checks::Check,
+    examine::{Examination, examine, listen_for_panics},
+    fault::Fault,
+    known::Known,
+    report::{FAILURES, FILE, KIND, Report, Row, SCHEMA, TIMES},
+    scene::Scene,
+    shrink::{MOST_TRIES, shrink},
+    watched::Watched,
+};
+
+/// Which scenes, and how.
+#[derive(Args)]
+pub struct SceneOptions {
+    /// Random scenes, made from seeds S, S+1, …
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true,
+          value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub scenes: u32,
+    /// One world file, examined as scenes are, in place of random ones
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "shard"])]
+    pub world: Option<PathBuf>,
+    /// Only part I of N of the scenes; `grotto merge` joins the parts
+    #[arg(long, value_name = "I/N", value_parser = Shard::parse)]
+    pub shard: Option<Shard>,
+    /// Scenes examined at a time, each on a device of its own [default: 1]
+    #[arg(long, value_name = "J", allow_negative_numbers = true,
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub jobs: Option<u32>,
+    /// Plants a fault into every scene: the proof that checks can fail
+    #[arg(long, value_name = "FAULT", value_enum, hide = true)]
+    pub plant: Option<Fault>,
+    /// Most scenes that are played to shrink one that fails
+    #[arg(long, value_name = "N", default_value_t = MOST_TRIES, hide = true)]
+    pub tries: u32,
+}
+
+/// Shortest time between two reports of unfinished work.
+const REPORT_EVERY: Duration = Duration::from_secs(1);
+
+/// What the workers share.
+struct Run<'a> {
+    options: &'a SceneOptions,
+    seed: u32,
+    run: &'a RunOptions,
+    out: &'a Path,
+    stop: &'a AtomicBool,
+    known: Known,
+    worlds: Vec<Scene>,
+    /// Numbers of the scenes of this part.
+    pieces: Vec<usize>,
+    next: AtomicUsize,
+    state: Mutex<State>,
+    bar: indicatif::ProgressBar,
+}
+
+struct State {
+    report: Report,
+    /// Seconds that each scene took.
+    times: BTreeMap<String, f64>,
+    written: Option<Instant>,
+}
+
+/// # Errors
+/// For a folder that holds results, without an adapter; and [`Failure::gate`] when a scene fails and is not known to.
+pub fn run(
+    options: &SceneOptions,
+    seed: u32,
+    out: &Path,
+    run: &RunOptions,
+    known: Known,
+    stop: &AtomicBool,
+) -> Result<Report, Failure> {
+    run.parameters()?;
+    refuse_results(out)?;
+    if seed.checked_add(options.scenes).is_none() {
+        return Err(Failure::bad_input(format!(
+            "--seed {seed} leaves no {} seeds up to {}; take a smaller one",
+            options.scenes,
+            u32::MAX
+        )));
+    }
+    let (worlds, all) = match &options.world {
+        Some(path) => (vec![Scene::of_file(path, seed, &run.set)?], 1),
+        None => {
+            let worlds = known.worlds();
+            let all = options.scenes as usize + worlds.len();
+            (worlds, all)
+        }
+    };
+    let shard = options.shard.unwrap_or(Shard::WHOLE);
+    let first = Watched::open(run)?;
+    let pieces: Vec<usize> = (0..all).filter(|piece| shard.has(*piece)).collect();
+    let shared = Run {
+        options,
+        seed,
+        run,
+        out,
+        stop,
+        known,
+        worlds,
+        next: AtomicUsize::new(0),
+        state: Mutex::new(State {
+            report: Report {
+                kind: KIND.to_owned(),
+                schema: SCHEMA,
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                adapter: (&first.gpu.summary).into(),
+                seed,
+                scenes: options.scenes,
+                world: options
+                    .world
+                    .as_ref()
+                    .map(|path| path.display().to_string()),
+                set: run.set.clone(),
+                shard: options.shard.filter(|shard| !shard.is_whole()),
+                complete: false,
+                examined: 0,
+                checks: BTreeMap::new(),
+                failures: Vec::new(),
+                known: Vec::new(),
+                cured: Vec::new(),
+            },
+            times: BTreeMap::new(),
+            written: None,
+        }),
+        bar: output::progress(run, "scenes", pieces.len() as u64),
+        pieces,
+    };
+    shared.lock().report.write(out)?;
+    let hook = std::panic::take_hook();
+    listen_for_panics();
+    let worked = shared.work(first);
+    std::panic::set_hook(hook);
+    worked?;
+    shared.bar.finish_and_clear();
+    let mut state = shared.lock();
+    state.report.complete = state.report.examined as usize == shared.pieces.len();
+    state.report.write(out)?;
+    OutFile::new(out, TIMES)?.write_json(&state.times)?;
+    Ok(state.report.clone())
+}
+
+/// # Errors
+/// For a folder that holds the results of another run.
+pub fn refuse_results(out: &Path) -> Result<(), Failure> {
+    let holds = |name: &str| out.join(name).exists();
+    if holds(FILE) || holds(FAILURES) {
+        return Err(Failure::bad_input(format!(
+            "{} holds results of another run; choose another folder, or remove them",
+            out.display()
+        )));
+    }
+    Ok(())
+}
+
+impl Run<'_> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn work(&self, first: Watched) -> Result<(), Failure> {
+        let others = self
+            .options
+            .jobs
+            .unwrap_or(1)
+            .min(self.pieces.len() as u32)
+            .max(1)
+            - 1;
+        std::thread::scope(|scope| {
+            let one = |watched: Option<Watched>| {
+                let mut watched = match watched {
+                    Some(watched) => watched,
+                    None => Watched::open(self.run)?,
+                };
+                self.worker(&mut watched)
+            };
+            let handles: Vec<_> = (0..others)
+                .map(|_| scope.spawn(move || one(None)))
+                .collect();
+            let mine = one(Some(first));
+            let all = handles.into_iter().map(|handle| match handle.join() {
+                Ok(ended) => ended,
+                Err(_) => Err(Failure::fault("a worker of grotto stress panicked")),
+            });
+            all.fold(mine, Result::and)
+        })
+    }
+
+    fn worker(&self, watched: &mut Watched) -> Result<(), Failure> {
+        while !self.stop.load(Ordering::Relaxed) {
+            let Some(&piece) = self.pieces.get(self.next.fetch_add(1, Ordering::Relaxed)) else {
+                break;
+            };
+            self.scene(watched, piece)?;
+            self.bar.inc(1);
+        }
+        Ok(())
+    }
+
+    fn scene_of(&self, piece: usize) -> Scene {
+        let generated = if self.options.world.is_some() {
+            0
+        } else {
+            self.options.scenes as usize
+        };
+        if piece < generated {
+            return Scene::generated(self.seed + piece as u32, &self.run.set);
+        }
+        self.worlds[piece - generated].clone()
+    }
+
+    fn scene(&self, watched: &mut Watched, piece: usize) -> Result<(), Failure> {
+        let start = Instant::now();
+        let scene = self.scene_of(piece);
+        let fault = self.options.plant;
+        let findings = examine(watched, &scene, Examination { fault, only: None });
+        let failed = {
+            let mut state = self.lock();
+            let name = (scene.name.as_str(), scene.seed);
+            state
+                .report
+                .count(piece as u32, name, &findings, &self.known)
+        };
+        for check in failed {
+            let message = findings.failure(check).unwrap_or_default();
+            let row = self.row(watched, &scene, piece, check, message)?;
+            let mut state = self.lock();
+            state.report.failures.push(row);
+            state.report.sort();
+        }
+        // A device that is lost serves no scene after this one.
+        if watched.gpu.wait().is_err() {
+            *watched = Watched::open(self.run)?;
+        }
+        let mut state = self.lock();
+        state
+            .times
+            .insert(scene.name, start.elapsed().as_secs_f64());
+        if state
+            .written
+            .is_none_or(|written| written.elapsed() >= REPORT_EVERY)
+        {
+            state.report.write(self.out)?;
+            state.written = Some(Instant::now());
+        }
+        Ok(())
+    }
+
+    /// Shrinks a scene that fails, and writes the result as a world file.
+    fn row(
+        &self,
+        watched: &mut Watched,
+        scene: &Scene,
+        piece: usize,
+        check: Check,
+        message: &str,
+    ) -> Result<Row, Failure> {
+        let fault = self.options.plant;
+        let shrunk = shrink(
+            watched,
+            scene,
+            check,
+            message,
+            fault,
+            self.options.tries,
+            self.stop,
+        );
+        let name = format!("{}-{}.ron", scene.name, check.name());
+        let file = format!("{FAILURES}/{name}");
+        let mut command = shrunk.scene.command(&file);
+        if let Some(fault) = fault.and_then(|fault| clap::ValueEnum::to_possible_value(&fault)) {
+            command += &format!(" --plant {}", fault.get_name());
+        }
+        let text = format!(
+            "// {command}\n// {}\n{}",
+            shrunk.message.replace('\n', "\n// "),
+            shrunk.scene.text
+        );
+        fs::create_dir_all(self.out).map_err(Failure::fault)?;
+        OutFile::new(&self.out.join(FAILURES), &name)?.write(&text)?;
+        Ok(Row {
+            index: piece as u32,
+            scene: scene.name.clone(),
+            seed: scene.seed,
+            check,
+            message: shrunk.message,
+            file: Some(file),
+            command: Some(command),
+            reason: None,
+        })
+    }
+}
