@@ -272,6 +272,8 @@ fn parts_of_a_judge_make_the_tables_and_pages_of_one_run() {
         &[
             "worlds/cornell.ron",
             ROOM,
+            "--camera",
+            "front",
             "--layout",
             "layout1",
             "--layout",
@@ -298,7 +300,7 @@ fn parts_of_a_judge_make_the_tables_and_pages_of_one_run() {
     .concat();
     let (whole, _) = bench.judged(&flags);
     let rows = whole["rows"].as_array().map_or(0, Vec::len);
-    assert!(rows > 6, "{rows}");
+    assert_eq!(rows, 6, "direct light and two settings in two worlds");
     judge_parts(&bench, 3, &flags);
     object(&bench.merge(&["1", "2", "3"], "merged"));
     let (merged, whole) = (bench.files("merged"), bench.files("out"));
