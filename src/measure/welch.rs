@@ -93,7 +93,7 @@ pub fn discoveries(probabilities: &[Option<f64>], rate: f64) -> Vec<bool> {
     known.sort_by(f64::total_cmp);
     let count = known.len() as f64;
     let passes = |(rank, p): &(usize, &f64)| **p <= rate * (*rank as f64 + 1.0) / count;
-    let threshold = known.iter().enumerate().filter(passes).last();
+    let threshold = known.iter().enumerate().rfind(passes);
     let threshold = threshold.map_or(f64::NEG_INFINITY, |(_, p)| *p);
     probabilities
         .iter()

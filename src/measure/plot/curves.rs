@@ -94,9 +94,17 @@ fn draw(svg: &mut String, plot: &Curves<'_>) -> Drawn {
         };
         chart.draw_series(points.iter().map(|point| Circle::new(*point, size, style)))?;
     }
+    let mut written: Vec<(i32, i32)> = Vec::new();
     for (x, y, note) in &plot.notes {
         let (x, y) = chart.backend_coord(&(*x, *y));
-        write(&root, note, (x + 6, y - 7), HPos::Left)?;
+        // Notes without room are left out: tables have them.
+        if written
+            .iter()
+            .all(|(a, b)| (a - x).abs() > 18 || (b - y).abs() > 12)
+        {
+            write(&root, note, (x + 6, y - 7), HPos::Left)?;
+            written.push((x, y));
+        }
     }
     let width = WIDTH as i32;
     let middle = (LEFT as i32 + width - 10) / 2;

@@ -94,7 +94,8 @@ mod tests {
     fn every_obstacle_is_named() {
         let report = made_up::report();
         assert!(between(&report, &report).is_empty());
-        let changes: [(&str, fn(&mut Report)); 8] = [
+        type Change = (&'static str, fn(&mut Report));
+        let changes: [Change; 8] = [
             ("suite", |report| report.suite = "layouts".to_owned()),
             ("driver", |report| report.rows[0].adapter.driver.push('x')),
             ("CPU", |report| report.machine.cpu.push('x')),

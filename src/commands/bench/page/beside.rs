@@ -9,6 +9,9 @@ use super::{
 };
 use crate::measure::plot::{self, Curve, Curves, Mark, Scale, figure};
 
+/// The axis of layouts: their numbers, 1 to 4.
+const LAYOUT: &str = "layout";
+
 /// Empty where none of our rows has anything published beside it.
 pub fn beside(rows: &[&Row]) -> String {
     let all: String = COMPARISONS
@@ -89,7 +92,10 @@ fn compared(comparison: &Comparison, rows: &[&Row]) -> String {
     };
     let svg = plot::curves(&Curves {
         label: comparison.title,
-        x: Scale::at_values(&xs),
+        x: match comparison.x_name {
+            LAYOUT => Scale::linear(0.7, 4.3, 4),
+            _ => Scale::at_values(&xs),
+        },
         y: Scale::spanning(points().map(|point| point.1), 6),
         x_name: comparison.x_name,
         y_name: unit,
@@ -114,7 +120,7 @@ fn compared(comparison: &Comparison, rows: &[&Row]) -> String {
 
 /// Where a row lies on the axis: the number of its layout, or what its suite varies.
 fn place(comparison: &Comparison, row: &Row) -> Option<f64> {
-    if comparison.x_name == "layout" {
+    if comparison.x_name == LAYOUT {
         let name = row.layout.as_deref()?;
         let digits = name.trim_start_matches(|c: char| !c.is_ascii_digit());
         return digits.parse().ok();

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{
     super::model::Row,
     html::plot,
-    names::{card, distinct, names},
+    names::{card, differing, distinct, names},
 };
 use crate::measure::plot::{self, Bar, BarGroup, Stack};
 
@@ -105,7 +105,17 @@ pub fn passes(title: &str, rows: &[&Row]) -> String {
         key.push((GREY, format!("{} others", others.len())));
     }
     let svg = plot::stacks(&format!("{title}, milliseconds of each pass"), &stacks);
-    plot(&format!("{title}: milliseconds by pass"), &svg, &key, &[])
+    let named = differing(&rows, &[]);
+    let words = match named[..] {
+        [] => Vec::new(),
+        _ => vec![format!("Rows are named by {}.", named.join(", "))],
+    };
+    plot(
+        &format!("{title}: milliseconds by pass"),
+        &svg,
+        &key,
+        &words,
+    )
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::{
     super::model::{Figure, Row, Varied},
     html::plot,
-    names::{distinct, names},
+    names::{distinct, names_with_keys, short},
 };
 use crate::measure::{
     plot::{self, Curve, Curves, Mark, Scale},
@@ -62,8 +62,12 @@ pub fn growth(title: &str, rows: &[&Row], key: &str) -> String {
         .copied()
         .filter(|row| number(row, key).is_some())
         .collect();
-    let labels = names(&rows, &[key, "size"]);
+    let labels = names_with_keys(&rows, &[key, "picture size"]);
     let curve_names = distinct(labels.iter());
+    let is_size = rows
+        .iter()
+        .any(|row| matches!(row.varied.get(key), Some(Varied::Text(_))));
+    let axis = if is_size { "pixels" } else { short(key) };
     let mut text = String::new();
     for (quantity, value) in quantities(&rows) {
         let points = |name: &String| {
@@ -91,7 +95,7 @@ pub fn growth(title: &str, rows: &[&Row], key: &str) -> String {
         let what = spoken(&quantity);
         let words = all.iter().filter_map(|(name, points)| {
             let plain: Vec<(f64, f64)> = points.iter().map(|(x, y, _)| (*x, *y)).collect();
-            let law = PowerLaw::fit(&plain)?.in_words(&what, short(key));
+            let law = PowerLaw::fit(&plain)?.in_words(&what, axis);
             Some(match all.len() {
                 1 => sentence(&law),
                 _ => format!("{name}: {law}."),
@@ -104,7 +108,7 @@ pub fn growth(title: &str, rows: &[&Row], key: &str) -> String {
             label: &format!("{title}: {what} over {key}"),
             x: Scale::at_values(&xs),
             y: Scale::spanning(flat.map(|(_, y, _)| *y), 6),
-            x_name: key,
+            x_name: if is_size { axis } else { key },
             y_name: &quantity,
             curves: all
                 .iter()
@@ -123,7 +127,7 @@ pub fn growth(title: &str, rows: &[&Row], key: &str) -> String {
             .enumerate()
             .collect();
         text += &plot(
-            &format!("{title}: {what} over {}", short(key)),
+            &format!("{title}: {what} over {axis}"),
             &svg,
             &legend,
             &words,
@@ -145,11 +149,6 @@ fn spoken(quantity: &str) -> String {
     } else {
         word
     }
-}
-
-/// The last part of a key: `probes.rays` → `rays`.
-fn short(key: &str) -> &str {
-    key.rsplit_once('.').map_or(key, |(_, last)| last)
 }
 
 fn sentence(text: &str) -> String {

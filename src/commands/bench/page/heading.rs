@@ -97,7 +97,7 @@ fn warnings(report: &Report) -> Vec<String> {
     }
     if !report.missing.is_empty() {
         all.push(format!(
-            "{} rows are missing: the end of the page says why.",
+            "Rows that are missing: {}. The end of the page says why.",
             report.missing.len()
         ));
     }

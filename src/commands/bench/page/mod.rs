@@ -23,17 +23,18 @@ pub fn page(report: &Report) -> String {
     };
     let (hardware, software) = (of(false), of(true));
     body += &sections(&hardware);
+    body += &beside::beside(&hardware);
     if !software.is_empty() {
         body += "<h2>Software adapters</h2>\n<p class=\"loud\">The CPU plays the GPU here. These figures say nothing of \
                  any GPU.</p>\n";
         body += &sections(&software);
     }
     if !report.missing.is_empty() {
-        let lines: Vec<Vec<String>> = (report.missing.iter())
-            .map(|missing| vec![missing.id.clone(), missing.reason.clone()])
+        let lines: Vec<(&str, String)> = (report.missing.iter())
+            .map(|missing| (missing.id.as_str(), missing.reason.clone()))
             .collect();
         body += "<h2>Missing</h2>\n";
-        body += &html::table(&["row", "why"], &lines);
+        body += &html::facts(&lines);
     }
     html::document(&format!("grotto bench {}", report.suite), &body)
 }
@@ -68,7 +69,7 @@ fn sections(rows: &[&Row]) -> String {
         text += &tables::tables(suite, &rows);
         text += &tables::frames(&rows);
     }
-    text + &quality::quality(rows) + &beside::beside(rows)
+    text + &quality::quality(rows)
 }
 
 #[cfg(test)]
@@ -83,7 +84,9 @@ mod tests {
         let report = made_up::report();
         let text = page(&report);
         for row in &report.rows {
-            assert!(text.contains(&row.id), "{}", row.id);
+            let within = format!("{}/", row.suite);
+            let name = row.id.strip_prefix(&within).unwrap_or(&row.id);
+            assert!(text.contains(&format!("<td>{name}</td>")), "{name}");
         }
         for outside in ["http:", "https:", "<link", "<script", "url("] {
             assert!(!text.contains(outside), "{outside}");

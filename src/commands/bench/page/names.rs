@@ -3,6 +3,13 @@
 use super::super::model::{Row, Varied};
 use crate::measure::plot::figure;
 
+const SIZE: &str = "picture size";
+
+fn size(row: &Row) -> String {
+    let [width, height] = row.size;
+    format!("{width}×{height}")
+}
+
 /// What can tell rows apart, in the order in which it is named.
 fn properties(row: &Row) -> Vec<(String, String)> {
     let mut all = vec![
@@ -16,9 +23,8 @@ fn properties(row: &Row) -> Vec<(String, String)> {
             .iter()
             .map(|(key, value)| (key.clone(), shown(value))),
     );
-    let [width, height] = row.size;
     all.extend([
-        ("size".to_owned(), format!("{width}×{height}")),
+        (SIZE.to_owned(), size(row)),
         ("card".to_owned(), card(row).to_owned()),
     ]);
     all
@@ -38,31 +44,71 @@ pub fn card(row: &Row) -> &str {
         .map_or(&row.adapter.name, |(_, label)| label)
 }
 
-/// A name for each row, of what differs between them. `without` names properties that are shown in another way.
-pub fn names(rows: &[&Row], without: &[&str]) -> Vec<String> {
+/// Properties that differ between rows, but for those that are shown in another way.
+pub fn differing(rows: &[&Row], without: &[&str]) -> Vec<String> {
     let all: Vec<Vec<(String, String)>> = rows.iter().map(|row| properties(row)).collect();
     let value = |index: usize, key: &str| {
         let found = all[index].iter().find(|(known, _)| known == key);
         found.map(|(_, value)| value.as_str())
     };
-    let differs = |key: &str| {
-        !without.contains(&key) && (1..all.len()).any(|index| value(index, key) != value(0, key))
+    let keys = distinct(all.iter().flatten().map(|(key, _)| key.as_str()));
+    let differs = |key: &&str| {
+        !without.contains(key) && (1..all.len()).any(|index| value(index, key) != value(0, key))
     };
-    let name = |index: usize| {
-        let parts = all[index]
-            .iter()
-            .filter(|(key, text)| differs(key) && !text.is_empty());
-        let parts: Vec<&str> = parts.map(|(_, text)| text.as_str()).collect();
+    let mut keys: Vec<String> = keys
+        .into_iter()
+        .filter(differs)
+        .map(str::to_owned)
+        .collect();
+    // A suite that varies the size says so itself.
+    if rows.iter().any(|row| {
+        row.varied
+            .values()
+            .any(|value| shown(value).replace('x', "×") == size(row))
+    }) {
+        keys.retain(|key| key != SIZE);
+    }
+    keys
+}
+
+/// A name for each row, of what differs between them. `without` names properties that are shown in another way.
+pub fn names(rows: &[&Row], without: &[&str]) -> Vec<String> {
+    named(rows, without, false)
+}
+
+/// The same with the keys of what a suite varies: `rays 64`.
+pub fn names_with_keys(rows: &[&Row], without: &[&str]) -> Vec<String> {
+    named(rows, without, true)
+}
+
+fn named(rows: &[&Row], without: &[&str], with_keys: bool) -> Vec<String> {
+    let differing = differing(rows, without);
+    let name = |row: &&Row| {
+        let parts = properties(row).into_iter();
+        let parts = parts.filter(|(key, text)| differing.contains(key) && !text.is_empty());
+        let parts: Vec<String> = parts
+            .map(
+                |(key, text)| match with_keys && row.varied.contains_key(&key) {
+                    true => format!("{} {text}", short(&key)),
+                    false => text,
+                },
+            )
+            .collect();
         match parts[..] {
             // Nothing differs: one row, or rows that something else tells apart.
-            [] => rows[index]
-                .layout
-                .clone()
-                .unwrap_or_else(|| rows[index].world.clone()),
+            [] => row.layout.clone().unwrap_or_else(|| row.world.clone()),
             _ => parts.join(" "),
         }
     };
-    (0..rows.len()).map(name).collect()
+    rows.iter().map(name).collect()
+}
+
+/// The last part of a key: `probes.rays` → `rays`. The whole where that says nothing.
+pub fn short(key: &str) -> &str {
+    match key.rsplit_once('.') {
+        Some((_, last)) if !["count", "size", "enabled"].contains(&last) => last,
+        _ => key,
+    }
 }
 
 /// The different values in the order in which they come.
@@ -97,5 +143,11 @@ mod tests {
             .collect();
         // The layout is cut from the ids, which are alike.
         assert_eq!(names(&rays, &[]), ["8", "64", "512"]);
+        assert_eq!(names_with_keys(&rays, &[])[0], "rays 8");
+        assert_eq!(differing(&rays, &[]), ["probes.rays"]);
+        assert_eq!(
+            (short("probes.rays"), short("lights.count")),
+            ("rays", "lights.count")
+        );
     }
 }

@@ -3,7 +3,7 @@
 use super::{
     super::model::Row,
     html,
-    names::{card, distinct, names},
+    names::{card, distinct, names_with_keys},
 };
 use crate::measure::{
     plot::{self, Curve, Curves, Mark, Scale, figure},
@@ -75,14 +75,14 @@ fn of_rows(title: &str, rows: &[&Row]) -> String {
     });
     let lines: Vec<Vec<String>> = rows
         .iter()
-        .zip(names(rows, &["world", "camera", "card"]))
+        .zip(names_with_keys(rows, &["world", "camera", "card"]))
         .zip(&points)
         .enumerate()
         .map(|(index, ((row, name), (flip, fps)))| {
             let energy = row.quality.and_then(|quality| quality.energy);
             vec![
-                (index + 1).to_string(),
                 format!("{}: {name}", row.suite),
+                (index + 1).to_string(),
                 figure(*fps),
                 format!("{flip:.4}"),
                 energy.map_or(String::new(), |energy| format!("{energy:.3}")),
@@ -90,8 +90,11 @@ fn of_rows(title: &str, rows: &[&Row]) -> String {
             ]
         })
         .collect();
-    let table = html::table(&["", "row", "FPS", "FLIP", "energy", "Pareto"], &lines);
-    html::plots(&(html::plot(title, &svg, &[], &[]) + &table))
+    let table = html::table(
+        &["row", "number", "FPS", "FLIP", "energy", "Pareto"],
+        &lines,
+    );
+    html::plots(&html::plot(title, &svg, &[], &[])) + &table
 }
 
 #[cfg(test)]
