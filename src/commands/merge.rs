@@ -10,11 +10,11 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{
-    Failure, judge,
+    Failure, bench, judge,
     options::RunOptions,
     output,
     part::{self, Part},
-    reference,
+    reference, stress,
 };
 
 /// Join the parts that --shard I/N of stress, judge, reference or bench wrote
@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let draft = Draft::new(out)?;
     let verdict = match found {
         Found::Files(_, wholes) => join_files(wholes, &draft.folder)?,
-        Found::Reports(command) => join_reports(command)?,
+        Found::Reports(command) => join_reports(command, &arguments.parts, &draft.folder)?,
     };
     let files = draft.publish()?;
     let files: Vec<String> = files
@@ -111,12 +111,20 @@ fn join_files(
     Ok(verdict)
 }
 
-fn join_reports(command: &str) -> Result<Result<(), Failure>, Failure> {
-    Err(Failure::bad_input(format!(
-        "parts of `{command}` cannot be joined yet"
-    )))
+/// Writes the whole of these folders' reports into a folder. What comes of it is how the whole run would have ended.
+fn join_reports(
+    command: &str,
+    parts: &[PathBuf],
+    folder: &Path,
+) -> Result<Result<(), Failure>, Failure> {
+    match command {
+        BENCH => bench::merge::join(parts, folder).map(Ok),
+        _ => {
+            stress::merge::join(parts, folder)?;
+            Ok(stress::report::Report::read(folder)?.verdict())
+        }
+    }
 }
-
 /// Reads the parts.
 fn look(folders: &[PathBuf]) -> Result<Found, Failure> {
     let mut files = Vec::new();
