@@ -3,6 +3,7 @@
 mod benchmark;
 mod input;
 mod lost;
+mod panels;
 mod times;
 mod views;
 
@@ -18,12 +19,12 @@ use benchmark::Benchmarks;
 
 use super::{
     AppError, Options,
-    brush::{self, Brush, Stroke},
+    brush::{Brush, Stroke},
     camera,
     clock::{FrameRate, WorldClock},
     controls::Controls,
     messages::Messages,
-    panel::{self, Action, Facts, PassMeans, Settings},
+    panel::{PassMeans, Settings},
     reload::Watch,
     screen::{self, Acquired, Screen},
     screenshot,
@@ -34,7 +35,7 @@ use crate::{
     frame::FrameError,
     gpu::{self, Faults, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
-    passes::overlay::{Overlay, PanelShapes},
+    passes::overlay::Overlay,
     world::Camera,
 };
 
@@ -266,49 +267,6 @@ impl Session {
         self.faults
             .first()
             .map_or(Ok(()), |fault| Err(fault.into()))
-    }
-
-    fn run_panel(&mut self, event_loop: &ActiveEventLoop) -> PanelShapes {
-        let input = self.egui.take_egui_input(&self.window);
-        let context = self.egui.egui_ctx().clone();
-        let facts = Facts {
-            show: &self.show,
-            rate: &self.rate,
-            passes: &self.passes,
-            camera: &self.camera,
-            speed: self.speed,
-            probes: self.probes,
-        };
-        let mut action = None;
-        let output = context.run_ui(input, |ui| {
-            if let Some(summary) = &self.benchmarks.summary {
-                summary.show(ui);
-            } else if self.panel_open && self.benchmarks.running.is_none() {
-                action = panel::show(ui, &facts, &mut self.settings).or(action);
-            }
-            if self.captured {
-                brush::crosshair(ui);
-            }
-            self.messages.show(ui);
-        });
-        match action {
-            Some(Action::JumpTo(index)) => self.jump_to(index),
-            Some(Action::Screenshot) => self.screenshot_wanted = true,
-            Some(Action::Reload) => self.reload(true, true),
-            None => {}
-        }
-        if !self.captured {
-            self.egui.handle_platform_output_with_event_loop(
-                &self.window,
-                event_loop,
-                output.platform_output,
-            );
-        }
-        PanelShapes {
-            primitives: context.tessellate(output.shapes, output.pixels_per_point),
-            textures: output.textures_delta,
-            pixels_per_point: output.pixels_per_point,
-        }
     }
 
     /// Digs or builds where the camera looks.
