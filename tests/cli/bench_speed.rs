@@ -214,6 +214,52 @@ fn what_cannot_be_measured_is_refused_before_anything_is() {
     bench(&["layouts", MINIMAL, "--out", file], &["file"]);
 }
 
+#[test]
+fn parts_of_a_suite_make_the_whole() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let mut ids = Vec::new();
+    for part in ["1/2", "2/2"] {
+        let out = path(&part.replace('/', "-of-"));
+        let more = ["--runs", "1", "--shard", part, "--out", &out];
+        let report = tiny(&["textures", "worlds/cornell.ron"], &more).json();
+        assert_eq!(rows(&report).len(), 2, "part {part}");
+        ids.extend(rows(&report).iter().map(|row| row["id"].clone()));
+    }
+    let merge = |parts: &[&str], out: &str| {
+        let mut command = grotto();
+        command
+            .arg("merge")
+            .args(parts.iter().map(|part| path(part)));
+        command.args(["--out", &path(out)]);
+        command
+    };
+    refused(&mut merge(&["1-of-2"], "whole"), 2, &["2/2 is missing"]);
+    let ended = end(&mut merge(&["2-of-2", "1-of-2"], "whole"));
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    let text = fs::read_to_string(folder.path().join("whole/bench.json")).expect("the report");
+    let whole: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(whole["complete"], true);
+    let expected = [
+        "textures on/still",
+        "textures off/still",
+        "textures on/moving",
+        "textures off/moving",
+    ]
+    .map(|name| format!("textures/cornell/{name}"));
+    let joined: Vec<&str> = rows(&whole)
+        .iter()
+        .map(|row| row["id"].as_str().expect("a name"))
+        .collect();
+    // In the order of the whole, of which each part had every second row.
+    assert_eq!(joined.len(), ids.len());
+    assert!(
+        ids.iter()
+            .all(|id| joined.contains(&id.as_str().expect("a name")))
+    );
+    assert_eq!(joined, expected);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_stopped_leaves_a_report_that_says_so() {

@@ -1,0 +1,58 @@
+//! What is drawn over the picture.
+
+use winit::event_loop::ActiveEventLoop;
+
+use super::Session;
+use crate::{
+    app::{
+        brush,
+        panel::{self, Action, Facts},
+    },
+    passes::overlay::PanelShapes,
+};
+
+impl Session {
+    /// Runs the panel, the summary of a benchmark and the messages, and does what was clicked.
+    pub(super) fn run_panel(&mut self, event_loop: &ActiveEventLoop) -> PanelShapes {
+        let input = self.egui.take_egui_input(&self.window);
+        let context = self.egui.egui_ctx().clone();
+        let facts = Facts {
+            show: &self.show,
+            rate: &self.rate,
+            passes: &self.passes,
+            camera: &self.camera,
+            speed: self.speed,
+            probes: self.probes,
+        };
+        let mut action = None;
+        let output = context.run_ui(input, |ui| {
+            if let Some(summary) = &self.benchmarks.summary {
+                summary.show(ui);
+            } else if self.panel_open && self.benchmarks.running.is_none() {
+                action = panel::show(ui, &facts, &mut self.settings).or(action);
+            }
+            if self.captured {
+                brush::crosshair(ui);
+            }
+            self.messages.show(ui);
+        });
+        match action {
+            Some(Action::JumpTo(index)) => self.jump_to(index),
+            Some(Action::Screenshot) => self.screenshot_wanted = true,
+            Some(Action::Reload) => self.reload(true, true),
+            None => {}
+        }
+        if !self.captured {
+            self.egui.handle_platform_output_with_event_loop(
+                &self.window,
+                event_loop,
+                output.platform_output,
+            );
+        }
+        PanelShapes {
+            primitives: context.tessellate(output.shapes, output.pixels_per_point),
+            textures: output.textures_delta,
+            pixels_per_point: output.pixels_per_point,
+        }
+    }
+}
