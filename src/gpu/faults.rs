@@ -5,7 +5,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::{Gpu, GpuError};
 
 /// The first fault of a device: it was lost, or an error reached nobody else.
-pub struct Faults(Arc<Mutex<Heard>>);
+pub struct Faults {
+    heard: Arc<Mutex<Heard>>,
+    device: wgpu::Device,
+}
 
 #[derive(Default)]
 struct Heard {
@@ -36,7 +39,10 @@ impl Faults {
             .on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
                 report(error.to_string(), false)
             }));
-        Self(faults)
+        Self {
+            heard: faults,
+            device: gpu.device.clone(),
+        }
     }
 
     /// What failed first, if anything did.
@@ -46,11 +52,13 @@ impl Faults {
 
     /// Whether the device is lost: another one can take its place ([`Gpu::reopened`]).
     pub fn is_lost(&self) -> bool {
+        // A loss is told by polling alone, which a lost device may refuse.
+        let _ = self.device.poll(wgpu::PollType::Poll);
         self.heard().lost
     }
 
     fn heard(&self) -> MutexGuard<'_, Heard> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.heard.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
