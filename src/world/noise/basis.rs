@@ -55,8 +55,13 @@ impl Octave {
     }
 }
 
+/// Farther out lattice points are more than one apart in f64, and no noise is left; the crate's functions panic
+/// where a lattice point is no whole number of 64 bits.
+const FARTHEST: f64 = (1u64 << 52) as f64;
+
 impl NoiseFn<f64, 3> for Octave {
     fn get(&self, point: [f64; 3]) -> f64 {
+        let point = point.map(|v| v.clamp(-FARTHEST, FARTHEST));
         match self.basis {
             Basis::Perlin => perlin_3d(point.into(), &self.table),
             Basis::Value => value_3d(point.into(), &self.table),
@@ -199,6 +204,21 @@ mod tests {
             ]
             .map(|v| v % 40.0 - 20.0)
         })
+    }
+
+    #[test]
+    fn points_of_any_size_have_a_value() {
+        for basis in [
+            Basis::Perlin,
+            Basis::OpenSimplex,
+            Basis::Worley,
+            Basis::Value,
+        ] {
+            for far in [1e9, 1e19, 1e38, -1e300] {
+                let value = Octave::new(basis, 1).get([far, 0.3, -far]);
+                assert!(value.is_finite(), "{basis:?} at {far}: {value}");
+            }
+        }
     }
 
     #[test]

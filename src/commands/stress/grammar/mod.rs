@@ -81,12 +81,13 @@ fn world(dice: &mut Dice, seed: u32) -> Term {
     }
     keys.push(("seed", Term::Number(f64::from(dice.whole(0, 9999)))));
     let (noises, noise_names) = shape::noises(dice);
-    let ground = Ground {
+    let mut ground = Ground {
         half,
         noises: &noise_names,
+        rooms: Vec::new(),
     };
     keys.push(("noises", noises));
-    keys.push(("shape", shape::world_shape(dice, &ground, centre)));
+    keys.push(("shape", shape::world_shape(dice, &mut ground, centre)));
     let (materials, names) = matter::materials(dice);
     keys.push(("materials", materials));
     keys.push(("rules", matter::rules(dice, &ground, centre, &names)));

@@ -10,8 +10,15 @@ fn number(value: f64) -> Term {
     Term::Number(value)
 }
 
-/// Anywhere: in air, in stone, at a face, an edge or a corner of the world, outside.
+/// Anywhere: in a room, in air, in stone, at a face, an edge or a corner of the world, outside.
 fn place(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> [f64; 3] {
+    if !ground.rooms.is_empty() && dice.chance(0.7) {
+        let room = *dice.pick(&ground.rooms);
+        return [0, 1, 2].map(|axis| {
+            let along = room.at[axis] + 0.8 * dice.number(-1.0, 1.0) * room.half[axis];
+            super::dice::rounded(centre[axis] + along)
+        });
+    }
     let form = dice.whole(0, 9);
     [0, 1, 2].map(|axis| {
         let half = ground.half[axis];

@@ -1,6 +1,9 @@
 //! Shapes and noises: trees over every primitive and operator of a world file.
 
-use super::{dice::Dice, term::Term};
+use super::{
+    dice::{Dice, rounded},
+    term::Term,
+};
 
 /// What a shape is made within.
 pub struct Ground<'a> {
@@ -8,6 +11,15 @@ pub struct Ground<'a> {
     pub half: [f64; 3],
     /// Names of noises.
     pub noises: &'a [String],
+    /// Hollows of the shape, once it is made: where lamps and cameras are often put.
+    pub rooms: Vec<Room>,
+}
+
+/// A hollow box: its middle, from the middle of the world, and half of its extent.
+#[derive(Clone, Copy)]
+pub struct Room {
+    pub at: [f64; 3],
+    pub half: [f64; 3],
 }
 
 fn record(name: &'static str, keys: Vec<(&'static str, Term)>) -> Term {
@@ -68,7 +80,7 @@ fn noise(dice: &mut Dice) -> Term {
 }
 
 /// The shape of a world whose middle is at `centre`.
-pub fn world_shape(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
+pub fn world_shape(dice: &mut Dice, ground: &mut Ground<'_>, centre: [f64; 3]) -> Term {
     let shape = match dice.whole(0, 9) {
         0..=3 => rooms(dice, ground),
         4 => cavern(dice, ground),
@@ -93,22 +105,41 @@ fn cuboid(half: [f64; 3]) -> Term {
 }
 
 /// Stone with hollows, most of them closed: spaces that light must not reach through thin walls.
-fn rooms(dice: &mut Dice, ground: &Ground<'_>) -> Term {
-    let mut of = vec![cuboid(
-        ground.half.map(|half| half + f64::from(dice.whole(0, 1))),
-    )];
-    for _ in 0..dice.whole(1, 4) {
-        let half = ground
-            .half
-            .map(|half| (half * (0.1 + 0.5 * dice.unit())).round().max(0.5));
-        let at = [0, 1, 2].map(|axis| {
-            let room = (ground.half[axis] - half[axis] - 1.0).max(0.0);
-            dice.number(-room, room).round()
-        });
-        of.push(moved(at, cuboid(half)));
+fn rooms(dice: &mut Dice, ground: &mut Ground<'_>) -> Term {
+    let half = ground.half;
+    let wall = f64::from(dice.whole(1, 2));
+    let count = dice.whole(1, 3);
+    if dice.chance(0.6) {
+        // In a row, with walls of one thickness between them.
+        let axis = dice.whole(0, 2) as usize;
+        let each = (2.0 * half[axis] - wall * f64::from(count + 1)) / f64::from(count);
+        for index in 0..count {
+            let mut room = Room {
+                at: [0.0; 3],
+                half: half.map(|half| rounded((half - wall).max(0.5))),
+            };
+            room.half[axis] = rounded((each / 2.0).max(0.5));
+            let start = -half[axis] + wall + f64::from(index) * (each + wall);
+            room.at[axis] = rounded(start + each / 2.0);
+            ground.rooms.push(room);
+        }
+    } else {
+        for _ in 0..count {
+            let half = half.map(|half| (half * (0.1 + 0.5 * dice.unit())).round().max(0.5));
+            let at = [0, 1, 2].map(|axis| {
+                let room = (ground.half[axis] - half[axis] - 1.0).max(0.0);
+                dice.number(-room, room).round()
+            });
+            ground.rooms.push(Room { at, half });
+        }
     }
-    let hollow = many("Subtraction", of);
-    if dice.chance(0.5) {
+    let rock = cuboid(half.map(|half| half + f64::from(dice.whole(0, 1))));
+    let hollows = ground
+        .rooms
+        .iter()
+        .map(|room| moved(room.at, cuboid(room.half)));
+    let hollow = many("Subtraction", [rock].into_iter().chain(hollows).collect());
+    if dice.chance(0.3) {
         let inside = ground.half.map(|half| half * 0.5);
         many("Union", vec![hollow, shape(dice, ground, inside, 1)])
     } else {
@@ -192,7 +223,7 @@ fn repeat(dice: &mut Dice) -> Term {
             dice.number(2.0, 4.0) * reach
         }
     };
-    let period = [axis(dice), axis(dice), axis(dice)].map(super::dice::rounded);
+    let period = [axis(dice), axis(dice), axis(dice)].map(rounded);
     record(
         "Repeat",
         vec![
@@ -230,7 +261,7 @@ fn scatter(dice: &mut Dice, half: [f64; 3]) -> Term {
 
 /// A primitive that keeps within this distance of the origin.
 fn bounded(dice: &mut Dice, reach: f64) -> Term {
-    let part = super::dice::rounded(reach * 0.5);
+    let part = rounded(reach * 0.5);
     match dice.whole(0, 3) {
         0 => record(
             "Sphere",
@@ -241,7 +272,7 @@ fn bounded(dice: &mut Dice, reach: f64) -> Term {
             "Torus",
             vec![
                 ("major", number(part)),
-                ("minor", number(super::dice::rounded(part * 0.6))),
+                ("minor", number(rounded(part * 0.6))),
             ],
         ),
         _ => record(
