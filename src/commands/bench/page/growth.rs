@@ -188,11 +188,11 @@ mod tests {
         let rows: Vec<&Row> = rows.iter().collect();
         let text = growth("cave", &rows, "world.size");
         assert!(
-            text.contains("still: voxelise grows as size^3.00."),
+            text.contains("still: voxelise grows as world.size^3.00."),
             "{text}"
         );
         assert!(
-            text.contains("moving: voxelise grows as size^3.00."),
+            text.contains("moving: voxelise grows as world.size^3.00."),
             "{text}"
         );
         assert!(
