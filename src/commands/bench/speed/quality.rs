@@ -19,7 +19,6 @@ use super::{
     spec::RowSpec,
 };
 use crate::{
-    gpu::Recorder,
     measure::{
         comparison::{Comparison, Shown, compare},
         picture::Picture,
@@ -66,30 +65,8 @@ fn settled(
     mode: ViewMode,
     frames: u32,
 ) -> Result<Picture, Failure> {
-    advance(rig, spec, size, mode, frames)?;
+    rig.advance(spec, size, mode, frames)?;
     Ok(rig.frame.read_radiance(rig.gpu)?)
-}
-
-fn advance(
-    rig: &mut Rig<'_>,
-    spec: &RowSpec,
-    size: [u32; 2],
-    mode: ViewMode,
-    frames: u32,
-) -> Result<(), Failure> {
-    let lights = rig.lights(spec, rig.time_s);
-    for _ in 0..frames {
-        rig.check_stop()?;
-        let mut view = rig.view(spec, size, mode, rig.time_s);
-        view.frame = rig.frame.frames();
-        let mut recorder = Recorder::new(rig.gpu, None);
-        let probes = &spec.parameters.probes;
-        rig.frame
-            .record(rig.gpu, &mut recorder, &view, &lights, probes);
-        recorder.submit(rig.gpu)?;
-        rig.gpu.wait()?;
-    }
-    Ok(())
 }
 
 impl Judging<'_> {
@@ -185,10 +162,10 @@ impl Judging<'_> {
     ) -> Result<BTreeMap<String, Figure>, Failure> {
         let size = judged_size(spec.size);
         rig.prepare(spec, size)?;
-        advance(rig, spec, size, ViewMode::Full, self.frames())?;
+        rig.advance(spec, size, ViewMode::Full, self.frames())?;
         let mut meter = StabilityMeter::new();
         for _ in 0..STILL_FRAMES {
-            advance(rig, spec, size, ViewMode::Full, 1)?;
+            rig.advance(spec, size, ViewMode::Full, 1)?;
             let display = rig.frame.read_display(rig.gpu)?;
             meter.add(display).map_err(Failure::fault)?;
         }

@@ -52,6 +52,8 @@ pub struct Rig<'a> {
     /// World time at which frames begin.
     pub time_s: f64,
     stop: &'a AtomicBool,
+    /// Of frames that are not measured: their passes learn how long they take.
+    timing: Timing,
 }
 
 impl<'a> Rig<'a> {
@@ -75,6 +77,7 @@ impl<'a> Rig<'a> {
             seed,
             time_s,
             stop,
+            timing: Timing::new(gpu)?,
         })
     }
 
@@ -121,6 +124,33 @@ impl<'a> Rig<'a> {
             time_s,
             textures: spec.parameters.textures.enabled,
         }
+    }
+
+    /// Frames of the spec at rest, of which only the light counts.
+    ///
+    /// # Errors
+    /// When the adapter fails, and when it was told to stop.
+    pub fn advance(
+        &mut self,
+        spec: &RowSpec,
+        size: [u32; 2],
+        mode: ViewMode,
+        frames: u32,
+    ) -> Result<(), Failure> {
+        let lights = self.lights(spec, self.time_s);
+        for _ in 0..frames {
+            self.check_stop()?;
+            let mut view = self.view(spec, size, mode, self.time_s);
+            view.frame = self.frame.frames();
+            let mut recorder = Recorder::new(self.gpu, Some(&mut self.timing));
+            let probes = &spec.parameters.probes;
+            self.frame
+                .record(self.gpu, &mut recorder, &view, &lights, probes);
+            recorder.submit(self.gpu)?;
+            self.gpu.wait()?;
+            while self.timing.next_frame().is_some() {}
+        }
+        Ok(())
     }
 
     /// Settles and times frames. Fresh probes each time, so that runs are alike. An edited world is
