@@ -228,7 +228,7 @@ fn a_planted_nan_is_found() {
 
 #[test]
 fn a_planted_leak_is_found() {
-    plant("leak", 74, Check::Dark);
+    plant("leak", 65, Check::Dark);
 }
 
 #[test]
