@@ -233,7 +233,7 @@ fn a_planted_leak_is_found() {
 
 #[test]
 fn a_planted_wrong_distance_is_found() {
-    plant("distance", 2, Check::Distances);
+    plant("distance", 3, Check::Distances);
 }
 
 #[test]
