@@ -228,12 +228,12 @@ fn a_planted_nan_is_found() {
 
 #[test]
 fn a_planted_leak_is_found() {
-    plant("leak", 74, Check::Dark);
+    plant("leak", 65, Check::Dark);
 }
 
 #[test]
 fn a_planted_wrong_distance_is_found() {
-    plant("distance", 2, Check::Distances);
+    plant("distance", 3, Check::Distances);
 }
 
 #[test]

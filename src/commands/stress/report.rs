@@ -255,3 +255,51 @@ impl Report {
         serde_json::from_value(value).map_err(|error| unusable(&format!("damaged: {error}")))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counted(verdict: Result<(), String>, known: &Known) -> (Report, Vec<Check>) {
+        let mut report = Report {
+            kind: KIND.to_owned(),
+            schema: SCHEMA,
+            version: String::new(),
+            adapter: Adapter {
+                name: String::new(),
+                kind: String::new(),
+                driver: String::new(),
+                backend: String::new(),
+            },
+            seed: 0,
+            scenes: 1,
+            world: None,
+            set: Vec::new(),
+            shard: None,
+            complete: true,
+            examined: 0,
+            checks: BTreeMap::new(),
+            failures: Vec::new(),
+            known: Vec::new(),
+            cured: Vec::new(),
+        };
+        let mut findings = Findings::default();
+        findings.note(Check::Dark, verdict);
+        let failed = report.count(0, ("scene-0", 0), &findings, known);
+        (report, failed)
+    }
+
+    #[test]
+    fn a_known_failure_is_no_failure_until_it_passes() {
+        let known = Known::of("scene-0", Check::Dark, "thin shell");
+        let (report, failed) = counted(Err("light".to_owned()), &known);
+        assert!(failed.is_empty() && report.verdict().is_ok());
+        assert_eq!(report.known[0].reason.as_deref(), Some("thin shell"));
+        let (report, _) = counted(Ok(()), &known);
+        let refused = report.verdict().expect_err("it passes");
+        assert_eq!(refused.exit_code(), 4);
+        assert!(refused.to_string().contains("known.ron"), "{refused}");
+        let (_, failed) = counted(Err("light".to_owned()), &Known::default());
+        assert_eq!(failed, [Check::Dark]);
+    }
+}

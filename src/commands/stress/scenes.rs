@@ -50,6 +50,10 @@ pub struct SceneOptions {
     pub tries: u32,
 }
 
+/// What every device plays before it examines: wgpu makes some things once, when they are first used, and a scene
+/// must not be blamed for keeping them.
+const FIRST: &str = include_str!("../../../worlds/minimal.ron");
+
 /// Shortest time between two reports of unfinished work.
 const REPORT_EVERY: Duration = Duration::from_secs(1);
 
@@ -169,6 +173,22 @@ pub fn refuse_results(out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+fn warm_up(watched: &mut Watched) {
+    let scene = Scene {
+        name: "minimal".to_owned(),
+        seed: 0,
+        text: FIRST.to_owned(),
+        set: Vec::new(),
+        folder: None,
+        tree: None,
+    };
+    let all = Examination {
+        fault: None,
+        only: None,
+    };
+    examine(watched, &scene, all);
+}
+
 impl Run<'_> {
     fn lock(&self) -> std::sync::MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -188,6 +208,7 @@ impl Run<'_> {
                     Some(watched) => watched,
                     None => Watched::open(self.run)?,
                 };
+                warm_up(&mut watched);
                 self.worker(&mut watched)
             };
             let handles: Vec<_> = (0..others)
@@ -247,6 +268,7 @@ impl Run<'_> {
         // A device that is lost serves no scene after this one.
         if watched.gpu.wait().is_err() {
             *watched = Watched::open(self.run)?;
+            warm_up(watched);
         }
         let mut state = self.lock();
         state

@@ -4,6 +4,9 @@ use crate::{frame::Frame, gpu::Gpu, world::file::Summary};
 
 /// Bytes that the adapter has given away; `None` where it does not say.
 pub fn allocated(gpu: &Gpu) -> Option<u64> {
+    // What is staged for writes, or was dropped, goes with the next submission.
+    gpu.queue.submit([]);
+    gpu.wait().ok()?;
     gpu.device
         .generate_allocator_report()
         .map(|report| report.total_allocated_bytes)

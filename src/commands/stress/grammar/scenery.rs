@@ -130,7 +130,7 @@ pub fn lamps(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
             .map(|_| lamp(dice, ground, centre, false))
             .collect();
         let mut keys = vec![
-            ("name", Term::text(&format!("p{index}"))),
+            ("name", Term::text(format!("p{index}"))),
             ("lamps", Term::List(all)),
         ];
         if dice.chance(0.25) {
@@ -192,7 +192,7 @@ pub fn sky(dice: &mut Dice) -> Vec<(&'static str, Term)> {
 pub fn cameras(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     let camera = |dice: &mut Dice, index: u32| {
         let mut keys = vec![
-            ("name", Term::text(&format!("c{index}"))),
+            ("name", Term::text(format!("c{index}"))),
             ("position", Term::vector(place(dice, ground, centre))),
         ];
         if dice.chance(0.6) {
@@ -215,7 +215,7 @@ pub fn cameras(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
 /// Volumes of all kinds: over the world, too small, off the world, that follow, that nest.
 pub fn layouts(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     let layout = |dice: &mut Dice, index: u32| {
-        let mut keys = vec![("name", Term::text(&format!("l{index}")))];
+        let mut keys = vec![("name", Term::text(format!("l{index}")))];
         let follow = dice.chance(0.25);
         let cascades = if dice.chance(0.25) {
             dice.whole(2, 6)
