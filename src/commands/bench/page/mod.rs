@@ -63,7 +63,16 @@ fn sections(rows: &[&Row]) -> String {
             for key in &keys {
                 plots += &growth::growth(world, &rows, key);
             }
-            plots += &charts::passes(world, &rows);
+            // A plot for each card: with it in their names, the rows would not fit.
+            let cards = names::distinct(rows.iter().map(|row| names::card(row)));
+            for card in &cards {
+                let of_card = rows.iter().filter(|row| names::card(row) == *card);
+                let title = match cards.len() {
+                    1 => world.to_owned(),
+                    _ => format!("{world}, {card}"),
+                };
+                plots += &charts::passes(&title, &of_card.copied().collect::<Vec<_>>());
+            }
         }
         text += &html::plots(&plots);
         text += &tables::tables(suite, &rows);
