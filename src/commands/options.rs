@@ -14,7 +14,7 @@ use crate::{
 /// Options of everything that runs on an adapter.
 #[derive(Args)]
 pub struct RunOptions {
-    /// The adapter whose name contains this, in place of the fastest
+    /// The adapter whose name contains this, in place of the fastest; NAME#2 is the second of several alike
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
     /// Set a parameter (repeatable); `grotto info --keys` lists them

@@ -42,7 +42,7 @@ pub struct Arguments {
     /// Set a parameter (repeatable); `grotto info --keys` lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     set: Vec<String>,
-    /// The adapter whose name contains this, in place of the fastest
+    /// The adapter whose name contains this, in place of the fastest; NAME#2 is the second of several alike
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
     /// Seed of the random rays; the world's own is `--set world.seed=N`

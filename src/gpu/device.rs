@@ -165,7 +165,8 @@ pub fn instance() -> wgpu::Instance {
 }
 
 impl Gpu {
-    /// Opens the adapter whose name contains `name` (case-insensitive), or the fastest one.
+    /// Opens the adapter whose name contains `name` (case-insensitive), or the fastest one. `name#2` is the second of those,
+    /// where a machine has several of a kind.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`] without any, [`GpuError::AdapterNotFound`] when none matches.
@@ -275,6 +276,15 @@ impl Gpu {
     }
 }
 
+/// Splits `H200#2` into what the name contains, in lower case, and which of those it is, counted from 0.
+fn numbered(name: &str) -> (String, usize) {
+    let split = name
+        .rsplit_once('#')
+        .and_then(|(name, number)| Some((name, number.parse::<usize>().ok()?.checked_sub(1)?)));
+    let (name, number) = split.unwrap_or((name, 0));
+    (name.to_lowercase(), number)
+}
+
 fn choose(
     instance: &wgpu::Instance,
     name: Option<&str>,
@@ -305,15 +315,33 @@ fn choose(
         });
     }
     if let Some(name) = name {
-        let wanted = name.to_lowercase();
+        let (wanted, number) = numbered(name);
         let available = names(&found);
+        let is_named =
+            |adapter: &wgpu::Adapter| adapter.get_info().name.to_lowercase().contains(&wanted);
         return found
             .into_iter()
-            .find(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted))
+            .filter(is_named)
+            .nth(number)
             .ok_or_else(|| GpuError::AdapterNotFound {
                 name: name.to_owned(),
                 available,
             });
     }
     Ok(found.swap_remove(0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_of_several_cards_of_a_kind_has_a_number() {
+        assert_eq!(numbered("H200"), ("h200".to_owned(), 0));
+        assert_eq!(numbered("H200#1"), ("h200".to_owned(), 0));
+        assert_eq!(numbered("H200#3"), ("h200".to_owned(), 2));
+        // These are parts of names.
+        assert_eq!(numbered("card #0"), ("card #0".to_owned(), 0));
+        assert_eq!(numbered("a#b"), ("a#b".to_owned(), 0));
+    }
 }

@@ -167,8 +167,9 @@ impl Judge<'_> {
         );
         let first = self.play(&mut play)?;
         self.at_the_end(&mut play, &first)?;
+        let mut longest_ms = std::mem::take(&mut play.longest_ms);
         drop(play);
-        if self.wants(&[Check::Repeat]) {
+        if self.wants(&[Check::Repeat, Check::Dispatch]) {
             let stage = Stage::build(&gpu, &self.subject.world)?;
             let mut again = Play::new(&gpu, self.subject, stage, self.examination.fault)?;
             let mut second = self.take(&mut again, |_, _, _| {})?;
@@ -178,7 +179,21 @@ impl Judge<'_> {
                 values[0] += 1.0;
             }
             self.findings.note(Check::Repeat, same(&first, &second));
+            // Other work on the same GPU may hold up a pass once. What is slow by itself is slow again.
+            for (pass, ms) in &mut longest_ms {
+                *ms = ms.min(again.longest_ms.get(pass).copied().unwrap_or_default());
+            }
         }
+        if self.plants(Fault::Slow) {
+            longest_ms.insert("planted".to_owned(), 80.0);
+        }
+        let mut slow = longest_ms.iter().filter(|(_, ms)| **ms > MOST_MS);
+        self.findings.note(
+            Check::Dispatch,
+            slow.next().map_or(Ok(()), |(pass, _)| {
+                Err(format!("pass `{pass}` takes more than {MOST_MS} ms"))
+            }),
+        );
         Ok(())
     }
 
@@ -246,16 +261,6 @@ impl Judge<'_> {
                 self.findings.note(Check::Band, verdict);
             }
         }
-        if self.plants(Fault::Slow) {
-            play.longest_ms.insert("planted".to_owned(), 80.0);
-        }
-        let mut slow = play.longest_ms.iter().filter(|(_, ms)| **ms > MOST_MS);
-        self.findings.note(
-            Check::Dispatch,
-            slow.next().map_or(Ok(()), |(pass, _)| {
-                Err(format!("pass `{pass}` takes more than {MOST_MS} ms"))
-            }),
-        );
         Ok(())
     }
 }

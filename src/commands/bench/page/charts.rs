@@ -108,7 +108,10 @@ pub fn passes(title: &str, rows: &[&Row]) -> String {
     let named = differing(&rows, &[]);
     let words = match named[..] {
         [] => Vec::new(),
-        _ => vec![format!("Rows are named by {}.", named.join(", "))],
+        _ => vec![format!(
+            "Rows are named by {}. A pass that runs only now and then, as after an edit, has the length that it has when it runs.",
+            named.join(", ")
+        )],
     };
     plot(
         &format!("{title}: milliseconds by pass"),

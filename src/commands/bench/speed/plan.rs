@@ -262,6 +262,7 @@ impl Plan {
             (_, false, true) => (100, 60),
             (_, true, true) => (30, 20),
             ("layouts", false, false) => (400, 240),
+            ("tables", false, false) => (80, 60),
             (_, false, false) => (160, 120),
             (_, true, false) => (60, 60),
         };

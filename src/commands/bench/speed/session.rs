@@ -249,6 +249,7 @@ impl<'a> Session<'a> {
         let common = Common {
             gpu: self.gpu,
             adapter: self.adapter,
+            asked: self.arguments.run.adapter.as_deref(),
             seed: self.arguments.seed,
             judging: self.judging,
             quick: self.arguments.quick,

@@ -74,7 +74,7 @@ pub fn layouts(wanted: &Wanted<'_>) -> Rows {
                 let work = Work::Frames(condition);
                 let spec =
                     RowSpec::new("layouts", (index, scene), camera, layout, wanted.size, work)?;
-                rows.push(spec.varying("layout", &layout.name));
+                rows.push(spec);
             }
         }
     }

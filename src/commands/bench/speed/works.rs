@@ -31,6 +31,8 @@ const REPEATS: u32 = 5;
 pub struct Common<'a> {
     pub gpu: &'a Gpu,
     pub adapter: &'a Adapter,
+    /// What `--adapter` said.
+    pub asked: Option<&'a str>,
     pub seed: u32,
     pub judging: &'a Judging<'a>,
     pub quick: bool,
@@ -82,7 +84,7 @@ impl Common<'_> {
         match spec.work {
             Work::Build => self.build(spec, scene).map(|row| vec![row]),
             Work::Start => {
-                let adapter = &self.gpu.summary.name;
+                let adapter = self.asked.unwrap_or(&self.gpu.summary.name);
                 let starts = (self.repeats(), self.settled);
                 let figures = start::measure(spec, &scene.path, adapter, starts)?;
                 Ok(vec![self.row(spec, "wall", figures)])
