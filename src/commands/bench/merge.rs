@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{
     super::{Failure, options::RunOptions, output, shard::Shard},
-    model::{Missing, Part, Report, Row},
+    model::{Missing, Part, Report, Row, WorldRecord},
     results::{FRAMES, Files, join_logs, summary},
 };
 
@@ -129,7 +129,11 @@ fn refuse_strangers(reports: &[(PathBuf, Report)]) -> Result<(), Failure> {
     };
     for (path, other) in others {
         let same_worlds = other.worlds.iter().all(|world| {
-            let known = first.worlds.iter().find(|known| known.name == world.name);
+            // A suite may have one world at several sizes and with several seeds.
+            let is_same = |known: &&WorldRecord| {
+                (&known.name, known.size, known.seed) == (&world.name, world.size, world.seed)
+            };
+            let known = first.worlds.iter().find(is_same);
             known.is_none_or(|known| known.hash == world.hash)
         });
         let adapter = |report: &Report| report.rows.first().map(|row| row.adapter.clone());

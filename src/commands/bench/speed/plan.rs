@@ -259,7 +259,7 @@ impl Plan {
     pub fn length(&self, spec: &RowSpec, arguments: &Arguments) -> Length {
         let large = self.is_large(spec);
         let (settling, measured) = match (spec.suite, arguments.quick, large) {
-            (_, false, true) => (100, 60),
+            (_, false, true) => (80, 40),
             (_, true, true) => (30, 20),
             ("layouts", false, false) => (400, 240),
             ("tables", false, false) => (80, 60),
