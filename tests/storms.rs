@@ -312,7 +312,7 @@ fn the_command_writes_records_and_refuses_what_makes_no_sense() {
     let written = std::fs::read(folder.path().join("out/storms.json")).expect("it is there");
     let records: serde_json::Value = serde_json::from_slice(&written).expect("JSON");
     let printed: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(records, printed);
+    assert_eq!(records, printed["storms"]);
     let record = &records[0];
     assert_eq!(record["storm"], "edit-storm+resize-storm");
     assert_eq!((&record["frames"], &record["seed"]), (&8.into(), &3.into()));
@@ -323,7 +323,11 @@ fn the_command_writes_records_and_refuses_what_makes_no_sense() {
         "{repeat}"
     );
     for (wrong, said) in [
-        (&["--soak", "-1"][..], "minutes"),
+        (
+            &["--edit-storm", "--storm-frames", "8"][..],
+            "storms of another run",
+        ),
+        (&["--soak", "-1"], "minutes"),
         (&["--edit-storm", "--storm-minutes", "0"], "minutes"),
         (&["--edit-storm", "--storm-frames", "0"], "storm-frames"),
         (&["--edit-storm", "--storm-size", "0x9"], "WIDTHxHEIGHT"),

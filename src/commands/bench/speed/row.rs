@@ -132,27 +132,13 @@ impl Measured {
             .iter()
             .any(|frame| frame.gpu_ms.is_some());
         let spec = &self.spec;
+        let clock = if timed && !gpu.summary.is_software() {
+            "gpu"
+        } else {
+            "wall"
+        };
         Some(Row {
-            id: spec.id.clone(),
-            place: spec.place,
-            suite: spec.suite.to_owned(),
-            world: spec.world.clone(),
-            camera: spec.camera.name.clone(),
-            layout: Some(spec.layout.name.clone()),
-            condition: spec.condition.clone(),
-            view: "full".to_owned(),
-            size: spec.size,
             frames: length.settling,
-            seed,
-            varied: spec.varied.clone(),
-            set: changed(&spec.parameters),
-            adapter: adapter.clone(),
-            clock: if timed && !gpu.summary.is_software() {
-                "gpu"
-            } else {
-                "wall"
-            }
-            .to_owned(),
             timing: Some(self.timing(&frame_ms)?),
             fps: Some(frame_ms.fps()),
             frame_ms: Some(frame_ms),
@@ -161,8 +147,7 @@ impl Measured {
             passes,
             probes: Some(facts.probes),
             memory_bytes: facts.memory_bytes.clone(),
-            figures: BTreeMap::new(),
-            quality: None,
+            ..blank(spec, seed, adapter, clock)
         })
     }
 
@@ -210,6 +195,37 @@ impl Measured {
             (own - all).abs()
         };
         self.runs.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+}
+
+/// The row of a spec before anything has been measured.
+pub fn blank(spec: &RowSpec, seed: u32, adapter: &Adapter, clock: &str) -> Row {
+    Row {
+        id: spec.id.clone(),
+        place: spec.place,
+        suite: spec.suite.to_owned(),
+        world: spec.world.clone(),
+        camera: spec.camera.name.clone(),
+        layout: Some(spec.layout.name.clone()),
+        condition: spec.condition.clone(),
+        view: "full".to_owned(),
+        size: spec.size,
+        frames: 0,
+        seed,
+        varied: spec.varied.clone(),
+        set: changed(&spec.parameters),
+        adapter: adapter.clone(),
+        clock: clock.to_owned(),
+        timing: None,
+        fps: None,
+        frame_ms: None,
+        passes: BTreeMap::new(),
+        rays: BTreeMap::new(),
+        mrays_per_s: BTreeMap::new(),
+        probes: None,
+        memory_bytes: BTreeMap::new(),
+        figures: BTreeMap::new(),
+        quality: None,
     }
 }
 

@@ -13,7 +13,8 @@ use super::{
     },
     quality::{Judging, named},
     rig::Rig,
-    spec::{RowSpec, Scene, Work, changed},
+    row::blank,
+    spec::{RowSpec, Scene, Work},
     start,
 };
 use crate::{
@@ -48,31 +49,8 @@ impl Common<'_> {
     /// A row without frames.
     fn row(&self, spec: &RowSpec, clock: &str, figures: BTreeMap<String, Figure>) -> Row {
         Row {
-            id: spec.id.clone(),
-            place: spec.place,
-            suite: spec.suite.to_owned(),
-            world: spec.world.clone(),
-            camera: spec.camera.name.clone(),
-            layout: Some(spec.layout.name.clone()),
-            condition: spec.condition.clone(),
-            view: "full".to_owned(),
-            size: spec.size,
-            frames: 0,
-            seed: self.seed,
-            varied: spec.varied.clone(),
-            set: changed(&spec.parameters),
-            adapter: self.adapter.clone(),
-            clock: clock.to_owned(),
-            timing: None,
-            fps: None,
-            frame_ms: None,
-            passes: BTreeMap::new(),
-            rays: BTreeMap::new(),
-            mrays_per_s: BTreeMap::new(),
-            probes: None,
-            memory_bytes: BTreeMap::new(),
             figures,
-            quality: None,
+            ..blank(spec, self.seed, self.adapter, clock)
         }
     }
 

@@ -147,6 +147,13 @@ pub fn run(
     if kinds.is_empty() {
         return Ok(Vec::new());
     }
+    let earlier = out.join(report::FILE);
+    if earlier.exists() {
+        return Err(Failure::bad_input(format!(
+            "{} holds the storms of another run: name another folder, or delete it",
+            earlier.display()
+        )));
+    }
     let otherwise = [PathBuf::from("worlds/cave.ron")];
     let paths = if options.worlds.is_empty() {
         &otherwise[..]
