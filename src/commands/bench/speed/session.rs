@@ -1,7 +1,7 @@
 //! One call of `grotto bench SUITE`: group after group, run after run, and the report that grows.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, btree_map::Entry},
     sync::atomic::AtomicBool,
     time::{Duration, Instant},
 };
@@ -147,13 +147,14 @@ impl<'a> Session<'a> {
     }
 
     fn rig<'r>(&self, rigs: &'r mut Rigs<'a>, spec: &RowSpec) -> Result<&'r mut Rig<'a>, Failure> {
-        if !rigs.contains_key(&spec.scene) {
-            let scene = &self.plan.scenes[spec.scene];
-            let start = (self.arguments.seed, self.arguments.time);
-            let rig = Rig::new(self.gpu, scene, spec, start, self.stop)?;
-            rigs.insert(spec.scene, rig);
+        match rigs.entry(spec.scene) {
+            Entry::Occupied(known) => Ok(known.into_mut()),
+            Entry::Vacant(place) => {
+                let scene = &self.plan.scenes[spec.scene];
+                let start = (self.arguments.seed, self.arguments.time);
+                Ok(place.insert(Rig::new(self.gpu, scene, spec, start, self.stop)?))
+            }
         }
-        Ok(rigs.get_mut(&spec.scene).expect("it has just been made"))
     }
 
     /// The rows of a group: each run of all rows before the next run of any.

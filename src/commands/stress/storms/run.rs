@@ -272,7 +272,7 @@ impl Storm<'_> {
         let turn = (index % SOAK_PLACES) as f32 / SOAK_PLACES as f32 * std::f32::consts::TAU;
         let around = Vec3::new(turn.cos(), -0.5, turn.sin()) * 8.0;
         let centre = camera.position + around - world.origin.as_vec3();
-        let material = if index / SOAK_PLACES % 2 == 0 { 0 } else { 1 };
+        let material = (index / SOAK_PLACES % 2) as u8;
         self.count("strokes", 1);
         self.rig
             .edit(|voxels| voxels.fill_sphere(centre, SOAK_RADIUS, material))

@@ -163,7 +163,9 @@ pub fn judge(
     let settled = &samples[skipped.min(samples.len())..];
     let too_few = LEAST_SAMPLES.saturating_sub(settled.len());
     let mut checks = vec![Check::none("soak.samples_missing", too_few as u64)];
-    let parts: [(&str, fn(&Sample) -> f64, f64); 3] = [
+    /// Its name, what a sample has of it, and how much it may grow.
+    type Part = (&'static str, fn(&Sample) -> f64, f64);
+    let parts: [Part; 3] = [
         (PROCESS, |s| s.process_bytes, PROCESS_GROWTH),
         (
             "soak.adapter_growth_bytes",
