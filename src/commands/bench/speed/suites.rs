@@ -98,7 +98,8 @@ fn over(
                 let mut name = String::new();
                 for (key, value) in setting {
                     spec = spec.with(key, value)?;
-                    let short = key.split_once('.').map_or(*key, |(_, short)| short);
+                    let short = key.trim_start_matches("probes.");
+                    let short = short.trim_end_matches(".enabled");
                     name += &format!("{short} {value}/");
                 }
                 name += condition.name();
