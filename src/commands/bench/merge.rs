@@ -193,13 +193,15 @@ fn joined<'a>(parts: impl Iterator<Item = &'a Report> + Clone) -> Report {
     }
     whole.rows = dealt(parts.clone().map(|part| part.rows.clone()).collect());
     whole.rows.sort_by_key(|row| row.place);
+    // What no part can have every part says.
     whole.missing = dealt(parts.clone().map(|part| part.missing.clone()).collect());
+    whole.missing.dedup();
     whole.worlds.clear();
     for world in parts.flat_map(|part| &part.worlds) {
         match whole
             .worlds
             .iter_mut()
-            .find(|known| known.name == world.name)
+            .find(|known| known.hash == world.hash)
         {
             None => whole.worlds.push(world.clone()),
             Some(known) if known.picture.is_none() => known.picture.clone_from(&world.picture),
@@ -409,6 +411,16 @@ mod tests {
         refused(&paths, "both have the row");
         let failure = join(&paths, &paths[0]).expect_err("one of them");
         assert!(failure.reason().contains("--out"), "{failure}");
+    }
+
+    #[test]
+    fn one_world_at_two_sizes_is_there_twice() {
+        let one = made_up::report();
+        let mut two = made_up::report();
+        two.worlds[0].size = [1024, 512, 1024];
+        two.worlds[0].hash = "e".repeat(32);
+        let whole = joined([&one, &two].into_iter());
+        assert_eq!(whole.worlds, [one.worlds, two.worlds].concat());
     }
 
     #[test]

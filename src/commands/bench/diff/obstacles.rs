@@ -35,8 +35,10 @@ pub fn between(before: &Report, after: &Report) -> Vec<String> {
         length(after.quick),
     );
     for world in &before.worlds {
-        let other = after.worlds.iter().find(|other| other.name == world.name);
-        if let Some(other) = other.filter(|other| other.hash != world.hash) {
+        // A suite may have one world at several sizes and with several seeds.
+        let mut others = after.worlds.iter().filter(|other| other.name == world.name);
+        let is_there = others.clone().any(|other| other.hash == world.hash);
+        if let Some(other) = others.next().filter(|_| !is_there) {
             found.push(format!(
                 "another world `{}`: hash {}, and {}",
                 world.name, world.hash, other.hash
@@ -128,5 +130,19 @@ mod tests {
         other.started = "2026-11-23T20:00:00Z".to_owned();
         other.rows.truncate(3);
         assert!(between(&report, &other).is_empty());
+    }
+
+    #[test]
+    fn one_world_may_be_there_at_several_sizes() {
+        let mut report = made_up::report();
+        let mut larger = report.worlds[0].clone();
+        larger.size = [1024, 512, 1024];
+        larger.hash = "e".repeat(32);
+        report.worlds.push(larger);
+        assert!(between(&report, &report).is_empty());
+        let mut other = report.clone();
+        other.worlds.last_mut().expect("pushed").hash = "f".repeat(32);
+        let found = between(&report, &other);
+        assert_eq!(found.len(), 1, "{found:?}");
     }
 }
