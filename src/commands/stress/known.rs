@@ -2,12 +2,10 @@
 
 use serde::Deserialize;
 
-use super::{checks::Check, scene::Scene};
+use super::checks::Check;
 
 /// `tests/stress/known.ron`, the one list.
 const LIST: &str = include_str!("../../../tests/stress/known.ron");
-/// The worlds that it names.
-const WORLDS: [(&str, &str); 0] = [];
 
 /// Scenes that fail, and why nothing is done about it yet.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -19,7 +17,7 @@ pub struct Known {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
-    /// `scene-17`, or the stem of a file in `tests/stress/worlds`.
+    /// `scene-17` is made from seed 17.
     scene: String,
     check: Check,
     reason: String,
@@ -59,22 +57,6 @@ impl Known {
             .iter()
             .filter(move |entry| entry.scene == scene);
         entries.map(|entry| (entry.check, entry.reason.as_str()))
-    }
-
-    /// The worlds of the list, which every run of scenes examines too.
-    pub fn worlds(&self) -> Vec<Scene> {
-        let listed = WORLDS
-            .iter()
-            .filter(|(name, _)| self.checks(name).next().is_some());
-        let scene = |(name, text): &(&str, &str)| Scene {
-            name: (*name).to_owned(),
-            seed: 0,
-            text: (*text).to_owned(),
-            set: Vec::new(),
-            folder: None,
-            tree: None,
-        };
-        listed.map(scene).collect()
     }
 }
 

@@ -101,11 +101,7 @@ pub fn run(
     }
     let (worlds, all) = match &options.world {
         Some(path) => (vec![Scene::of_file(path, seed, &run.set)?], 1),
-        None => {
-            let worlds = known.worlds();
-            let all = options.scenes as usize + worlds.len();
-            (worlds, all)
-        }
+        None => (Vec::new(), options.scenes as usize),
     };
     let shard = options.shard.unwrap_or(Shard::WHOLE);
     let first = Watched::open(run)?;

@@ -180,6 +180,7 @@ impl<'a> Session<'a> {
         let mut failed = vec![false; frames.len()];
         for round in 0..most {
             let mut any = false;
+            let mut ended = Ok(());
             for (index, measured) in frames.iter_mut().enumerate() {
                 let more = !measured.is_sure() && !measured.is_hopeless(most);
                 let unsure = round < least || more;
@@ -192,7 +193,10 @@ impl<'a> Session<'a> {
                 }
                 if let Err(failure) = self.one_run(measured, rigs) {
                     failed[index] = true;
-                    self.keep(&measured.spec.id, Err(failure))?;
+                    ended = self.keep(&measured.spec.id, Err(failure));
+                    if ended.is_err() {
+                        break;
+                    }
                 }
                 self.bar.inc(1);
             }
@@ -200,6 +204,8 @@ impl<'a> Session<'a> {
             let rows = frames.iter().filter_map(|measured| self.row(measured));
             let rows: Vec<Row> = rows.collect();
             self.report.rows.extend(rows);
+            // Only now: a run that is stopped keeps the rows of its last round.
+            ended?;
             if written.elapsed() >= WRITE_INTERVAL {
                 self.write()?;
                 *written = Instant::now();
