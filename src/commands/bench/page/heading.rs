@@ -1,7 +1,7 @@
 //! What was measured where and when, what to be careful about, and the worlds.
 
 use super::{
-    super::model::{Adapter, Build, GpuState, Machine, Report},
+    super::model::{Adapter, Build, GpuState, Machine, Report, WorldRecord},
     html::{facts, paragraph, plots, warning},
     names::distinct,
 };
@@ -159,25 +159,53 @@ fn state(state: Option<GpuState>) -> String {
     }
 }
 
+/// One figure for each world, with its picture. Other sizes and seeds of a world are lines below it.
 fn worlds(report: &Report) -> String {
-    let each = report.worlds.iter().map(|world| {
-        let [x, y, z] = world.size;
-        let picture = world.picture.as_deref().filter(|uri| uri.starts_with("data:image/"));
-        let image = picture.map_or(String::new(), |uri| {
-            format!("<img alt=\"{}\" src=\"{}\">", escaped(&world.title), escaped(uri))
-        });
+    if report.worlds.is_empty() {
+        return String::new();
+    }
+    let mut figures = String::new();
+    for (at, world) in report.worlds.iter().enumerate() {
+        let named_alike = |other: &&WorldRecord| other.name == world.name;
+        if report.worlds[..at].iter().any(|other| named_alike(&other)) {
+            continue;
+        }
+        let variants: Vec<&WorldRecord> = report.worlds.iter().filter(named_alike).collect();
+        figures += &world_figure(&variants);
+    }
+    format!("<h2>Worlds</h2>\n{}", plots(&figures))
+}
+
+/// The figure of a world that was measured in these variants (at least one).
+fn world_figure(variants: &[&WorldRecord]) -> String {
+    let world = variants[0];
+    let picture = variants.iter().find_map(|variant| {
+        let uri = variant.picture.as_deref()?;
+        uri.starts_with("data:image/").then_some(uri)
+    });
+    let image = picture.map_or(String::new(), |uri| {
         format!(
-            "<figure><figcaption>{}</figcaption>{image}<p>{}</p><p>{x} × {y} × {z} voxels, seed {}, hash \
-             <code>{}</code></p></figure>\n",
-            escaped(&world.name),
+            "<img alt=\"{}\" src=\"{}\">",
             escaped(&world.title),
-            world.seed,
-            escaped(&world.hash)
+            escaped(uri)
         )
     });
-    let all: String = each.collect();
-    if all.is_empty() {
-        return all;
-    }
-    format!("<h2>Worlds</h2>\n{}", plots(&all))
+    let lines: String = variants
+        .iter()
+        .map(|variant| variant_line(variant))
+        .collect();
+    format!(
+        "<figure><figcaption>{}</figcaption>{image}<p>{}</p>{lines}</figure>\n",
+        escaped(&world.name),
+        escaped(&world.title)
+    )
+}
+
+fn variant_line(world: &WorldRecord) -> String {
+    let [x, y, z] = world.size;
+    format!(
+        "<p>{x} × {y} × {z} voxels, seed {}, hash <code>{}</code></p>",
+        world.seed,
+        escaped(&world.hash)
+    )
 }
