@@ -11,7 +11,7 @@ use grotto::{
         picture::Picture,
     },
     parameters::{ProbeParameters, Visibility},
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     probes::{Layout as _, Volume},
     world::{Camera, LayoutSpec, World, file},
 };

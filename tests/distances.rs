@@ -3,7 +3,7 @@
 use glam::{IVec3, UVec3};
 use grotto::{
     gpu::{Gpu, Recorder, ShaderChecks},
-    passes::{GpuVoxels, distances::Distances},
+    passes::scene::{GpuVoxels, distances::Distances},
     world::voxels::{NewCell, Voxels},
 };
 

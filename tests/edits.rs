@@ -10,8 +10,9 @@ use grotto::{
     lights::Lights,
     parameters::{ProbeParameters, Relocation},
     passes::{
-        GpuVoxels, View, ViewMode,
-        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet},
+        bench::rays::{FoundHit, Marcher, RayBench, RayKind, RaySet},
+        scene::GpuVoxels,
+        view::{View, ViewMode},
     },
     world::{
         Camera, LayoutSpec, World, file,

@@ -4,7 +4,7 @@ use std::iter;
 
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks},
-    passes::{FaceTable, GpuFaceInfo},
+    passes::surface_cache::{GpuSurfaceCacheInfo, SurfaceCache},
     world::materials::hash::hash,
 };
 
@@ -14,7 +14,7 @@ const REACH: usize = 8;
 const BUCKETS: u32 = 16;
 /// Frames after which the place of a face that nobody has seen may be taken.
 const FORGOTTEN: u32 = 64;
-const WORDS: usize = FaceTable::ENTRY_BYTES as usize / 4;
+const WORDS: usize = SurfaceCache::ENTRY_BYTES as usize / 4;
 const NO_ENTRY: u32 = u32::MAX;
 
 /// A table, and faces that are seen one after the other.
@@ -43,7 +43,7 @@ impl Table {
 
     /// Faces (key, way it looks) that pixels see in a frame: the places they get. Each is lit then.
     fn see(&self, frame: u32, faces: &[(u32, u32)]) -> Vec<u32> {
-        let info = GpuFaceInfo {
+        let info = GpuSurfaceCacheInfo {
             frame,
             bucket_mask: BUCKETS - 1,
             ..Default::default()
@@ -74,8 +74,8 @@ impl Table {
 }
 
 const PLACES: &str = "
-import package::data::faces::{face_info, ENTRY_WORDS, NO_ENTRY};
-import package::faces::places::{marked_table, place_for, LISTED_WORD, LIT_WORD, SEEN_WORD};
+import package::surface_cache::table::{face_info, ENTRY_WORDS, NO_ENTRY};
+import package::surface_cache::places::{marked_table, place_for, LISTED_WORD, LIT_WORD, SEEN_WORD};
 @group(3) @binding(8) var<storage, read> seen: array<vec2u>;
 @group(3) @binding(9) var<storage, read_write> entries: array<u32>;
 @compute @workgroup_size(1)

@@ -11,7 +11,7 @@ use grotto::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{Contact, FinalGather, ProbeParameters},
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     reference,
     world::{World, file, voxels::Voxels},
 };

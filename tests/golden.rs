@@ -11,7 +11,7 @@ use grotto::{
     lights::Lights,
     measure::{picture::Picture, picture_file},
     parameters::Parameters,
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     world::file,
 };
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip};

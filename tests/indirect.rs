@@ -3,13 +3,18 @@
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
+    frame,
     gpu::{Gpu, Recorder, ShaderChecks},
     lights::{LampShape, LampState, Lights},
     parameters::{FinalGather, ProbeParameters, ProbeStates as States, Relocation},
     passes::{
-        FaceTable, GpuLights, GpuMaterials, GpuVoxels, ProbeField, View, ViewMode,
-        camera_rays::CameraRays, probe_blend::ProbeBlend, probe_due::ProbeDue,
-        probe_rays::ProbeRays, probe_sight::ProbeSight, probe_states::ProbeStates, shade::Shade,
+        probes::{
+            ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
+            trace::ProbeTrace, visibility::ProbeVisibility,
+        },
+        scene::{GpuLights, GpuMaterials, GpuVoxels},
+        surface_cache::SurfaceCache,
+        view::{View, ViewMode, camera_rays::CameraRays, shade::Shade},
     },
     probes::{Layout as _, Volume},
     world::{
@@ -27,8 +32,8 @@ struct Stage {
     materials: GpuMaterials,
     lights: GpuLights,
     field: ProbeField,
-    due: ProbeDue,
-    rays: ProbeRays,
+    due: ProbeSchedule,
+    rays: ProbeTrace,
     blend: ProbeBlend,
     parameters: ProbeParameters,
     frame: u64,
@@ -119,8 +124,8 @@ impl Stage {
         let mut resources = voxels.resources().to_vec();
         resources.extend(materials.resources());
         resources.extend(on_gpu.resources());
-        let states = ProbeStates::new(&gpu, &field, &resources).expect("compiles");
-        let sight = ProbeSight::new(&gpu, &field, &resources).expect("compiles");
+        let states = ProbeClassify::new(&gpu, &field, &resources).expect("compiles");
+        let sight = ProbeVisibility::new(&gpu, &field, &resources).expect("compiles");
         field.begin_frame(&gpu, &parameters, 3, 0);
         let mut recorder = Recorder::new(&gpu, None);
         states.record(&mut recorder);
@@ -128,8 +133,8 @@ impl Stage {
             sight.record(&mut recorder);
         }
         recorder.submit(&gpu).expect("submits");
-        let due = ProbeDue::new(&gpu, &field).expect("compiles");
-        let rays = ProbeRays::new(&gpu, &field, &resources).expect("compiles");
+        let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
+        let rays = ProbeTrace::new(&gpu, &field, &resources).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         Self {
             voxels,
@@ -189,10 +194,10 @@ impl Stage {
             final_gather: FinalGather::Off,
             ..self.parameters.clone()
         };
-        let faces = FaceTable::new(&self.gpu, &probes_alone).expect("fits");
+        let faces = SurfaceCache::new(&self.gpu, &probes_alone).expect("fits");
         let surfaces = &camera.surfaces;
-        let shade = Shade::new(&self.gpu, size, surfaces, &self.field, &faces, &resources)
-            .expect("compiles");
+        let offer = frame::offer(&self.field, &faces, &resources);
+        let shade = Shade::new(&self.gpu, size, surfaces, &offer).expect("compiles");
         let mut recorder = Recorder::new(&self.gpu, None);
         camera.record(&mut recorder);
         shade.record(&mut recorder);

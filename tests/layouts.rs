@@ -10,11 +10,10 @@ use grotto::{
         table::{self as lights, GpuLamp, GpuLightsHeader, GpuSky},
     },
     passes::{
-        FaceTable, GpuFaceInfo, GpuView,
-        atlas_view::GpuAtlasJob,
-        path_trace::GpuTraceJob,
-        probe_draw::GpuDrawing,
-        voxelise::{GpuVoxeliseCounters, GpuVoxeliseJob},
+        path_trace::trace::GpuTraceJob,
+        scene::voxelise::{GpuVoxeliseCounters, GpuVoxeliseJob},
+        surface_cache::{GpuSurfaceCacheInfo, SurfaceCache},
+        view::{GpuView, atlas_view::GpuAtlasJob, probe_draw::GpuDrawing},
     },
     world::materials::table::{CAPACITY, GpuMaterial},
 };
@@ -28,7 +27,7 @@ struct Layout {
     stride: usize,
 }
 
-/// The layout of `name` in the shader module `path` (as `data::lights`).
+/// The layout of `name` in the shader module `path` (as `scene::lights`).
 fn shader_layout(path: &str, name: &str) -> Layout {
     let source = format!(
         "import package::{path}::{name};
@@ -85,7 +84,7 @@ macro_rules! rust_layout {
 #[test]
 fn lamps_and_sky() {
     assert_eq!(
-        shader_layout("data::lights", "Lamp"),
+        shader_layout("scene::lights", "Lamp"),
         rust_layout!(GpuLamp {
             position_ws,
             radius,
@@ -97,14 +96,14 @@ fn lamps_and_sky() {
         })
     );
     assert_eq!(
-        shader_layout("data::lights", "Sky"),
+        shader_layout("scene::lights", "Sky"),
         rust_layout!(GpuSky {
             zenith,
             horizon,
             ground
         })
     );
-    let whole = shader_layout("data::lights", "Lights");
+    let whole = shader_layout("scene::lights", "Lights");
     let mut header = rust_layout!(GpuLightsHeader { sky, lamp_count });
     header
         .members
@@ -116,7 +115,7 @@ fn lamps_and_sky() {
 #[test]
 fn materials() {
     assert_eq!(
-        shader_layout("data::materials", "Material"),
+        shader_layout("scene::materials", "Material"),
         rust_layout!(GpuMaterial {
             a,
             b,
@@ -125,7 +124,7 @@ fn materials() {
             texture
         })
     );
-    let whole = shader_layout("data::materials", "Materials");
+    let whole = shader_layout("scene::materials", "Materials");
     assert_eq!(
         whole.members["details"],
         CAPACITY * size_of::<GpuMaterial>()
@@ -135,8 +134,8 @@ fn materials() {
 #[test]
 fn faces() {
     assert_eq!(
-        shader_layout("data::faces", "FaceInfo"),
-        rust_layout!(GpuFaceInfo {
+        shader_layout("surface_cache::table", "FaceInfo"),
+        rust_layout!(GpuSurfaceCacheInfo {
             edited_low_gs,
             frame,
             edited_high_gs,
@@ -155,12 +154,12 @@ fn faces() {
         })
     );
     for (name, bytes) in [
-        ("ListedFace", FaceTable::LISTED_BYTES),
-        ("FaceBatch", FaceTable::BATCH_BYTES),
-        ("FaceHistory", FaceTable::HISTORY_BYTES),
-        ("AskedList", FaceTable::ASKED_LIST_BYTES),
+        ("ListedFace", SurfaceCache::LISTED_BYTES),
+        ("FaceBatch", SurfaceCache::BATCH_BYTES),
+        ("FaceHistory", SurfaceCache::HISTORY_BYTES),
+        ("AskedList", SurfaceCache::ASKED_LIST_BYTES),
     ] {
-        let layout = shader_layout("data::face_list", name);
+        let layout = shader_layout("surface_cache::lists", name);
         assert_eq!(layout.stride as u64, bytes, "{name}");
     }
 }
@@ -168,7 +167,7 @@ fn faces() {
 #[test]
 fn the_view() {
     assert_eq!(
-        shader_layout("data::frame", "View"),
+        shader_layout("frame::view", "View"),
         rust_layout!(GpuView {
             position_ws,
             width,
@@ -190,11 +189,11 @@ fn the_view() {
 #[test]
 fn path_tracing() {
     assert_eq!(
-        shader_layout("data::emitters", "Facing"),
+        shader_layout("scene::emitters", "Facing"),
         rust_layout!(GpuFacing { weight, first, end })
     );
     assert_eq!(
-        shader_layout("data::emitters", "EmitterGroup"),
+        shader_layout("scene::emitters", "EmitterGroup"),
         rust_layout!(GpuEmitterGroup {
             first,
             count,
@@ -202,10 +201,10 @@ fn path_tracing() {
             weight
         })
     );
-    let whole = shader_layout("data::emitters", "Emitters");
+    let whole = shader_layout("scene::emitters", "Emitters");
     assert_eq!(whole.members["groups"], 6 * size_of::<GpuFacing>());
     assert_eq!(
-        shader_layout("passes::path_trace", "TraceJob"),
+        shader_layout("path_trace::trace", "TraceJob"),
         rust_layout!(GpuTraceJob {
             first_tile,
             end_tile,
@@ -222,11 +221,11 @@ fn path_tracing() {
 #[test]
 fn what_is_drawn_of_probes() {
     assert_eq!(
-        shader_layout("passes::atlas_view", "AtlasJob"),
+        shader_layout("view::atlas_view", "AtlasJob"),
         rust_layout!(GpuAtlasJob { layer, map, extent })
     );
     assert_eq!(
-        shader_layout("passes::probe_draw", "Drawing").members,
+        shader_layout("view::probe_draw", "Drawing").members,
         rust_layout!(GpuDrawing {
             colour,
             stage,
@@ -250,15 +249,15 @@ fn a_member_that_moved_is_found() {
         horizon,
         ground
     });
-    assert_ne!(shader_layout("data::lights", "Sky"), moved);
+    assert_ne!(shader_layout("scene::lights", "Sky"), moved);
     let missing = rust_layout!(GpuSky { zenith, horizon });
-    assert_ne!(shader_layout("data::lights", "Sky"), missing);
+    assert_ne!(shader_layout("scene::lights", "Sky"), missing);
 }
 
 #[test]
 fn voxelisation() {
     assert_eq!(
-        shader_layout("data::voxelise", "Job"),
+        shader_layout("scene::voxelise_job", "Job"),
         rust_layout!(GpuVoxeliseJob {
             size,
             first,
@@ -272,7 +271,7 @@ fn voxelisation() {
         })
     );
     assert_eq!(
-        shader_layout("data::voxelise", "Counters"),
+        shader_layout("scene::voxelise_job", "Counters"),
         rust_layout!(GpuVoxeliseCounters {
             candidates,
             mixed,

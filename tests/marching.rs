@@ -4,8 +4,9 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, ShaderChecks},
     passes::{
-        GpuVoxels, View, ViewMode,
-        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
+        bench::rays::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
+        scene::GpuVoxels,
+        view::{View, ViewMode},
     },
     reference::march::{Outcome, Ray, march_plain},
     world::{

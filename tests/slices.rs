@@ -10,8 +10,8 @@ use grotto::{
     measure::picture::Picture,
     parameters::{Parameters, ProbeStates},
     passes::{
-        View, ViewMode,
-        ray_bench::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
+        bench::rays::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
+        view::{View, ViewMode},
     },
     world::{LayoutSpec, World, file},
 };
@@ -78,12 +78,23 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
         if let Some(timing) = timing.as_mut().filter(|timing| timing.supported()) {
             let times = timing.next_frame().expect("one frame was drawn");
             let labels: Vec<&str> = times.passes_ms.keys().map(|label| &**label).collect();
-            let mut passes = vec!["camera_rays", "probe_blend", "probe_due", "probe_rays"];
+            let mut passes = vec![
+                "view/camera_rays",
+                "probes/blend",
+                "probes/schedule",
+                "probes/trace",
+            ];
             // Only for new probes.
             if index == 0 {
-                passes.extend(["probe_sight", "probe_states"]);
+                passes.extend(["probes/visibility", "probes/classify"]);
             }
-            passes.extend(["face_blend", "face_mark", "face_rays", "shade", "tonemap"]);
+            passes.extend([
+                "surface_cache/resolve",
+                "surface_cache/allocate",
+                "surface_cache/trace",
+                "view/shade",
+                "view/tonemap",
+            ]);
             passes.sort();
             assert_eq!(labels, passes, "one row a pass, however it went out");
         }
@@ -111,7 +122,7 @@ fn frames_do_not_depend_on_how_they_went_out() {
 /// What each of 100 threads of one workgroup each writes.
 fn written(first_groups: u32, value: &str) -> Vec<u32> {
     let source = format!(
-        "import package::data::slice::first_row;
+        "import package::frame::chunk::first_row;
         @group(3) @binding(0) var<storage, read_write> outputs: array<u32>;
         @compute @workgroup_size(1)
         fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {{

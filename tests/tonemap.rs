@@ -1,9 +1,9 @@
-//! The pass `tonemap` against the CPU's tone mapper, picture for picture.
+//! The pass `view/tonemap` against the CPU's tone mapper, picture for picture.
 
 use grotto::{
     gpu::{Gpu, Recorder, ShaderChecks},
     measure::{picture::Picture, picture_file, tonemap},
-    passes::{GpuView, View, ViewMode, tonemap::Tonemap},
+    passes::view::{GpuView, View, ViewMode, tonemap::Tonemap},
 };
 
 /// Not a multiple of the workgroup, nor of a row's alignment.

@@ -125,7 +125,7 @@ fn probes_and_atlases_are_shown_in_the_window() {
 fn shaders_from_a_folder_run_and_broken_ones_leave_those_of_the_binary() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     copy(Path::new("shaders"), folder.path());
-    fs::write(folder.path().join("passes/shade.wesl"), "fn main( {").expect("writable");
+    fs::write(folder.path().join("view/shade.wesl"), "fn main( {").expect("writable");
     let output = play(&[
         "worlds/minimal.ron",
         "--frames",

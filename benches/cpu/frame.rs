@@ -9,7 +9,7 @@ use grotto::{
     gpu::{self, Gpu, Recorder, ShaderChecks},
     lights::Lights,
     parameters::Parameters,
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     world::World,
 };
 

@@ -40,7 +40,7 @@ use crate::{
     frame::FrameError,
     gpu::GpuError,
     parameters::Parameters,
-    passes::Inspection,
+    passes::view::Inspection,
     world::{Camera, World},
 };
 use session::Session;

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     gpu::PassTimes,
     parameters::{KEYS, Kind},
-    passes::{Inspection, StateCounts},
+    passes::{probes::StateCounts, view::Inspection},
     probes::Layout as _,
     world::Camera,
 };
@@ -408,9 +408,9 @@ mod tests {
         };
         let mut means = PassMeans::default();
         means.push(&frame("old", 4.0));
-        means.push(&frame("shade", 10.0));
-        means.push(&frame("shade", 20.0));
+        means.push(&frame("view/shade", 10.0));
+        means.push(&frame("view/shade", 20.0));
         assert_eq!(means.mean_ms.len(), 1);
-        assert!((means.mean_ms["shade"] - 11.0).abs() < 1e-9);
+        assert!((means.mean_ms["view/shade"] - 11.0).abs() < 1e-9);
     }
 }

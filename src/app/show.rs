@@ -11,7 +11,7 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{Parameters, Remake},
-    passes::{Inspection, View},
+    passes::view::{Inspection, View},
     world::{
         self, Camera, LampPreset, LayoutSpec, World,
         file::Overrides,
@@ -74,10 +74,10 @@ const DIAGNOSTIC_COLUMNS: usize = 84;
 /// Shaders that voxels and distances come of: an edit builds the world again.
 const STAGE_SHADERS: [&str; 5] = [
     "sdf/",
-    "passes/voxelise",
-    "passes/distances",
+    "scene/voxelise",
+    "scene/distances",
     "data/voxel",
-    "data/noise_tables",
+    "scene/noise_tables",
 ];
 
 impl Show {

@@ -9,9 +9,12 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     passes::{
-        GpuLights, GpuView, Schedule, View, ViewMode,
-        path_trace::{PathTrace, Resolve},
-        tonemap::Tonemap,
+        path_trace::{
+            Schedule,
+            trace::{PathTrace, Resolve},
+        },
+        scene::GpuLights,
+        view::{GpuView, View, ViewMode, tonemap::Tonemap},
     },
 };
 
@@ -112,7 +115,7 @@ impl Truth {
     pub fn took(&mut self, times: Option<&PassTimes>, frame_ms: f64) {
         let ms = match times {
             None => Some(frame_ms),
-            Some(times) => times.passes_ms.get("path_trace").copied(),
+            Some(times) => times.passes_ms.get("path_trace/trace").copied(),
         };
         if let Some(ms) = ms
             && let Some(work) = self.pending.pop_front()

@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use egui::{ComboBox, DragValue, Ui};
 
 use super::show::Show;
-use crate::passes::{AtlasLayer, AtlasMap, Inspection, ProbeColour, ViewMode};
+use crate::passes::view::{AtlasLayer, AtlasMap, Inspection, ProbeColour, ViewMode};
 
 /// Rows of a grid of two columns.
 pub fn rows(ui: &mut Ui, show: &Show, inspection: &mut Inspection) {

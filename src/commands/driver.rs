@@ -12,7 +12,7 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{Parameters, ProbeParameters},
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     world::{
         Camera, LayoutSpec,
         voxels::{Edit, Voxels},

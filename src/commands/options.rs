@@ -7,7 +7,7 @@ use clap::Args;
 use super::Failure;
 use crate::{
     parameters::{Parameters, nearest},
-    passes::{AtlasLayer, Inspection, ProbeColour, ViewMode},
+    passes::view::{AtlasLayer, Inspection, ProbeColour, ViewMode},
     world::{self, Camera, LampPreset, LayoutSpec, World, file::Overrides},
 };
 

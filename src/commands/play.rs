@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     app::{self, AppError},
-    passes::ViewMode,
+    passes::view::ViewMode,
 };
 
 /// Fly through a world in a window
@@ -61,10 +61,10 @@ pub struct Arguments {
 
 pub fn run(arguments: Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.shaders
-        && !folder.join("passes/shade.wesl").is_file()
+        && !folder.join("view/shade.wesl").is_file()
     {
         return Err(Failure::bad_input(format!(
-            "{} is no folder of shaders: it has no passes/shade.wesl. \
+            "{} is no folder of shaders: it has no view/shade.wesl. \
              A checkout of grotto has them in shaders/.",
             folder.display()
         )));

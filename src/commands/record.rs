@@ -8,7 +8,7 @@ use crate::{
     frame::BuildReport,
     gpu::{AdapterSummary, Gpu, GpuError, PassTimes},
     measure::statistics,
-    passes::{MemoryUse, ProbeField},
+    passes::{probes::ProbeField, scene::MemoryUse},
 };
 
 /// Fields in the order in which they are printed.
@@ -165,7 +165,7 @@ mod tests {
         assert!(FrameTimes::of(&[]).is_none());
 
         let frame = |ms: f64| PassTimes {
-            passes_ms: [("shade".to_owned(), ms)].into(),
+            passes_ms: [("view/shade".to_owned(), ms)].into(),
             frame_ms: ms,
         };
         let whole = PassTimes {
@@ -175,7 +175,7 @@ mod tests {
         assert_eq!(frame_spans(&[frame(5.0), whole, frame(7.0)]), [3.0]);
         assert_eq!(frame_spans(&[frame(5.0), frame(7.0)]), [5.0, 7.0]);
         let passes = median_passes(&[frame(1.0), frame(9.0), frame(2.0)]);
-        assert_eq!(passes["shade"], 2.0);
+        assert_eq!(passes["view/shade"], 2.0);
 
         assert_eq!(mrays_per_s(Some(2_000_000), Some(4.0)), Some(500.0));
         assert_eq!(mrays_per_s(Some(1), Some(0.0)), None);

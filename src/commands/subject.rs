@@ -12,7 +12,7 @@ use super::{
 use crate::{
     lights::Lights,
     parameters::Parameters,
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     world::{Camera, LampPreset, LayoutSpec, World},
 };
 

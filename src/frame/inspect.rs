@@ -2,10 +2,13 @@
 
 use super::FrameError;
 use crate::{
-    gpu::{Gpu, Recorder},
+    gpu::{Gpu, Offer, Recorder},
     passes::{
-        Inspection, ProbeField, ViewMode, atlas_view::AtlasView, camera_rays::CameraRays,
-        probe_draw::ProbeDraw, shade::Shade, state_view::StateView,
+        probes::ProbeField,
+        view::{
+            Inspection, ViewMode, atlas_view::AtlasView, camera_rays::CameraRays,
+            probe_draw::ProbeDraw, shade::Shade, state_view::StateView,
+        },
     },
 };
 
@@ -18,14 +21,13 @@ pub(super) struct Inspect {
 }
 
 impl Inspect {
-    /// `resources` are those of every pass.
     pub fn new(
         gpu: &Gpu,
         wanted: Inspection,
         camera_rays: &CameraRays,
         shade: &Shade,
         field: &ProbeField,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
+        offer: &Offer<'_>,
     ) -> Result<Self, FrameError> {
         let mut made = Self {
             wanted,
@@ -33,15 +35,36 @@ impl Inspect {
         };
         let surfaces = &camera_rays.surfaces;
         if wanted.view == ViewMode::States {
-            made.states = Some(StateView::new(gpu, &shade.hdr, surfaces, field, resources)?);
+            made.states = Some(StateView::new(
+                gpu,
+                &shade.hdr,
+                surfaces,
+                field.atlas(),
+                offer,
+            )?);
         }
         if let Some(layer) = wanted.atlas {
-            layer.check(field)?;
-            made.atlas = Some(AtlasView::new(gpu, layer, &shade.hdr, field, resources)?);
+            layer.check(field.atlas())?;
+            let [width, height, _] = field
+                .atlas()
+                .texture_extent(layer.map.texels(field.atlas()));
+            let texture_extent = [width, height];
+            made.atlas = Some(AtlasView::new(
+                gpu,
+                layer,
+                &shade.hdr,
+                texture_extent,
+                offer,
+            )?);
         } else if let Some(colour) = wanted.probes {
             let hdr = &shade.hdr;
             made.probes = Some(ProbeDraw::new(
-                gpu, colour, hdr, surfaces, field, resources,
+                gpu,
+                colour,
+                hdr,
+                surfaces,
+                field.atlas().slots,
+                offer,
             )?);
         }
         Ok(made)

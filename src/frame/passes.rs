@@ -2,90 +2,98 @@
 
 use super::{FrameError, inspect::Inspect};
 use crate::{
-    gpu::{Gpu, Recorder},
+    gpu::{Gpu, Offer, Recorder},
     parameters::{ProbeParameters, Relocation},
     passes::{
-        FaceTable, Inspection, ProbeField, View, camera_rays::CameraRays, face_blend::FaceBlend,
-        face_mark::FaceMark, face_rays::FaceRays, probe_blend::ProbeBlend, probe_due::ProbeDue,
-        probe_rays::ProbeRays, probe_seed::ProbeSeed, probe_sight::ProbeSight,
-        probe_states::ProbeStates, shade::Shade, tonemap::Tonemap,
+        probes::{
+            ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
+            seed::ProbeSeed, trace::ProbeTrace, visibility::ProbeVisibility,
+        },
+        surface_cache::{
+            SurfaceCache, allocate::SurfaceAllocate, resolve::SurfaceResolve, trace::SurfaceTrace,
+        },
+        view::{Inspection, View, camera_rays::CameraRays, shade::Shade, tonemap::Tonemap},
     },
 };
 
 /// For pictures of one size, lit by one field of probes.
 pub(super) struct Passes {
     pub camera_rays: CameraRays,
-    pub probe_states: ProbeStates,
-    pub probe_sight: ProbeSight,
-    pub probe_due: ProbeDue,
-    pub probe_seed: ProbeSeed,
-    pub probe_rays: ProbeRays,
-    pub probe_blend: ProbeBlend,
-    pub face_mark: FaceMark,
-    pub face_rays: FaceRays,
-    pub face_blend: FaceBlend,
+    pub classify: ProbeClassify,
+    pub visibility: ProbeVisibility,
+    pub seed: ProbeSeed,
+    schedule: ProbeSchedule,
+    probe_trace: ProbeTrace,
+    blend: ProbeBlend,
+    allocate: SurfaceAllocate,
+    surface_trace: SurfaceTrace,
+    resolve: SurfaceResolve,
     pub shade: Shade,
     pub inspect: Inspect,
     pub tonemap: Tonemap,
 }
 
 impl Passes {
+    /// `scene` are the resources of the voxels, the materials, the lights and the view.
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
         field: &ProbeField,
-        faces: &FaceTable,
+        cache: &SurfaceCache,
         wanted: Inspection,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
+        scene: &[(&'static str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, FrameError> {
-        let camera_rays = CameraRays::new(gpu, size, resources)?;
+        let offer = offer(field, cache, scene);
+        let requests_apart = offer.with([field.requests_of_faces()]);
+        let camera_rays = CameraRays::new(gpu, size, scene)?;
         let surfaces = &camera_rays.surfaces;
-        let shade = Shade::new(gpu, size, surfaces, field, faces, resources)?;
+        let shade = Shade::new(gpu, size, surfaces, &offer)?;
         let hdr = shade.hdr.create_view(&Default::default());
         Ok(Self {
-            tonemap: Tonemap::new(gpu, size, &hdr, resources)?,
-            probe_states: ProbeStates::new(gpu, field, resources)?,
-            probe_sight: ProbeSight::new(gpu, field, resources)?,
-            probe_due: ProbeDue::new(gpu, field)?,
-            probe_seed: ProbeSeed::new(gpu, field, resources)?,
-            probe_rays: ProbeRays::new(gpu, field, resources)?,
-            probe_blend: ProbeBlend::new(gpu, field)?,
-            face_mark: FaceMark::new(gpu, size, surfaces, faces, resources)?,
-            face_rays: FaceRays::new(gpu, size, field, faces, resources)?,
-            face_blend: FaceBlend::new(gpu, size, field, faces, resources)?,
-            inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, resources)?,
+            tonemap: Tonemap::new(gpu, size, &hdr, scene)?,
+            classify: ProbeClassify::new(gpu, field, scene)?,
+            visibility: ProbeVisibility::new(gpu, field, scene)?,
+            schedule: ProbeSchedule::new(gpu, field)?,
+            seed: ProbeSeed::new(gpu, field, scene)?,
+            probe_trace: ProbeTrace::new(gpu, field, scene)?,
+            blend: ProbeBlend::new(gpu, field)?,
+            allocate: SurfaceAllocate::new(gpu, size, surfaces, cache, scene)?,
+            surface_trace: SurfaceTrace::new(gpu, size, cache, &requests_apart)?,
+            resolve: SurfaceResolve::new(gpu, size, cache, &offer)?,
+            inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, &offer)?,
             camera_rays,
             shade,
         })
     }
 
-    /// From the camera's rays to the light of the probes and, if `faces`, that of the faces that it sees.
-    pub fn record_light(&self, recorder: &mut Recorder<'_>, probes: &ProbeParameters, faces: bool) {
+    /// From the camera's rays to the light of the probes and, if there is a `cache`, that of the surfaces that
+    /// the camera sees.
+    pub fn record_light(&self, recorder: &mut Recorder<'_>, probes: &ProbeParameters, cache: bool) {
         recorder.together(|recorder| {
             self.camera_rays.record(recorder);
-            self.probe_due.record_list(recorder);
+            self.schedule.record_list(recorder);
         });
         recorder.together(|recorder| {
-            self.probe_due.record_arguments(recorder);
-            if faces {
-                self.face_mark.record(recorder);
+            self.schedule.record_arguments(recorder);
+            if cache {
+                self.allocate.record(recorder);
             }
         });
-        if faces {
-            self.face_mark.record_asked(recorder);
+        if cache {
+            self.allocate.record_asked(recorder);
         }
         recorder.together(|recorder| {
-            self.probe_rays.record(recorder);
-            if faces {
-                self.face_rays.record(recorder);
+            self.probe_trace.record(recorder);
+            if cache {
+                self.surface_trace.record(recorder);
             }
         });
-        self.probe_blend.record(recorder);
+        self.blend.record(recorder);
         if probes.relocation == Relocation::Statistical {
-            self.probe_states.record_walk(recorder);
+            self.classify.record_walk(recorder);
         }
-        if faces {
-            self.face_blend.record(recorder);
+        if cache {
+            self.resolve.record(recorder);
         }
     }
 
@@ -93,5 +101,23 @@ impl Passes {
     pub fn record_picture(&self, recorder: &mut Recorder<'_>, view: &View) {
         self.inspect.record(recorder, &self.shade, view.mode);
         self.tonemap.record(recorder);
+    }
+}
+
+/// What subjects give to each other: the scene, the light of the probes, and that of surfaces.
+pub fn offer<'a>(
+    field: &'a ProbeField,
+    cache: &'a SurfaceCache,
+    scene: &[(&'a str, wgpu::BindingResource<'a>)],
+) -> Offer<'a> {
+    let mut resources = scene.to_vec();
+    resources.extend(field.resources());
+    resources.extend(field.schedule_resources());
+    resources.extend(cache.resources());
+    let mut constants = field.light_constants().to_vec();
+    constants.extend(cache.constants());
+    Offer {
+        resources,
+        constants,
     }
 }

@@ -6,7 +6,7 @@ use super::FrameError;
 use crate::{
     gpu::{Gpu, GpuError, Recorder, Timing},
     lights::Emitters,
-    passes::{
+    passes::scene::{
         GpuEmitters, GpuMaterials, GpuVoxels,
         distances::Distances,
         voxelise::{Voxelise, VoxeliseReport},

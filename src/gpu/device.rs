@@ -131,7 +131,7 @@ pub fn adapters() -> Vec<AdapterReport> {
         .collect()
 }
 
-/// Pass `face_rays` binds twelve storage buffers: no pass needs more.
+/// Pass `surface_cache/trace` binds twelve storage buffers: no pass needs more.
 fn is_usable(adapter: &wgpu::Adapter) -> bool {
     adapter.limits().max_storage_buffers_per_shader_stage >= 12
 }

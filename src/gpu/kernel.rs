@@ -18,12 +18,14 @@ use super::{
 /// Which shader, with which constants.
 #[derive(Clone, Copy, Default)]
 pub struct KernelSpec<'a> {
-    /// As `passes/shade`. The label in timings and captures is its last part.
+    /// As `view/shade`, which is its label in timings and captures too.
     pub shader: &'a str,
     /// Entry point; `main` when empty.
     pub entry: &'a str,
     /// Values of `override` declarations, by their name in their own module.
     pub overrides: &'a [(&'a str, f64)],
+    /// The same, of which the shader may lack some.
+    pub offered: &'a [(&'a str, f64)],
     /// Modules made at run time, imported as `package::generated::NAME`.
     pub generated: &'a [(&'a str, &'a str)],
 }
@@ -33,7 +35,7 @@ impl KernelSpec<'_> {
     fn key(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         (self.shader, self.entry, self.generated).hash(&mut hasher);
-        for (name, value) in self.overrides {
+        for (name, value) in self.overrides.iter().chain(self.offered) {
             (name, value.to_bits()).hash(&mut hasher);
         }
         hasher.finish()
@@ -76,7 +78,7 @@ impl Kernel {
 
     fn compile(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
         let composed = gpu.shaders.compose(spec.shader, spec.generated)?;
-        let label = spec.shader.rsplit('/').next().unwrap_or(spec.shader);
+        let label = spec.shader;
         let entry = if spec.entry.is_empty() {
             "main"
         } else {
@@ -92,7 +94,7 @@ impl Kernel {
             .iter()
             .position(|point| point.name == entry)
             .ok_or_else(|| fault(format!("has no entry point `{entry}`")))?;
-        let constants = constants(&composed, spec.overrides);
+        let constants = constants(&composed, spec);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let groups = reflect(gpu, &composed, index, label);
         let layouts: Vec<_> = groups.iter().map(|group| Some(&group.layout)).collect();
@@ -263,18 +265,19 @@ fn create_module(gpu: &Gpu, label: &str, wgsl: &str) -> wgpu::ShaderModule {
     }
 }
 
-fn constants<'a>(composed: &'a Composed, overrides: &[(&str, f64)]) -> Vec<(&'a str, f64)> {
-    overrides
-        .iter()
-        .map(|(name, value)| {
-            let known = composed
-                .module
-                .overrides
-                .iter()
-                .filter_map(|(_, declared)| declared.name.as_deref())
-                .find(|declared| base_name(declared) == *name)
-                .unwrap_or_else(|| panic!("shader `{}` has no override `{name}`", composed.name));
-            (known, *value)
-        })
-        .collect()
+/// The values of the shader's `override` declarations, by their names in the composed text.
+fn constants<'a>(composed: &'a Composed, spec: &KernelSpec<'_>) -> Vec<(&'a str, f64)> {
+    let declared = |name: &str| {
+        let overrides = composed.module.overrides.iter();
+        let mut names = overrides.filter_map(|(_, declared)| declared.name.as_deref());
+        names.find(|declared| base_name(declared) == name)
+    };
+    let own = spec.overrides.iter().map(|(name, value)| {
+        let known = declared(name)
+            .unwrap_or_else(|| panic!("shader `{}` has no override `{name}`", composed.name));
+        (known, *value)
+    });
+    let offered = spec.offered.iter();
+    let taken = offered.filter_map(|(name, value)| Some((declared(name)?, *value)));
+    own.chain(taken).collect()
 }

@@ -7,6 +7,7 @@ mod device;
 mod faults;
 mod kernel;
 mod memory;
+mod offer;
 mod recorder;
 mod reflect;
 mod shader;
@@ -18,6 +19,7 @@ pub use device::{AdapterReport, AdapterSummary, Gpu, ShaderChecks, adapters, ins
 pub use faults::Faults;
 pub use kernel::{Bindings, Kernel, KernelSpec};
 pub use memory::available_memory;
+pub use offer::Offer;
 pub use recorder::Recorder;
 pub use shader::{Composed, ShaderLibrary};
 pub use slices::rectangle;

@@ -55,7 +55,7 @@ impl<'a> Recorder<'a> {
 
     /// A compute pass under the kernel's label: columns and rows of workgroups, in as many dispatches
     /// as it takes that none of them holds the GPU for long (one, on a GPU that is fast enough). The
-    /// shader adds `first_row` of `shaders/data/slice.wesl` to its row; what it writes must not depend
+    /// shader adds `first_row` of `shaders/frame/chunk.wesl` to its row; what it writes must not depend
     /// on the order of its workgroups.
     ///
     /// # Panics

@@ -11,7 +11,7 @@ use super::GpuError;
 
 const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// The text of every shader module, by its name (`passes/shade`): what the binary carries, or a
+/// The text of every shader module, by its name (`view/shade`): what the binary carries, or a
 /// folder as it was at one moment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShaderLibrary {
@@ -55,7 +55,7 @@ impl ShaderLibrary {
         Ok(Self { modules })
     }
 
-    /// The names of all modules, as `passes/shade`.
+    /// The names of all modules, as `view/shade`.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.modules.keys().map(String::as_str)
     }
@@ -76,7 +76,7 @@ impl ShaderLibrary {
         self.modules.get(name).map(|text| &**text)
     }
 
-    /// Resolves the imports of module `name` (`passes/shade`). `generated` adds modules that are
+    /// Resolves the imports of module `name` (`view/shade`). `generated` adds modules that are
     /// made at run time, imported as `package::generated::NAME`. The same modules give the same bytes.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 //!
 //! Work is a rectangle of workgroups, and a dispatch takes some of its rows. How many is learned from
 //! the time that they took: a fast GPU gets all of them at once from its second frame on. Shaders
-//! that can be sent so add `first_row` (`shaders/data/slice.wesl`) to their row; it lies in a table
+//! that can be sent so add `first_row` (`shaders/frame/chunk.wesl`) to their row; it lies in a table
 //! that the device is opened with, and a dynamic offset chooses it.
 
 use std::{

@@ -17,7 +17,7 @@ const FACINGS: [IVec3; 6] = [
     IVec3::Z,
 ];
 
-/// `Facing` of `shaders/data/emitters.wesl`.
+/// `Facing` of `shaders/scene/emitters.wesl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuFacing {
@@ -28,7 +28,7 @@ pub struct GpuFacing {
     pub end: u32,
 }
 
-/// `EmitterGroup` of `shaders/data/emitters.wesl`: faces that look the same way, of one material.
+/// `EmitterGroup` of `shaders/scene/emitters.wesl`: faces that look the same way, of one material.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuEmitterGroup {

@@ -1,4 +1,4 @@
-//! The lights as bytes for the GPU: the uniform `Lights` of `shaders/data/lights.wesl`.
+//! The lights as bytes for the GPU: the uniform `Lights` of `shaders/scene/lights.wesl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -10,7 +10,7 @@ use crate::world::scenery::MAX_LAMPS;
 /// Lamps in the uniform: those of the largest preset, and the sun.
 pub const CAPACITY: usize = MAX_LAMPS + 1;
 
-/// One lamp: `Lamp` in `shaders/data/lights.wesl`. The spot's edge is folded into a ramp,
+/// One lamp: `Lamp` in `shaders/scene/lights.wesl`. The spot's edge is folded into a ramp,
 /// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are no spots.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -26,7 +26,7 @@ pub struct GpuLamp {
     pub _pad: [f32; 3],
 }
 
-/// `Sky` in `shaders/data/lights.wesl`.
+/// `Sky` in `shaders/scene/lights.wesl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuSky {
@@ -38,7 +38,7 @@ pub struct GpuSky {
     pub _pad2: f32,
 }
 
-/// What stands before the lamps: the start of `Lights` in `shaders/data/lights.wesl`.
+/// What stands before the lamps: the start of `Lights` in `shaders/scene/lights.wesl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuLightsHeader {

@@ -35,7 +35,7 @@ const TREND_BYTES: u64 = 7 * 16;
 const PLACE_BYTES: u64 = 16;
 /// Irradiance along six axes (f16), and whether there is any.
 const CUBE_BYTES: u64 = 3 * 16;
-/// The list of the due and who asked when, twice (pass `face_rays` has its own), and how far it has walked.
+/// The list of the due and who asked when, twice (pass `surface_cache/trace` has its own), and how far it has walked.
 const PLAN_BYTES: u64 = 2 * 3 * 4 + 8;
 
 /// What a probe field takes on the GPU, in bytes.
@@ -137,6 +137,11 @@ impl AtlasLayout {
         ]
     }
 
+    /// Bytes of the ambient cubes of all probes.
+    pub fn ambient_cube_bytes(&self) -> u64 {
+        u64::from(self.slots) * CUBE_BYTES
+    }
+
     /// What it all takes with this many rays a probe.
     pub fn memory(&self, rays: u32) -> ProbeMemory {
         let slots = u64::from(self.slots);
@@ -154,7 +159,7 @@ impl AtlasLayout {
             states: slots * STATE_BYTES,
             trends: slots * TREND_BYTES,
             places: slots * PLACE_BYTES,
-            ambient_cubes: slots * CUBE_BYTES,
+            ambient_cubes: self.ambient_cube_bytes(),
             sight: 0,
             plan: slots * PLAN_BYTES,
         }

@@ -5,7 +5,7 @@
 //! border one texel wide, so that bilinear filtering may cross the edges: crossing an edge of the
 //! square continues at the mirrored place of the same edge.
 //!
-//! `shaders/probes/octahedral.wesl` does the same on the GPU.
+//! `shaders/math/octahedral.wesl` does the same on the GPU.
 
 use glam::{DVec2, DVec3, IVec2, UVec2, Vec2Swizzles as _};
 

@@ -15,7 +15,7 @@ const BRICK: UVec3 = UVec3::new(4, 4, 2);
 /// one bit for each of them, set where the voxel is air beside stone and its centre sees the probe. A
 /// word has the bits of a brick of 4×4×2 voxels, so that those of neighbours mostly lie in one. Words of a
 /// probe follow each other along x, then y, then z; those of the level's probes by their slots.
-/// `shaders/probes/sight.wesl` reads the bits.
+/// `shaders/probes/visibility_bits.wesl` reads the bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SightBox {
     /// Voxels along the axes.

@@ -8,7 +8,7 @@ use crate::world::scenery::{FARTHEST, LEAST_COUNT, LEAST_SPACING, MAX_CASCADES, 
 
 /// Most probes of one volume.
 pub const MAX_SLOTS: u32 = MAX_PROBES;
-/// Most levels of one volume; `shaders/data/probes.wesl` has room for as many.
+/// Most levels of one volume; `shaders/probes/field.wesl` has room for as many.
 pub const MAX_LEVELS: u32 = MAX_CASCADES;
 
 /// Probes on the lattices of one or more [`Level`]s, the finest first; each next one has twice the

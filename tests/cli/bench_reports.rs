@@ -34,13 +34,13 @@ fn row(layout: &str, trace_ms: f64, shade_ms: f64) -> Value {
         "clock": "gpu",
         "timing": {
             "runs_ms": runs(ms), "interval": {"mean": ms, "half_width": 0.002 * ms},
-            "pass_runs_ms": {"probe_trace": runs(trace_ms), "shade": runs(shade_ms)},
+            "pass_runs_ms": {"probes/trace": runs(trace_ms), "view/shade": runs(shade_ms)},
             "noisy": false, "cpu_ms": statistics(0.1), "wall_ms": statistics(1.1 * ms),
             "curve_ms": [ms, ms, 1.5 * ms], "histogram": [2, 1], "histogram_from_ms": ms,
             "histogram_step_ms": 0.1
         },
         "fps": 1e3 / ms, "frame_ms": statistics(ms),
-        "passes": {"probe_trace": trace_ms, "shade": shade_ms},
+        "passes": {"probes/trace": trace_ms, "view/shade": shade_ms},
         "rays": {}, "mrays_per_s": {}, "probes": null, "memory_bytes": {}, "figures": {}, "quality": null
     })
 }
@@ -111,7 +111,7 @@ fn a_slower_pass_is_found_and_named() {
         ended.stdout
     );
     let record = end(diff(&a, &b).arg("--json")).json();
-    assert_eq!(record["passes"][0]["pass"], "shade");
+    assert_eq!(record["passes"][0]["pass"], "view/shade");
     assert_eq!(record["passes"][0]["verdict"], "slower");
     assert_eq!(record["rows"][0]["headline"]["verdict"], "noise");
 }

@@ -52,11 +52,11 @@ fn adds_up(row: &Value, runs: u32) {
     assert_eq!(counted, number(&frame["count"]), "{id}");
     let passes = row["passes"].as_object().expect("passes");
     for pass in [
-        "camera_rays",
-        "probe_rays",
-        "probe_blend",
-        "shade",
-        "tonemap",
+        "view/camera_rays",
+        "probes/trace",
+        "probes/blend",
+        "view/shade",
+        "view/tonemap",
     ] {
         assert!(passes.contains_key(pass), "{id}: no {pass}");
     }

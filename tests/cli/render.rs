@@ -90,7 +90,12 @@ fn a_picture_from_the_gpu_with_its_record() {
         );
     }
     assert!(record["fps"].as_f64().is_some_and(|fps| fps > 0.0));
-    for pass in ["camera_rays", "probe_rays", "probe_blend", "shade"] {
+    for pass in [
+        "view/camera_rays",
+        "probes/trace",
+        "probes/blend",
+        "view/shade",
+    ] {
         assert!(
             record["passes"][pass].is_number(),
             "{pass}: {}",
@@ -134,10 +139,10 @@ fn probes_and_their_maps_are_drawn_where_they_are_asked_for() {
         (fs::read(&output).expect("the picture"), ended.json())
     };
     let (plain, record) = picture("plain.png", &[]);
-    assert!(record["passes"]["probe_draw"].is_null());
+    assert!(record["passes"]["view/probe_draw"].is_null());
     for (name, flags, pass) in [
-        ("states.png", &["--view", "states"][..], "state_view"),
-        ("probes.png", &["--probes", "state"], "probe_draw"),
+        ("states.png", &["--view", "states"][..], "view/state_view"),
+        ("probes.png", &["--probes", "state"], "view/probe_draw"),
         (
             "atlas.png",
             &[
@@ -146,9 +151,9 @@ fn probes_and_their_maps_are_drawn_where_they_are_asked_for() {
                 "--set",
                 "probes.visibility=chebyshev",
             ],
-            "atlas_view",
+            "view/atlas_view",
         ),
-        ("atlas.exr", &["--atlas", "irradiance:0"], "atlas_view"),
+        ("atlas.exr", &["--atlas", "irradiance:0"], "view/atlas_view"),
     ] {
         let (bytes, record) = picture(name, flags);
         assert!(bytes != plain, "{name} is the plain picture");

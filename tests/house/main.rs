@@ -2,6 +2,7 @@
 //! files that stay readable. Each rule is also shown a planted fault that it must find.
 
 mod imports;
+mod shaders;
 mod source;
 
 use std::collections::BTreeSet;
@@ -65,11 +66,11 @@ const MOST_LINES: usize = 400;
 /// Files that are longer, each with the reason why it is better whole.
 const LONG_FILES: [(&str, &str); 3] = [
     (
-        "shaders/passes/probe_blend.wesl",
+        "shaders/probes/blend.wesl",
         "the kernels of one pass, which share its bindings",
     ),
     (
-        "shaders/passes/voxelise.wesl",
+        "shaders/scene/voxelise.wesl",
         "the kernels of one pass, which share its bindings",
     ),
     (
@@ -103,9 +104,12 @@ fn files(folder: &str, extension: &str) -> Vec<(PathBuf, String)> {
     found
 }
 
-/// The passes that `passes/mod.rs` declares: its public modules. Private ones are shared helpers.
-fn passes(passes_mod: &str) -> BTreeSet<String> {
-    let modules = passes_mod
+/// Subjects of the passes that measure other subjects, each with those that it may import.
+const MEASURES: [(&str, &str); 1] = [("bench", "scene")];
+
+/// The passes that a subject's `mod.rs` declares: its public modules. Private ones are shared helpers.
+fn passes(subject_mod: &str) -> BTreeSet<String> {
+    let modules = subject_mod
         .lines()
         .filter_map(|line| line.strip_prefix("pub mod "));
     modules
@@ -114,9 +118,21 @@ fn passes(passes_mod: &str) -> BTreeSet<String> {
         .collect()
 }
 
+/// All passes, as `probes/trace`.
 fn declared_passes() -> BTreeSet<String> {
-    let text = fs::read_to_string(root().join("src/passes/mod.rs")).expect("the list of passes");
-    passes(&text)
+    let mut all = BTreeSet::new();
+    for (path, text) in files("src/passes", "rs") {
+        let inner = path.strip_prefix("src/passes").expect("it lies there");
+        let [subject, "mod.rs"] = inner
+            .iter()
+            .filter_map(|part| part.to_str())
+            .collect::<Vec<_>>()[..]
+        else {
+            continue;
+        };
+        all.extend(passes(&text).iter().map(|pass| format!("{subject}/{pass}")));
+    }
+    all
 }
 
 /// Why an import of the module `from` is forbidden, if it is.
@@ -135,17 +151,32 @@ fn objection(from: &[String], import: &Import, passes: &BTreeSet<String>) -> Opt
         let fine = target == "parameters" || allowed.contains(&target.as_str()) || for_tests;
         return (!fine).then(|| format!("`{own}` may not import `{target}`"));
     }
-    // Within passes/: a pass reads what its siblings share, never a sibling pass.
-    let sibling = path
-        .get(1)
-        .filter(|sibling| own == "passes" && passes.contains(*sibling));
-    match (sibling, from.get(1)) {
-        (Some(sibling), Some(pass)) if sibling != pass => Some(format!(
-            "`passes::{pass}` may not import the pass `{sibling}`"
-        )),
+    // Within passes/: subjects do not know each other, nor does one pass another.
+    if own != "passes" {
+        return None;
+    }
+    let (Some(subject), Some(target)) = (from.get(1), path.get(1)) else {
+        return None;
+    };
+    if subject != target {
+        let measures = MEASURES.contains(&(subject, target));
+        return (!measures).then(|| format!("`passes::{subject}` may not import `{target}`"));
+    }
+    let pass_of = |module: &[String]| {
+        let pass = format!("{subject}/{}", module.get(2)?);
+        passes.contains(&pass).then_some(pass)
+    };
+    let sibling = pass_of(path)?;
+    match from.get(2) {
         // mod.rs itself would pass the sibling on to all.
-        (Some(sibling), None) => Some(format!("`passes/mod.rs` may not re-export `{sibling}`")),
-        _ => None,
+        None => Some(format!(
+            "`passes/{subject}/mod.rs` may not re-export `{sibling}`"
+        )),
+        Some(_) if pass_of(from).as_ref() != Some(&sibling) => Some(format!(
+            "`{}` may not import the pass `{sibling}`",
+            from.join("::")
+        )),
+        Some(_) => None,
     }
 }
 
@@ -185,24 +216,37 @@ fn imports_run_one_way() {
 }
 
 #[test]
+fn shaders_import_one_way() {
+    let faults: Vec<String> = files("shaders", "wesl")
+        .iter()
+        .flat_map(|(path, text)| shaders::import_faults(path, text))
+        .collect();
+    assert!(
+        faults.is_empty(),
+        "forbidden imports:\n{}",
+        faults.join("\n")
+    );
+}
+
+#[test]
 fn every_pass_has_one_file_and_one_shader_of_its_name() {
     let declared = declared_passes();
-    let stems = |folder, extension| -> BTreeSet<String> {
-        let paths = files(folder, extension).into_iter().map(|(path, _)| path);
-        let stem = |path: PathBuf| {
-            path.file_stem()
-                .map(|stem| stem.to_string_lossy().into_owned())
-        };
-        paths.filter_map(stem).collect()
-    };
-    assert!(!declared.is_empty());
-    assert_eq!(
-        declared,
-        stems("shaders/passes", "wesl"),
-        "passes and their shaders"
-    );
-    let sources = stems("src/passes", "rs");
-    let missing: Vec<_> = declared.difference(&sources).collect();
+    assert!(declared.len() > 15, "{declared:?}");
+    let is_kernel = |text: &str| text.contains("@compute") || text.contains("@fragment");
+    let kernels: BTreeSet<String> = files("shaders", "wesl")
+        .into_iter()
+        .filter(|(_, text)| is_kernel(text))
+        .map(|(path, _)| {
+            let name = path.with_extension("");
+            let name = name.strip_prefix("shaders").expect("it lies there");
+            name.to_string_lossy().into_owned()
+        })
+        .collect();
+    assert_eq!(declared, kernels, "passes and their shaders");
+    let missing: Vec<_> = declared
+        .iter()
+        .filter(|pass| !root().join(format!("src/passes/{pass}.rs")).exists())
+        .collect();
     assert!(missing.is_empty(), "passes without a file: {missing:?}");
 }
 
@@ -255,7 +299,7 @@ fn every_bench_is_run_by_the_test_suite() {
 
 #[test]
 fn planted_imports_are_found() {
-    let passes = BTreeSet::from(["shade".to_owned(), "tonemap".to_owned()]);
+    let passes = BTreeSet::from(["view/shade".to_owned(), "view/tonemap".to_owned()]);
     let faults = |path: &str, text: &str| import_faults(Path::new(path), text, &passes);
     for (path, text) in [
         ("src/world/sdf/mod.rs", "use crate::lights::Lights;"),
@@ -279,16 +323,25 @@ fn planted_imports_are_found() {
             "pub(crate) use super::world::voxels::{CELL, Voxels as V};",
         ),
         ("src/parameters/mod.rs", "use crate::world::World;"),
-        ("src/passes/shade.rs", "use super::tonemap::Tonemap;"),
+        ("src/passes/view/shade.rs", "use super::tonemap::Tonemap;"),
         (
-            "src/passes/shade.rs",
-            "use crate::{gpu::Gpu, passes::{View, tonemap}};",
+            "src/passes/view/shade.rs",
+            "use crate::{gpu::Gpu, passes::view::{View, tonemap}};",
         ),
-        ("src/passes/mod.rs", "pub use self::shade::Shade;"),
-        ("src/passes/mod.rs", "pub use shade::{Shade, Other};"),
-        ("src/passes/shade.rs", "use crate::frame::Frame;"),
-        ("src/passes/shade.rs", "use crate::reference::march;"),
-        ("src/frame.rs", "use crate::commands::Cli;"),
+        ("src/passes/view/mod.rs", "pub use self::shade::Shade;"),
+        ("src/passes/view/mod.rs", "pub use shade::{Shade, Other};"),
+        ("src/passes/view/inspection.rs", "use super::shade::Shade;"),
+        (
+            "src/passes/view/shade.rs",
+            "use super::super::probes::ProbeField;",
+        ),
+        (
+            "src/passes/scene/voxels.rs",
+            "use crate::passes::bench::rays;",
+        ),
+        ("src/passes/view/shade.rs", "use crate::frame::Frame;"),
+        ("src/passes/view/shade.rs", "use crate::reference::march;"),
+        ("src/frame/mod.rs", "use crate::commands::Cli;"),
         ("src/world/file.rs", "use crate::*;"),
         ("src/novelty.rs", "use crate::world::World;"),
         ("src/main.rs", "use grotto::gpu::Gpu;"),
@@ -301,11 +354,11 @@ fn planted_imports_are_found() {
             "use crate::world::{Lamp, Sun};\nuse super::motion;",
         ),
         (
-            "src/passes/shade.rs",
+            "src/passes/view/shade.rs",
             "use super::{View, shade::Own};\nuse crate::parameters::Light;",
         ),
         (
-            "src/passes/shade.rs",
+            "src/passes/view/shade.rs",
             "#[cfg(test)]\nmod tests { use super::*; use crate::reference::A; }",
         ),
         (
@@ -321,6 +374,10 @@ fn planted_imports_are_found() {
             "const A: &str = r#\"\" crate::gpu::A \"#; const C: char = '\"';",
         ),
         ("src/main.rs", "use grotto::commands::Cli;"),
+        (
+            "src/passes/bench/rays.rs",
+            "use super::super::scene::GpuVoxels;",
+        ),
     ] {
         assert_eq!(faults(path, text), Vec::<String>::new(), "{path}: {text}");
     }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{IVec3, UVec3};
 use grotto::{
-    passes::GpuVoxels,
+    passes::scene::GpuVoxels,
     world::voxels::{NewCell, Voxels},
 };
 
@@ -56,7 +56,7 @@ fn a_box_of_voxels_is_what_the_voxels_are() {
         let size = vec3i(at[1].xyz);
         let bits = stone_in_box(vec3i(at[0].xyz), size);
         return vec4f(vec4u(bits.x & 0xffffu, bits.x >> 16u, bits.y & 0xffffu, bits.y >> 16u));";
-    let imports = "import package::data::voxels::stone_in_box;";
+    let imports = "import package::scene::voxels::stone_in_box;";
     let found = evaluate(&gpu, imports, body, &inputs, &voxels.resources());
     let mut stones = 0;
     for ((low, size), found) in boxes.iter().zip(found) {
@@ -110,7 +110,7 @@ fn what_a_side_takes_is_its_form_factor() {
         .iter()
         .map(|(rows, side, at)| [[*rows as f32, *side as f32, at[0] as f32, at[1] as f32]])
         .collect();
-    let imports = "import package::light::contact::form_factor;";
+    let imports = "import package::probes::incident_light::form_factor;";
     let body = "return vec4f(form_factor(u32(at[0].x), u32(at[0].y), at[0].zw));";
     let found = evaluate(&gpu, imports, body, &inputs, &[]);
     let mut most = 0.0f64;
@@ -151,7 +151,7 @@ fn stone_behind_stone_is_no_side() {
         .iter()
         .map(|(stone, side)| [[*stone as f32, *side as f32, 0.0, 0.0]])
         .collect();
-    let imports = "import package::light::contact::rows_of;";
+    let imports = "import package::probes::incident_light::rows_of;";
     let body = "return vec4f(f32(rows_of(u32(at[0].x), u32(at[0].y))));";
     let found = evaluate(&gpu, imports, body, &inputs, &[]);
     let mut sides = 0;
@@ -189,7 +189,7 @@ fn the_stone_beside_a_face_stands_on_its_plane() {
         .iter()
         .map(|(before, face)| [before.as_vec3().extend(*face as f32).to_array()])
         .collect();
-    let imports = "import package::light::contact::{plane_of, stone_beside};";
+    let imports = "import package::probes::incident_light::{plane_of, stone_beside};";
     let body = "
         let before = vec3u(at[0].xyz);
         let plane = plane_of(vec3f(before), before, u32(at[0].w));

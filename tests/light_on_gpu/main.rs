@@ -8,7 +8,7 @@ use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks},
     lights::{LampShape, LampState, Lights, sky},
     measure::tonemap,
-    passes::{GpuLights, GpuMaterials},
+    passes::scene::{GpuLights, GpuMaterials},
     world::{Colour, Material, Pattern, Sky, materials::MaterialSet},
 };
 
@@ -142,7 +142,7 @@ fn lamps_light_the_same_on_both_sides() {
     );
     let places: Vec<(DVec3, DVec3)> = (0..2000).map(scattered).collect();
     let inputs: Vec<[[f32; 4]; 2]> = places.iter().map(|&(p, n)| [vec4(p), vec4(n)]).collect();
-    let imports = "import package::data::lights::lights;
+    let imports = "import package::scene::lights::lights;
         import package::light::lamps::lamp_irradiance;";
     let body = "var sum = vec3f(0.0);
         for (var i = 0u; i < lights.lamp_count; i += 1u) {
@@ -173,7 +173,7 @@ fn the_sky_is_the_same_on_both_sides() {
     );
     let directions: Vec<DVec3> = (0..2000).map(|index| scattered(index).1).collect();
     let inputs: Vec<[[f32; 4]; 1]> = directions.iter().map(|&d| [vec4(d)]).collect();
-    let imports = "import package::data::lights::lights;
+    let imports = "import package::scene::lights::lights;
         import package::light::sky::sky_radiance;";
     let body = "return vec4f(sky_radiance(lights.sky, at[0].xyz), 0.0);";
     let on_gpu = evaluate(&gpu, imports, body, &inputs, &uniform.resources());
@@ -260,7 +260,7 @@ fn seen(index: u32) -> Seen {
     }
 }
 
-const MATERIALS: &str = "import package::color::albedo::{albedo, mean_albedo};";
+const MATERIALS: &str = "import package::scene::albedo::{albedo, mean_albedo};";
 
 #[test]
 fn textures_look_the_same_on_both_sides() {

@@ -4,7 +4,7 @@ use grotto::{
     frame::FrameError,
     gpu::{Gpu, ShaderChecks},
     parameters::{ProbeParameters, Visibility},
-    passes::{AtlasLayer, AtlasMap, Inspection, InspectionError},
+    passes::view::{AtlasLayer, AtlasMap, Inspection, InspectionError},
 };
 use half::f16;
 

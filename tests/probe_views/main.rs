@@ -13,7 +13,10 @@ use grotto::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{ProbeParameters, ProbeStates, Relocation},
-    passes::{GpuLights, Inspection, ProbeColour, View, ViewMode, state_view::StateView},
+    passes::{
+        scene::GpuLights,
+        view::{Inspection, ProbeColour, View, ViewMode, state_view::StateView},
+    },
     probes::Layout as _,
     world::{World, file},
 };
@@ -301,8 +304,9 @@ fn painted_cubes_count_as_the_states_do() {
     let format = wgpu::TextureFormat::Rgba16Float;
     let hdr = gpu.texture("hdr", [16, 9, 1], format).expect("it fits");
     let (view, lights) = (View::buffer(gpu), GpuLights::new(gpu));
-    let resources = frame::resources(&watched.frame.stage, &view, &lights);
-    let paint = StateView::new(gpu, &hdr, &surfaces, field, &resources).expect("it fits");
+    let scene = frame::resources(&watched.frame.stage, &view, &lights);
+    let offer = frame::offer(field, watched.frame.faces(), &scene);
+    let paint = StateView::new(gpu, &hdr, &surfaces, field.atlas(), &offer).expect("it fits");
     let mut recorder = Recorder::new(gpu, None);
     paint.record(&mut recorder);
     recorder.submit(gpu).expect("submits");

@@ -4,7 +4,7 @@ use glam::{IVec2, UVec3, Vec3};
 use grotto::{
     gpu::Recorder,
     parameters::ProbeParameters,
-    passes::{probe_seed::ProbeSeed, probe_states::ProbeStates},
+    passes::probes::{classify::ProbeClassify, seed::ProbeSeed},
     probes::{Layout as _, Volume, sampling},
     world::LayoutSpec,
 };
@@ -105,7 +105,7 @@ fn probes_that_come_show_what_the_coarser_level_knows() {
     // One cell of the coarsest level.
     rig.field.follow(Vec3::new(0.0, 16.0, 0.0), 1);
     let voxels = rig.voxels.resources();
-    let states = ProbeStates::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
+    let states = ProbeClassify::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
     let seed = ProbeSeed::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
     rig.field
         .begin_frame(&rig.gpu, &rig.parameters, SEED, rig.frame);

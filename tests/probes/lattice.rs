@@ -4,17 +4,19 @@ use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Kernel, KernelSpec, Recorder},
     parameters::{ProbeParameters, Visibility},
-    passes::{GpuChanges, GpuEditSphere, GpuProbeInfo, GpuProbeLevel, GpuProbePlan, ProbeField},
+    passes::probes::{
+        GpuChanges, GpuEditSphere, GpuProbeInfo, GpuProbeLevel, GpuUpdateSchedule, ProbeField,
+    },
     probes::{Layout as _, Volume, octahedral, sampling},
     world::LayoutSpec,
 };
 
 use crate::{Rig, SEED, gpu};
 
-/// The members of a struct of pass `probe_blend`, with their offsets, and its size.
+/// The members of a struct of pass `probes/blend`, with their offsets, and its size.
 fn layout_of(name: &str) -> (Vec<(String, usize)>, usize) {
     let gpu = gpu();
-    let composed = gpu.shaders.compose("passes/probe_blend", &[]);
+    let composed = gpu.shaders.compose("probes/blend", &[]);
     let module = composed.expect("composes").module;
     let named = |ty: &naga::Type| {
         ty.name
@@ -90,7 +92,7 @@ fn changes_lie_in_memory_as_the_shader_reads_them() {
 
 #[test]
 fn the_plan_lies_in_memory_as_the_shader_reads_it() {
-    let expected = offsets!(GpuProbePlan:
+    let expected = offsets!(GpuUpdateSchedule:
         changed_low_gs,
         frame,
         changed_high_gs,
@@ -110,8 +112,8 @@ fn the_plan_lies_in_memory_as_the_shader_reads_it() {
         still_interval
     );
     assert_eq!(
-        layout_of("ProbePlan"),
-        (expected, size_of::<GpuProbePlan>())
+        layout_of("UpdateSchedule"),
+        (expected, size_of::<GpuUpdateSchedule>())
     );
 }
 
@@ -154,7 +156,7 @@ fn the_gpu_encodes_and_decodes_as_the_cpu() {
             generated: &[(
                 "octahedral",
                 "
-import package::probes::octahedral::{octahedral_encode, octahedral_decode, texel_direction};
+import package::math::octahedral::{octahedral_encode, octahedral_decode, texel_direction};
 @group(3) @binding(0) var<storage, read> directions: array<vec4f>;
 @group(3) @binding(1) var<storage, read_write> coded: array<vec4f>;
 @compute @workgroup_size(64)
@@ -313,7 +315,7 @@ fn compare_cages(rig: &Rig, volume: &Volume, around: Vec3) {
 }
 
 const CAGES: &str = "
-import package::data::probes::probe_info;
+import package::probes::field::probe_info;
 import package::probes::volume::{
     lattice_point, lattice_position, level_of, level_share, point_within, cage_around, cage_slot,
     lattice_weights,

@@ -14,7 +14,10 @@ use glam::{DVec3, IVec2, IVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks},
     parameters::{ProbeParameters, ProbeStates, Visibility},
-    passes::{GpuVoxels, ProbeField, probe_blend::ProbeBlend, probe_due::ProbeDue},
+    passes::{
+        probes::{ProbeField, blend::ProbeBlend, schedule::ProbeSchedule},
+        scene::GpuVoxels,
+    },
     probes::{Volume, sampling},
     world::{LayoutSpec, voxels::Voxels},
 };
@@ -40,7 +43,7 @@ fn volume(counts: [u32; 3], spacing: f32) -> Volume {
 struct Rig {
     gpu: Gpu,
     field: ProbeField,
-    due: ProbeDue,
+    due: ProbeSchedule,
     blend: ProbeBlend,
     voxels: GpuVoxels,
     parameters: ProbeParameters,
@@ -76,7 +79,7 @@ impl Rig {
         };
         let gpu = gpu();
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
-        let due = ProbeDue::new(&gpu, &field).expect("compiles");
+        let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         let voxels = GpuVoxels::upload(&gpu, voxels, origin).expect("fits");
         Self {
@@ -139,7 +142,7 @@ impl Rig {
             &self.gpu,
             &KernelSpec {
                 shader: "generated/gather",
-                overrides: &self.field.gather_overrides(),
+                overrides: &self.field.gather_constants(),
                 generated: &[("gather", GATHER)],
                 ..Default::default()
             },

@@ -4,7 +4,10 @@ use glam::{IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder},
     parameters::{ProbeParameters, Relocation, Weights},
-    passes::{GpuVoxels, ProbeField, probe_due::ProbeDue, probe_states::ProbeStates},
+    passes::{
+        probes::{ProbeField, classify::ProbeClassify, schedule::ProbeSchedule},
+        scene::GpuVoxels,
+    },
     probes::{Layout as _, Volume, sampling},
     world::{
         LayoutSpec,
@@ -44,7 +47,7 @@ fn volume() -> Volume {
 }
 
 /// The test's world and its probes on the GPU.
-fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, ProbeStates) {
+fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, ProbeClassify) {
     let voxels = Voxels::from_cells(UVec3::splat(SIZE as u32), |cell| {
         let mut brick = Box::new([0u8; 512]);
         for (i, material) in brick.iter_mut().enumerate() {
@@ -55,7 +58,7 @@ fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, ProbeStates) 
     });
     let voxels = GpuVoxels::upload(gpu, &voxels, ORIGIN).expect("fits");
     let field = ProbeField::new(gpu, volume(), parameters).expect("fits");
-    let pass = ProbeStates::new(gpu, &field, &voxels.resources()).expect("compiles");
+    let pass = ProbeClassify::new(gpu, &field, &voxels.resources()).expect("compiles");
     field.begin_frame(gpu, parameters, 1, 0);
     let mut recorder = Recorder::new(gpu, None);
     pass.record(&mut recorder);
@@ -345,7 +348,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
         ..Default::default()
     };
     let (field, states) = placed(&gpu, &parameters);
-    let due = ProbeDue::new(&gpu, &field).expect("compiles");
+    let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
     let reach = (parameters.move_reach * SPACING).as_ivec3();
     let voxel_of = |place: &[f32; 4]| Vec3::from_slice(place).floor().as_ivec3() - ORIGIN;
     let mut found: Vec<[f32; 4]> = Vec::new();
@@ -410,7 +413,7 @@ fn a_probe_walks_only_when_it_has_been_in_stone_for_long() {
         ..Default::default()
     };
     let (field, states) = placed(&gpu, &parameters);
-    let due = ProbeDue::new(&gpu, &field).expect("compiles");
+    let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
     let rays = vec![[0.0f32, 0.0, 0.0, -1.0]; volume().slots() as usize * 8];
     gpu.queue
         .write_buffer(field.rays(), 0, bytemuck::cast_slice(&rays));

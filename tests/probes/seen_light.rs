@@ -4,7 +4,7 @@ use glam::{IVec3, UVec3, Vec3};
 use grotto::{
     gpu::Recorder,
     parameters::{ProbeParameters, Relocation},
-    passes::{probe_sight::ProbeSight, probe_states::ProbeStates},
+    passes::probes::{classify::ProbeClassify, visibility::ProbeVisibility},
     probes::{Volume, sampling},
     world::{LayoutSpec, voxels::Voxels},
 };
@@ -46,8 +46,8 @@ fn lit(volume: Volume, rays: impl Fn(u32, Vec3) -> [f32; 3]) -> Rig {
 fn lit_around(mut rig: Rig, eye: Vec3, rays: impl Fn(u32, Vec3) -> [f32; 3]) -> Rig {
     rig.field.follow(eye, 0);
     let voxels = rig.voxels.resources();
-    let states = ProbeStates::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
-    let sight = ProbeSight::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
+    let states = ProbeClassify::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
+    let sight = ProbeVisibility::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
     rig.field.begin_frame(&rig.gpu, &rig.parameters, 1, 0);
     let mut recorder = Recorder::new(&rig.gpu, None);
     states.record(&mut recorder);

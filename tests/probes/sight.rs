@@ -4,7 +4,10 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Recorder},
     parameters::{ProbeParameters, Visibility},
-    passes::{GpuVoxels, ProbeField, probe_sight::ProbeSight, probe_states::ProbeStates},
+    passes::{
+        probes::{ProbeField, classify::ProbeClassify, visibility::ProbeVisibility},
+        scene::GpuVoxels,
+    },
     probes::{Layout as _, Sight, SightBox, Volume, sampling},
     reference::march::{Outcome, Ray, march_plain},
     world::{LayoutSpec, voxels::Voxels},
@@ -50,15 +53,15 @@ pub fn rooms() -> Voxels {
 /// The passes that place probes and look around.
 struct Placed {
     field: ProbeField,
-    states: ProbeStates,
-    sight: ProbeSight,
+    states: ProbeClassify,
+    sight: ProbeVisibility,
 }
 
 impl Placed {
     fn new(gpu: &Gpu, field: ProbeField, voxels: &GpuVoxels) -> Self {
         Self {
-            states: ProbeStates::new(gpu, &field, &voxels.resources()).expect("compiles"),
-            sight: ProbeSight::new(gpu, &field, &voxels.resources()).expect("compiles"),
+            states: ProbeClassify::new(gpu, &field, &voxels.resources()).expect("compiles"),
+            sight: ProbeVisibility::new(gpu, &field, &voxels.resources()).expect("compiles"),
             field,
         }
     }

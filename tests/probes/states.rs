@@ -7,8 +7,11 @@ use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder},
     parameters::{ProbeParameters, ProbeStates as Sleep, Relocation, Visibility},
     passes::{
-        GpuVoxels, ProbeField, StateCounts, probe_blend::ProbeBlend, probe_due::ProbeDue,
-        probe_states::ProbeStates,
+        probes::{
+            ProbeField, StateCounts, blend::ProbeBlend, classify::ProbeClassify,
+            schedule::ProbeSchedule,
+        },
+        scene::GpuVoxels,
     },
     probes::{Layout as _, Volume},
     world::{
@@ -34,8 +37,8 @@ struct Slab {
     on_cpu: Voxels,
     voxels: GpuVoxels,
     field: ProbeField,
-    states: ProbeStates,
-    due: ProbeDue,
+    states: ProbeClassify,
+    due: ProbeSchedule,
     blend: ProbeBlend,
     parameters: ProbeParameters,
     frame: u64,
@@ -70,8 +73,8 @@ impl Slab {
         };
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let slab = Self {
-            states: ProbeStates::new(&gpu, &field, &voxels.resources()).expect("compiles"),
-            due: ProbeDue::new(&gpu, &field).expect("compiles"),
+            states: ProbeClassify::new(&gpu, &field, &voxels.resources()).expect("compiles"),
+            due: ProbeSchedule::new(&gpu, &field).expect("compiles"),
             blend: ProbeBlend::new(&gpu, &field).expect("compiles"),
             gpu,
             on_cpu,
@@ -129,14 +132,14 @@ impl Slab {
         if let Some(larger) = larger {
             self.voxels = larger;
             let resources = self.voxels.resources();
-            self.states = ProbeStates::new(&self.gpu, &self.field, &resources).expect("compiles");
+            self.states = ProbeClassify::new(&self.gpu, &self.field, &resources).expect("compiles");
         }
         self.voxels.write(&self.gpu, &self.on_cpu, &edit);
         let (low, high) = edit.region.expect("something changed");
         self.field.note_change(low.as_vec3(), high.as_vec3() + 1.0);
     }
 
-    /// A pixel that shows this point of a surface gathers, as in pass `shade`.
+    /// A pixel that shows this point of a surface gathers, as in pass `view/shade`.
     fn look_at(&self, point: Vec3, normal: Vec3) {
         self.ask(point, normal, 0.0);
     }
@@ -174,7 +177,7 @@ impl Slab {
 }
 
 const LOOK: &str = "
-import package::probes::asking::{gather_for, PIXEL, RAY};
+import package::probes::requests::{gather_for, PIXEL, RAY};
 import package::probes::gather::gather;
 @group(3) @binding(0) var<storage, read_write> place: array<vec4f>;
 @compute @workgroup_size(1)

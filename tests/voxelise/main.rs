@@ -6,8 +6,8 @@ use std::path::Path;
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks};
-use grotto::passes::distances::Distances;
-use grotto::passes::voxelise::{Voxelise, VoxeliseReport};
+use grotto::passes::scene::distances::Distances;
+use grotto::passes::scene::voxelise::{Voxelise, VoxeliseReport};
 use grotto::world::World;
 use grotto::world::file::{self, Overrides};
 use grotto::world::generate::{differing, generate};

@@ -11,7 +11,7 @@ use crate::{
         screen::{self, Screen},
     },
     gpu::{Faults, Gpu, Timing},
-    passes::overlay::Overlay,
+    passes::view::overlay::Overlay,
 };
 
 /// A device that is lost again within this time is not replaced: the next one would be lost too.

@@ -35,7 +35,7 @@ use crate::{
     frame::FrameError,
     gpu::{self, Faults, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
-    passes::overlay::Overlay,
+    passes::view::overlay::Overlay,
     world::Camera,
 };
 
@@ -63,7 +63,7 @@ pub struct Session {
     captured: bool,
     rate: FrameRate,
     passes: PassMeans,
-    probes: Option<crate::passes::StateCounts>,
+    probes: Option<crate::passes::probes::StateCounts>,
     last_frame: Instant,
     presented: u32,
     hidden: bool,

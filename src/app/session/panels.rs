@@ -8,7 +8,7 @@ use crate::{
         brush,
         panel::{self, Action, Facts},
     },
-    passes::overlay::PanelShapes,
+    passes::view::overlay::PanelShapes,
 };
 
 impl Session {

@@ -6,7 +6,7 @@ use super::Session;
 use crate::{
     app::views::name,
     parameters::Remake,
-    passes::{Inspection, ProbeColour},
+    passes::view::{Inspection, ProbeColour},
 };
 
 impl Session {

@@ -27,7 +27,7 @@ use crate::{
         tonemap::tone_mapped,
     },
     parameters::ProbeParameters,
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     probes::Layout as _,
     reference::flight_path::Path,
     world::{Camera, LayoutSpec},

@@ -28,9 +28,9 @@ pub fn row(id: &str, ms: f64) -> Row {
         .collect();
     let statistics = FrameStatistics::of(&frames).expect("frames");
     let passes = BTreeMap::from([
-        ("camera_rays".to_owned(), 0.2 * ms),
+        ("view/camera_rays".to_owned(), 0.2 * ms),
         ("probe_trace".to_owned(), 0.5 * ms),
-        ("shade".to_owned(), 0.25 * ms),
+        ("view/shade".to_owned(), 0.25 * ms),
     ]);
     let scattered = |middle: f64| [-0.002, 0.001, 0.0, 0.002, -0.001].map(|by| middle * (1.0 + by));
     let runs = scattered(ms).to_vec();

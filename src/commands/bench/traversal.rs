@@ -8,8 +8,9 @@ use crate::{
     gpu::{Gpu, GpuError},
     measure::statistics,
     passes::{
-        GpuVoxels, View, ViewMode,
-        ray_bench::{self, FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
+        bench::rays::{self, FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
+        scene::GpuVoxels,
+        view::{View, ViewMode},
     },
     probes::sampling,
     world::{Camera, World, voxels::Voxels},
@@ -130,7 +131,7 @@ fn rays_per_edge(gpu: &Gpu, size: [u32; 2], lit: u32) -> u32 {
     let fits = |per_edge: &u32| {
         let bytes = pixels * u64::from(per_edge * per_edge) * 8;
         gpu.check_buffer("found", bytes).is_ok()
-            && size[0].max(size[1]) * per_edge <= ray_bench::MAX_EDGE
+            && size[0].max(size[1]) * per_edge <= rays::MAX_EDGE
     };
     let enough = |per_edge: &u32| {
         u64::from(lit) * u64::from(per_edge * per_edge) >= SHADOW_RAYS_PER_PIXEL * pixels

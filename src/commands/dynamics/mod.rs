@@ -13,7 +13,7 @@ use crate::{
         response::{Response, response},
         stability::{Stability, StabilityMeter},
     },
-    passes::ViewMode,
+    passes::view::ViewMode,
     world::Camera,
 };
 

@@ -19,7 +19,7 @@ use crate::{
         selection::Selection,
         stability::Stability,
     },
-    passes::ViewMode,
+    passes::view::ViewMode,
     world::Camera,
 };
 

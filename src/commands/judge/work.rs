@@ -28,7 +28,7 @@ use crate::{
     frame::Stage,
     gpu::Gpu,
     measure::{picture::Picture, selection::Selection},
-    passes::ViewMode,
+    passes::view::ViewMode,
     world::Camera,
 };
 

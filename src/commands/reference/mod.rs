@@ -25,7 +25,7 @@ use crate::{
     gpu::{AdapterSummary, Gpu},
     lights::Lights,
     measure::picture_file::{self, PictureFormat},
-    passes::{ViewMode, path_trace::PathTrace},
+    passes::{path_trace::trace::PathTrace, view::ViewMode},
     reference::View,
 };
 

@@ -25,7 +25,7 @@ use crate::{
         block_sums::{BlockSums, Node},
         picture::Picture,
     },
-    passes::ViewMode,
+    passes::view::ViewMode,
 };
 
 pub const COMMAND: &str = "reference";

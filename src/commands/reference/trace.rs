@@ -12,7 +12,11 @@ use crate::{
     gpu::{Gpu, Recorder, ShaderLibrary},
     lights::Lights,
     measure::{block_sums::BlockSums, picture::Picture},
-    passes::{GpuLights, Schedule, Slice, ViewMode, path_trace::PathTrace},
+    passes::{
+        path_trace::{Schedule, Slice, trace::PathTrace},
+        scene::GpuLights,
+        view::ViewMode,
+    },
     reference::View,
     world::{Camera, ResponseSpec, World},
 };
@@ -140,7 +144,7 @@ pub fn trace_blocks(
 ) -> Result<Sampled, Failure> {
     let gpu_lights = GpuLights::new(gpu);
     gpu_lights.set(gpu, lights);
-    let view = crate::passes::View {
+    let view = crate::passes::view::View {
         camera: request.camera.clone(),
         size: request.size,
         frame: 0,
@@ -259,7 +263,7 @@ const SOURCES: [&str; 5] = [
     include_str!("../../lights/emitters.rs"),
     include_str!("../../lights/table.rs"),
     include_str!("../../measure/block_sums.rs"),
-    include_str!("../../passes/path_trace.rs"),
+    include_str!("../../passes/path_trace/trace.rs"),
 ];
 
 /// The text of all sources of the tracer, those of its shader too.
@@ -267,7 +271,7 @@ const SOURCES: [&str; 5] = [
 /// # Errors
 /// When the shader cannot be composed.
 pub fn sources(library: &ShaderLibrary) -> Result<String, Failure> {
-    let shader = library.compose("passes/path_trace", &[])?;
+    let shader = library.compose("path_trace/trace", &[])?;
     let mut text = SOURCES.concat();
     for name in &shader.sources {
         text += &format!("\n{name}\n{}", library.text(name).unwrap_or_default());

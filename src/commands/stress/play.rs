@@ -14,7 +14,7 @@ use crate::{
     gpu::{Gpu, Recorder, Timing},
     lights::Lights,
     parameters::{ProbeParameters, Visibility},
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     world::voxels::Voxels,
 };
 

@@ -1,4 +1,4 @@
-//! Voxels from a world, on the CPU: the reference that the pass `voxelise` is held against.
+//! Voxels from a world, on the CPU: the reference that the pass `scene/voxelise` is held against.
 //!
 //! - A voxel is stone where the shape is negative at its centre; the first rule that holds names its
 //!   material.

@@ -1,4 +1,4 @@
-//! Colours of whole voxels. `shaders/color/albedo.wesl` evaluates the same on the GPU.
+//! Colours of whole voxels. `shaders/scene/albedo.wesl` evaluates the same on the GPU.
 
 use glam::{IVec3, Vec3};
 

@@ -1,4 +1,4 @@
-//! Whole-number hashes: the same bits here and in `shaders/color/hash.wesl`.
+//! Whole-number hashes: the same bits here and in `shaders/math/hash.wesl`.
 
 use glam::IVec3;
 

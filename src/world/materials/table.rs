@@ -1,4 +1,4 @@
-//! Materials as bytes for the GPU: the storage buffer of `shaders/data/materials.wesl`.
+//! Materials as bytes for the GPU: the storage buffer of `shaders/scene/materials.wesl`.
 //!
 //! Every hit reads a material, from places that differ from ray to ray, so it is packed small: a
 //! colour is four words, its channels as 16-bit floats (relative error 2⁻¹¹).
@@ -20,7 +20,7 @@ const KIND_HASH: u32 = 1;
 const KIND_DITHER_X: u32 = 2;
 const KIND_BANDS: u32 = 3;
 
-/// `Material` in `shaders/data/materials.wesl`.
+/// `Material` in `shaders/scene/materials.wesl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuMaterial {

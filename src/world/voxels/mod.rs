@@ -1,6 +1,6 @@
 //! The brick map: a coarse grid of 8³ cells, each empty, uniform, or an index to a brick.
 //!
-//! Layout, shared with `shaders/data/voxels.wesl`:
+//! Layout, shared with `shaders/scene/voxels.wesl`:
 //! - `grid`: one u32 a cell, index x | y << log2(cells.x) | z << log2(cells.x·cells.y). Bit 31
 //!   clear: empty, and bits 3·o … 3·o+2 hold (whole cells that a ray of octant o may cross) − 1,
 //!   where octant o = (dir.x < 0) | (dir.y < 0) << 1 | (dir.z < 0) << 2. Bits 31 and 30 set:

@@ -147,12 +147,12 @@ fn planted_faults_are_found() {
     for (file, sound, faulty) in [
         // Uniform in place of cosine-weighted directions.
         (
-            "light/sampling.wesl",
+            "math/sampling.wesl",
             "sqrt(1.0 - squared_radius);",
             "sqrt(1.0 - squared_radius * squared_radius);",
         ),
         // Emissive faces counted twice when a ray finds them.
-        ("passes/path_trace.wesl", "emitted * share;", "emitted;"),
+        ("path_trace/trace.wesl", "emitted * share;", "emitted;"),
         // A weight without its π.
         (
             "light/emitters.wesl",

@@ -344,14 +344,22 @@ mod tests {
     fn a_slowdown_of_three_percent_of_one_pass_is_found_and_named() {
         let report = made_up::report();
         for (before, after, verdict) in [
-            (&report, &with_slower_pass("shade", 1.03), Verdict::Slower),
-            (&with_slower_pass("shade", 1.03), &report, Verdict::Faster),
+            (
+                &report,
+                &with_slower_pass("view/shade", 1.03),
+                Verdict::Slower,
+            ),
+            (
+                &with_slower_pass("view/shade", 1.03),
+                &report,
+                Verdict::Faster,
+            ),
         ] {
             let comparison = compare(before, after);
             let [change] = &comparison.passes[..] else {
                 panic!("one pass, not {:?}", comparison.passes);
             };
-            assert_eq!(change.pass, "shade");
+            assert_eq!(change.pass, "view/shade");
             assert_eq!(change.verdict, verdict);
             assert_eq!((change.rows, change.of), (11, 11));
             assert!((change.change.abs() - 0.03).abs() < 0.001, "{change:?}");

@@ -25,7 +25,7 @@ use crate::{
         selection::Selection,
         stability::StabilityMeter,
     },
-    passes::ViewMode,
+    passes::view::ViewMode,
 };
 
 /// Frames from fresh probes to the picture that is judged, as in the judge's own tables.

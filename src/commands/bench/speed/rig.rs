@@ -15,7 +15,7 @@ use crate::{
     frame::{Frame, Stage},
     gpu::{Gpu, PassTimes, Recorder, Timing},
     lights::Lights,
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     world::voxels::Voxels,
 };
 

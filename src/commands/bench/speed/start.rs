@@ -26,7 +26,7 @@ use crate::{
     gpu::{Recorder, Timing},
     lights::Lights,
     measure::frame_times::Interval,
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
 };
 
 /// Frames after which light is settled.

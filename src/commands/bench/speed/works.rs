@@ -21,7 +21,7 @@ use crate::{
     frame::{BuildReport, Stage},
     gpu::{Gpu, Recorder},
     measure::{frame_times::Interval, statistics::median},
-    passes::{ViewMode, distances::Distances},
+    passes::{scene::distances::Distances, view::ViewMode},
     probes::Layout as _,
 };
 

@@ -6,7 +6,7 @@ use super::super::play::Play;
 use crate::{
     commands::Failure,
     measure::picture::Picture,
-    passes::{FaceTable, ProbeField},
+    passes::{probes::ProbeField, surface_cache::SurfaceCache},
 };
 
 /// A picture's linear light.
@@ -66,7 +66,7 @@ pub fn atlas(play: &Play<'_>) -> Result<Vec<f32>, Failure> {
 }
 
 /// Words of `FaceHistory` that are no numbers: the key, rays drawn, the frame.
-const WORDS_OF_FACE: usize = FaceTable::HISTORY_BYTES as usize / 4;
+const WORDS_OF_FACE: usize = SurfaceCache::HISTORY_BYTES as usize / 4;
 const WHOLE_NUMBERS: std::ops::Range<usize> = 32..35;
 
 fn faces(play: &Play<'_>) -> Result<Result<(), String>, Failure> {

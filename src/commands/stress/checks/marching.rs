@@ -7,8 +7,9 @@ use crate::{
     commands::Failure,
     gpu::Gpu,
     passes::{
-        GpuVoxels, View,
-        ray_bench::{Marcher, RayBench, RayKind, RaySet},
+        bench::rays::{Marcher, RayBench, RayKind, RaySet},
+        scene::GpuVoxels,
+        view::View,
     },
     probes::sampling,
     world::voxels::Voxels,

@@ -5,7 +5,7 @@ use glam::{IVec3, UVec3};
 use super::super::subject::Subject;
 use crate::{
     gpu::Gpu,
-    passes::GpuVoxels,
+    passes::scene::GpuVoxels,
     world::{
         generate::{differing, generate},
         voxels::Voxels,

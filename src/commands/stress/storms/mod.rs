@@ -30,7 +30,7 @@ use super::super::{
     out_file::OutFile,
     output,
 };
-use crate::{gpu::Gpu, passes::ViewMode};
+use crate::{gpu::Gpu, passes::view::ViewMode};
 
 /// Which storms, and how long.
 #[derive(Args)]

@@ -7,7 +7,7 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     parameters::Parameters,
-    passes::{View, ViewMode},
+    passes::view::{View, ViewMode},
     world::{
         Camera, LampPreset, LayoutSpec, World,
         voxels::{Edit, Voxels},

@@ -1,0 +1,364 @@
+//! The whole frame on one page, as data flow.
+//!
+//! ```text
+//! probe_states (new probes, volumes that move, edits) ─ where probes stand ─ probe_due ─ which are updated
+//!     ├ probe_sight (exact visibility) ─ what they see
+//!     └ probe_seed (volumes that move) ─ what new ones show until they have looked
+//! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ───┬─────────────┐
+//!     └────────────── atlas of the last frame ◄─────────┤             │
+//! camera_rays ─ surfaces ─ face_mark ─ which are seen ─ face_rays ─ face_blend ─ shade ─ hdr ─ tonemap ─ display
+//!                  └───────────────────────────────────────────────────┘     └ probe_draw, state_view, atlas_view
+//! ```
+
+mod inspect;
+mod moved;
+mod passes;
+mod stage;
+
+pub use stage::{BuildReport, Stage};
+
+use inspect::Inspect;
+use passes::Passes;
+pub use passes::offer;
+
+use crate::{
+    gpu::{Gpu, GpuError, Recorder},
+    lights::Lights,
+    measure::picture::Picture,
+    parameters::ProbeParameters,
+    passes::{
+        bench::shadow_count::{self, Senders},
+        probes::{ProbeField, ProbeFieldError},
+        scene::{GpuLights, MemoryUse},
+        surface_cache::SurfaceCache,
+        view::{Inspection, InspectionError, View},
+    },
+    probes::{ProbeError, Volume},
+    world::{
+        LayoutSpec,
+        voxels::{Edit, Voxels},
+    },
+};
+
+/// Why a world cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum FrameError {
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error(transparent)]
+    Probes(#[from] ProbeError),
+    #[error(transparent)]
+    Inspection(#[from] InspectionError),
+}
+
+impl From<ProbeFieldError> for FrameError {
+    fn from(error: ProbeFieldError) -> Self {
+        match error {
+            ProbeFieldError::Layout(error) => Self::Probes(error),
+            ProbeFieldError::Gpu(error) => Self::Gpu(error),
+        }
+    }
+}
+
+/// Everything between a [`Stage`] and a picture of one size, lit by one field of probes.
+pub struct Frame {
+    pub stage: Stage,
+    size: [u32; 2],
+    frames: u32,
+    view: wgpu::Buffer,
+    lights: GpuLights,
+    /// Of the last frame.
+    lights_before: Option<Lights>,
+    field: ProbeField,
+    faces: SurfaceCache,
+    passes: Passes,
+}
+
+impl Frame {
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold the picture or the probes, or the layout is none.
+    pub fn new(
+        gpu: &Gpu,
+        stage: Stage,
+        layout: &LayoutSpec,
+        probes: &ProbeParameters,
+        size: [u32; 2],
+    ) -> Result<Self, FrameError> {
+        let view = View::buffer(gpu);
+        let lights = GpuLights::new(gpu);
+        let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let faces = SurfaceCache::new(gpu, probes)?;
+        let resources = resources(&stage, &view, &lights);
+        let wanted = Inspection::default();
+        let passes = Passes::new(gpu, size, &field, &faces, wanted, &resources)?;
+        Ok(Self {
+            stage,
+            size,
+            frames: 0,
+            view,
+            lights,
+            lights_before: None,
+            field,
+            faces,
+            passes,
+        })
+    }
+
+    /// Records one frame. The view's size must be the frame's.
+    pub fn record(
+        &mut self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        view: &View,
+        lights: &Lights,
+        probes: &ProbeParameters,
+    ) {
+        debug_assert_eq!(view.size, self.size, "the view's size is the frame's");
+        let uniform = view.to_gpu();
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        self.lights.set(gpu, lights);
+        let before = self.lights_before.replace(lights.clone());
+        let light_change = before.map_or(0.0, |before| lights.change_since(&before));
+        if self
+            .field
+            .follow(view.camera.position, u64::from(self.frames))
+        {
+            self.frames = 0;
+            self.field.changes.forget_edits();
+            self.faces.forget(&mut recorder.encoder);
+        }
+        self.field.changes.begin_frame(light_change, self.frames);
+        self.field
+            .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
+        let changes = &self.field.changes;
+        let spacing = self.field.volume().levels()[0].spacing().element_sum() / 3.0;
+        self.faces.begin_frame(
+            gpu,
+            probes,
+            view.size,
+            view.seed,
+            self.frames,
+            changes,
+            spacing,
+        );
+        if self.field.misplaced() {
+            self.passes.classify.record(recorder);
+            if self.field.exact() {
+                self.passes.visibility.record(recorder);
+            }
+            if self.field.fresh() > 0 {
+                self.passes.seed.record(recorder);
+            }
+            self.field.set_placed();
+        }
+        self.passes
+            .record_light(recorder, probes, self.faces.is_used());
+        self.passes.record_picture(recorder, view);
+        self.frames += 1;
+    }
+
+    /// Records the picture of a view by the lights and the probes of the last frame, as they are. The
+    /// view's size must be the frame's.
+    pub fn show(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, view: &View) {
+        debug_assert_eq!(view.size, self.size, "the view's size is the frame's");
+        let uniform = view.to_gpu();
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        self.passes.camera_rays.record(recorder);
+        self.passes.record_picture(recorder, view);
+    }
+
+    /// What the next pictures show of the probes themselves. Before the first one of view
+    /// [`ViewMode::States`](crate::passes::view::ViewMode::States).
+    ///
+    /// # Errors
+    /// [`FrameError`] for a layer that there is not, and when the adapter cannot hold what it takes; the
+    /// frame is as before then.
+    pub fn inspect(&mut self, gpu: &Gpu, wanted: Inspection) -> Result<(), FrameError> {
+        if wanted != self.passes.inspect.wanted {
+            let resources = resources(&self.stage, &self.view, &self.lights);
+            let offer = offer(&self.field, &self.faces, &resources);
+            let Passes {
+                camera_rays, shade, ..
+            } = &self.passes;
+            self.passes.inspect =
+                Inspect::new(gpu, wanted, camera_rays, shade, &self.field, &offer)?;
+        }
+        Ok(())
+    }
+
+    /// Frames that the probes have lived through.
+    pub fn frames(&self) -> u32 {
+        self.frames
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Makes the picture anew at another size; the probes keep their light.
+    ///
+    /// # Errors
+    /// [`FrameError::Gpu`] when the adapter cannot hold it; the frame is as before then.
+    pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), FrameError> {
+        let resources = resources(&self.stage, &self.view, &self.lights);
+        let wanted = self.passes.inspect.wanted;
+        self.passes = Passes::new(gpu, size, &self.field, &self.faces, wanted, &resources)?;
+        self.size = size;
+        Ok(())
+    }
+
+    /// Replaces the probes: another layout, or parameters that their buffers depend on. An atlas that was
+    /// shown no longer is.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold them; the frame is as before then.
+    pub fn replace_probes(
+        &mut self,
+        gpu: &Gpu,
+        layout: &LayoutSpec,
+        probes: &ProbeParameters,
+    ) -> Result<(), FrameError> {
+        let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let faces = SurfaceCache::new(gpu, probes)?;
+        let resources = resources(&self.stage, &self.view, &self.lights);
+        let wanted = Inspection {
+            atlas: None,
+            ..self.passes.inspect.wanted
+        };
+        self.passes = Passes::new(gpu, self.size, &field, &faces, wanted, &resources)?;
+        self.field = field;
+        self.faces = faces;
+        self.frames = 0;
+        // Probes without a history know of no change.
+        self.lights_before = None;
+        Ok(())
+    }
+
+    /// Follows an edit of the CPU's copy of the voxels.
+    ///
+    /// # Errors
+    /// [`FrameError::Gpu`] when the adapter cannot hold the bricks; the frame is as before then.
+    pub fn apply(&mut self, gpu: &Gpu, voxels: &Voxels, edit: &Edit) -> Result<(), FrameError> {
+        let emitters = edit
+            .region
+            .and_then(|region| self.stage.emitters.known.after(voxels, region));
+        if let Some(before) = self.stage.make_room(gpu, voxels, emitters.as_ref())?
+            && let Err(error) = self.rebuild_passes(gpu)
+        {
+            self.stage.put_back(before);
+            return Err(error);
+        }
+        self.stage.voxels.write(gpu, voxels, edit);
+        if let Some(emitters) = emitters {
+            self.stage.emitters.write(gpu, emitters);
+        }
+        if let Some((first, last)) = edit.region {
+            let (low, high) = (first.as_ivec3(), last.as_ivec3());
+            let (low_gs, high_gs) = (low.as_vec3(), high.as_vec3() + 1.0);
+            self.field.note_change(low_gs, high_gs);
+            self.faces.note_change(low_gs, high_gs);
+            let origin = self.stage.voxels.origin;
+            self.field
+                .changes
+                .edit(low + origin, high + origin, self.frames);
+        }
+        Ok(())
+    }
+
+    /// Compiles and binds every pass again, as after an edit of the folder `shaders/`; the probes
+    /// keep their light.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] with the place; the frame is as before then.
+    pub fn rebuild_passes(&mut self, gpu: &Gpu) -> Result<(), FrameError> {
+        self.resize(gpu, self.size)
+    }
+
+    /// The picture after tone mapping: `rgba8unorm`, sRGB-encoded.
+    pub fn display(&self) -> &wgpu::Texture {
+        &self.passes.tonemap.display
+    }
+
+    /// The picture on the display, as values in [0, 1].
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_display(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
+        self.passes.tonemap.read_back(gpu)
+    }
+
+    /// The linear radiance before tone mapping.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_radiance(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
+        let texels: Vec<[half::f16; 4]> = gpu.read_texture(&self.passes.shade.hdr)?;
+        Ok(Picture {
+            width: self.size[0],
+            height: self.size[1],
+            rgb: texels
+                .iter()
+                .map(|[r, g, b, _]| [r.to_f32(), g.to_f32(), b.to_f32()])
+                .collect(),
+        })
+    }
+
+    pub fn field(&self) -> &ProbeField {
+        &self.field
+    }
+
+    /// The faces that have light of their own.
+    pub fn faces(&self) -> &SurfaceCache {
+        &self.faces
+    }
+
+    /// Shadow rays of the last frame; `pixels`: whether the picture's own count, as in views of direct light.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`]; [`GpuError::Device`] when the device is lost.
+    pub fn count_shadow_rays(&self, gpu: &Gpu, pixels: bool) -> Result<u64, GpuError> {
+        let senders = Senders {
+            surfaces: &self.passes.camera_rays.surfaces,
+            pixels: pixels.then_some(self.size),
+            probe_rays: self.field.atlas().slots * self.field.rays_per_probe(),
+            face_groups: (self.faces.is_used()).then(|| self.faces.rays_most(self.size)),
+        };
+        let resources = resources(&self.stage, &self.view, &self.lights);
+        let offer = offer(&self.field, &self.faces, &resources);
+        shadow_count::count(gpu, &senders, &offer.with(self.faces.update_resources()))
+    }
+
+    /// Bytes of GPU memory.
+    pub fn memory(&self) -> MemoryUse {
+        let [width, height] = self.size.map(u64::from);
+        let picture = self.passes.camera_rays.surfaces.size() + width * height * (8 + 4);
+        let voxels = self.stage.voxels.bytes();
+        let probes = self.field.memory().total();
+        let others = picture
+            + self.passes.inspect.bytes(self.size)
+            + self.faces.bytes()
+            + self.stage.emitters.bytes();
+        MemoryUse {
+            voxels,
+            probes,
+            total: voxels + probes + others,
+        }
+    }
+}
+
+/// What every pass may bind by name.
+pub fn resources<'a>(
+    stage: &'a Stage,
+    view: &'a wgpu::Buffer,
+    lights: &'a GpuLights,
+) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
+    let mut all = stage.voxels.resources().to_vec();
+    all.extend(stage.materials.resources());
+    all.extend(stage.emitters.resources());
+    all.extend(lights.resources());
+    all.push(("view", view.as_entire_binding()));
+    all
+}

@@ -1,0 +1,4 @@
+//! What no frame has: kernels that measure.
+
+pub mod rays;
+pub mod shadow_count;

@@ -1,0 +1,6 @@
+//! The truth that probes are judged by, sample by sample.
+
+mod schedule;
+pub mod trace;
+
+pub use schedule::{Schedule, Slice};

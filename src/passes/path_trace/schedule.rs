@@ -1,0 +1,229 @@
+//! Long work in slices that none holds the GPU for long, however slow it is: tiles of a picture times
+//! samples, as many at a time as measured times allow.
+
+use std::ops::Range;
+
+/// Milliseconds that a slice should take. The least that any supported device may be held is 50.
+const TARGET_MS: f64 = 20.0;
+/// A slice is at most so many times the one before: parts of a picture differ in cost.
+const GROWTH: f64 = 4.0;
+
+/// Some samples of some tiles. Places count tiles in the order of `tile_of` of
+/// `shaders/path_trace/trace.wesl`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Slice {
+    pub places: Range<u32>,
+    pub samples: Range<u32>,
+    /// 0: places are tiles, row by row; else log2 of their number when they are scattered.
+    pub scatter_bits: u32,
+    /// Tiles × samples.
+    pub work: u64,
+}
+
+/// What has been done of a picture, and how much to do next.
+#[derive(Clone, Debug)]
+pub struct Schedule {
+    tiles: u32,
+    samples: u32,
+    /// The samples that every tile gets in this round, and the next place.
+    round: Range<u32>,
+    place: u32,
+    /// Tiles × samples that the next slice may have.
+    work: f64,
+}
+
+impl Schedule {
+    /// `samples` of each of `tiles`.
+    pub fn new(tiles: u32, samples: u32) -> Self {
+        Self {
+            tiles,
+            samples,
+            round: 0..0,
+            place: 0,
+            work: 1.0,
+        }
+    }
+
+    /// One sample of every tile at once.
+    pub fn whole(tiles: u32) -> Slice {
+        Slice {
+            places: 0..tiles,
+            samples: 0..1,
+            scatter_bits: 0,
+            work: u64::from(tiles),
+        }
+    }
+
+    /// From the beginning, with what has been learnt of the speed; `samples` of each tile.
+    pub fn restart(&mut self, samples: u32) {
+        self.samples = samples;
+        self.round = 0..0;
+        self.place = 0;
+    }
+
+    /// Samples that every tile has.
+    pub fn complete(&self) -> u32 {
+        if self.place == 0 {
+            self.round.end
+        } else {
+            self.round.start
+        }
+    }
+
+    /// Tiles × samples that are done, for a bar of progress.
+    pub fn done(&self) -> u64 {
+        let tiles = u64::from(self.tiles);
+        let share = f64::from(self.place) / f64::from(self.places());
+        let within = if self.place == 0 { 0.0 } else { share };
+        let round = self.round.len() as f64 * tiles as f64 * within;
+        u64::from(self.complete()) * tiles + round as u64
+    }
+
+    /// Tiles × samples in all.
+    pub fn total(&self) -> u64 {
+        u64::from(self.tiles) * u64::from(self.samples)
+    }
+
+    /// The next slice; `None` when all is done.
+    pub fn next_slice(&mut self) -> Option<Slice> {
+        if self.place == 0 {
+            let first = self.round.end;
+            if first == self.samples {
+                return None;
+            }
+            let affordable = (self.work / f64::from(self.tiles)).max(1.0) as u32;
+            self.round = first..self.samples.min(first.saturating_add(affordable));
+        }
+        let whole = f64::from(self.tiles) * self.round.len() as f64;
+        let scatter_bits = if self.place == 0 && self.work >= whole {
+            0
+        } else {
+            self.scatter_bits()
+        };
+        let first = self.place;
+        let mut tiles = self.tiles;
+        if scatter_bits == 0 {
+            self.place = tiles;
+        } else {
+            let wanted = (self.work / self.round.len() as f64).max(1.0) as u32;
+            tiles = 0;
+            // Some places hold no tile; none of them is left for a slice of its own.
+            while self.place < self.places() && (tiles < wanted || !self.holds_tile(self.place)) {
+                tiles += u32::from(self.holds_tile(self.place));
+                self.place += 1;
+            }
+        }
+        let places = first..self.place;
+        if scatter_bits == 0 || self.place == self.places() {
+            self.place = 0;
+        }
+        Some(Slice {
+            places,
+            samples: self.round.clone(),
+            scatter_bits,
+            work: u64::from(tiles) * self.round.len() as u64,
+        })
+    }
+
+    /// Learns from the milliseconds that a slice of so much work took, be it the last or an older one.
+    pub fn took(&mut self, work: u64, ms: f64) {
+        let work = work as f64;
+        // The rest of a round says little of the speed, unless it was too much already.
+        if work * 2.0 < self.work && ms < TARGET_MS {
+            return;
+        }
+        // A clock that stood still says that there is room.
+        let affordable = (work * TARGET_MS / ms.max(1e-3)).min(work * GROWTH);
+        let most = f64::from(self.tiles) * f64::from(self.samples);
+        self.work = affordable.min(most).max(1.0);
+    }
+
+    fn holds_tile(&self, place: u32) -> bool {
+        place.reverse_bits() >> (32 - self.scatter_bits()) < self.tiles
+    }
+
+    fn scatter_bits(&self) -> u32 {
+        self.tiles.next_power_of_two().trailing_zeros().max(1)
+    }
+
+    /// Places of scattered tiles.
+    fn places(&self) -> u32 {
+        1 << self.scatter_bits()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As `tile_of` of the shader.
+    fn tile_of(place: u32, bits: u32) -> u32 {
+        match bits {
+            0 => place,
+            bits => place.reverse_bits() >> (32 - bits),
+        }
+    }
+
+    /// Runs it with a device that takes `ms_per_work` a tile and sample, and gives the longest slice.
+    fn run(tiles: u32, samples: u32, ms_per_work: f64) -> f64 {
+        let mut schedule = Schedule::new(tiles, samples);
+        let mut seen = vec![0; tiles as usize];
+        let mut longest = 0.0f64;
+        while let Some(slice) = schedule.next_slice() {
+            let mut work = 0;
+            for place in slice.places.clone() {
+                let tile = tile_of(place, slice.scatter_bits) as usize;
+                if tile < seen.len() {
+                    assert_eq!(
+                        seen[tile], slice.samples.start,
+                        "each sample once, in order"
+                    );
+                    seen[tile] = slice.samples.end;
+                    work += slice.samples.len();
+                }
+            }
+            assert_eq!(slice.work, work as u64);
+            let ms = work as f64 * ms_per_work + 0.05;
+            longest = longest.max(ms);
+            schedule.took(slice.work, ms);
+            let fewest = seen.iter().copied().min().expect("there are tiles");
+            // The last places of a round may hold no tile.
+            assert!(schedule.complete() <= fewest);
+            assert!(schedule.done() <= schedule.total());
+        }
+        assert!(seen.iter().all(|samples_of| *samples_of == samples));
+        assert_eq!(schedule.done(), schedule.total());
+        assert_eq!(schedule.complete(), samples);
+        longest
+    }
+
+    #[test]
+    fn every_tile_gets_every_sample_once_and_no_slice_is_long() {
+        for tiles in [1, 2, 3, 100, 1000] {
+            for samples in [0, 1, 7, 300] {
+                for ms_per_work in [1e-6, 1e-3, 0.3, 4.0, 30.0] {
+                    let longest = run(tiles, samples, ms_per_work);
+                    // One tile with one sample is the least that there is.
+                    let allowed = 50f64.max(ms_per_work + 1.0);
+                    assert!(
+                        longest <= allowed,
+                        "{tiles} {samples} {ms_per_work}: {longest} ms"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_restart_keeps_what_was_learnt_of_the_speed() {
+        let mut schedule = Schedule::new(64, 1000);
+        for _ in 0..6 {
+            let slice = schedule.next_slice().expect("more to do");
+            schedule.took(slice.work, 0.1);
+        }
+        schedule.restart(1000);
+        assert_eq!((schedule.complete(), schedule.done()), (0, 0));
+        let first = schedule.next_slice().expect("all to do");
+        assert!(first.samples.len() > 1, "{first:?}");
+    }
+}

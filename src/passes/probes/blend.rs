@@ -1,0 +1,45 @@
+//! Pass `probes/blend`: averages the rays of a frame into the maps of each probe that is due.
+
+use super::ProbeField;
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
+
+pub struct ProbeBlend {
+    kernel: Kernel,
+    bindings: Bindings,
+    most: [u32; 2],
+    dispatch: wgpu::Buffer,
+}
+
+impl ProbeBlend {
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
+        let atlas = field.atlas();
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "probes/blend",
+                overrides: &[
+                    ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
+                    ("DISTANCE_TEXELS", f64::from(atlas.distance_texels.max(1))),
+                    ("DISTANCES", f64::from(u8::from(field.keeps_distances()))),
+                    ("DISTANCE_SHARPNESS", f64::from(field.distance_sharpness())),
+                ],
+                ..Default::default()
+            },
+        )?;
+        let slots = field.atlas().slots;
+        Ok(Self {
+            bindings: kernel.bind(gpu, &field.update_resources()),
+            kernel,
+            most: rectangle(slots),
+            dispatch: field.dispatch().clone(),
+        })
+    }
+
+    /// After pass `probes/trace`.
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        let due = (&self.dispatch, ProbeField::PROBES_OFFSET);
+        recorder.run_indirect(&self.kernel, &self.bindings, self.most, due);
+    }
+}

@@ -1,0 +1,100 @@
+//! What kernels are given of a probe field: buffers, textures and constants, by name.
+
+use super::ProbeField;
+
+impl ProbeField {
+    /// The bindings of `shaders/probes/field.wesl`: what it takes to gather.
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 10] {
+        use wgpu::BindingResource::{Sampler, TextureView};
+        let [plan, work] = self.plan.resources();
+        [
+            plan,
+            work,
+            ("probe_info", self.info.as_entire_binding()),
+            ("ray_directions", self.ray_directions.as_entire_binding()),
+            ("irradiance_atlas", TextureView(&self.irradiance_view)),
+            ("distance_atlas", TextureView(&self.distance_view)),
+            ("probe_sampler", Sampler(&self.sampler)),
+            ("probe_places", self.places.as_entire_binding()),
+            ("probe_sight", self.sight_bits.as_entire_binding()),
+            ("ambient_cubes", self.ambient_cubes.as_entire_binding()),
+        ]
+    }
+
+    /// What is written when the field is updated: rays, histories, states, and the atlas.
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
+        use wgpu::BindingResource::TextureView;
+        let [plan, work] = self.plan.resources();
+        [
+            plan,
+            work,
+            ("probe_info", self.info.as_entire_binding()),
+            ("ray_directions", self.ray_directions.as_entire_binding()),
+            ("probe_rays", self.rays.as_entire_binding()),
+            (
+                "irradiance_history",
+                self.irradiance_history.as_entire_binding(),
+            ),
+            (
+                "distance_history",
+                self.distance_history.as_entire_binding(),
+            ),
+            ("probe_states", self.states.as_entire_binding()),
+            ("probe_trends", self.trends.as_entire_binding()),
+            ("probe_places", self.places.as_entire_binding()),
+            ("changes", self.changes_info.as_entire_binding()),
+            ("irradiance_out", TextureView(&self.irradiance_view)),
+            ("distance_out", TextureView(&self.distance_view)),
+            ("ambient_cubes_out", self.ambient_cubes.as_entire_binding()),
+        ]
+    }
+
+    /// What the passes `probes/classify` and `probes/visibility` read of the probes and write: where each
+    /// stands, what it knows, and what it sees.
+    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
+        let [plan, work] = self.plan.resources();
+        [
+            plan,
+            work,
+            self.plan.walks(),
+            ("probe_info", self.info.as_entire_binding()),
+            ("probe_places_out", self.places.as_entire_binding()),
+            ("probe_states", self.states.as_entire_binding()),
+            ("probe_sight_out", self.sight_bits.as_entire_binding()),
+            ("probe_rays", self.rays.as_entire_binding()),
+        ]
+    }
+
+    /// What pass `probes/schedule` writes besides [`Self::resources`].
+    pub fn schedule_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
+        [
+            self.plan.face_requests(),
+            ("probe_states", self.states.as_entire_binding()),
+            ("probe_dispatch", self.plan.dispatch().as_entire_binding()),
+        ]
+    }
+
+    /// What pass `surface_cache/trace` binds in place of pass `probes/trace`': they run side by side.
+    pub fn requests_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        self.plan.requests_of_faces()
+    }
+
+    /// The constants of kernels that gather.
+    pub fn gather_constants(&self) -> [(&'static str, f64); 2] {
+        let nested = self.volume.moves() || self.volume.levels().len() > 1;
+        [
+            ("EXACT", f64::from(u8::from(self.exact()))),
+            ("NESTED", f64::from(u8::from(nested))),
+        ]
+    }
+
+    /// The constants of kernels that light what rays find: those, and what is looked for.
+    pub fn light_constants(&self) -> [(&'static str, f64); 3] {
+        let [exact, nested] = self.gather_constants();
+        [
+            exact,
+            nested,
+            ("CONTACT", f64::from(u8::from(self.contact))),
+        ]
+    }
+}

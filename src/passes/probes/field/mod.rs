@@ -1,0 +1,341 @@
+//! The probe field on the GPU: what the passes that trace, blend and gather probes share.
+
+mod bindings;
+
+use glam::Vec3;
+
+use super::{
+    GpuChanges, GpuProbeInfo,
+    update_schedule::{StateCounts, UpdateSchedule},
+};
+use crate::{
+    gpu::{Gpu, GpuError},
+    parameters::{Contact, ProbeParameters, Visibility},
+    probes::{
+        AtlasLayout, Changes, Layout as _, Motion, ProbeError, Sight, Volume, atlas::ProbeMemory,
+        sampling,
+    },
+};
+
+/// Why a probe field cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum ProbeFieldError {
+    #[error(transparent)]
+    Layout(#[from] ProbeError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+/// In words: what an adapter may have no room for.
+const SIGHT: &str = "what all probes see (probes.visibility=exact)";
+
+/// Textures, histories and rays of the probes of one volume. All zero at first: no light.
+pub struct ProbeField {
+    /// What its probes are told of changes.
+    pub changes: Changes,
+    volume: Volume,
+    sight: Option<Sight>,
+    motion: Motion,
+    atlas: AtlasLayout,
+    memory: ProbeMemory,
+    plan: UpdateSchedule,
+    rays_per_probe: u32,
+    distance_sharpness: u32,
+    contact: bool,
+    info: wgpu::Buffer,
+    ray_directions: wgpu::Buffer,
+    rays: wgpu::Buffer,
+    irradiance_history: wgpu::Buffer,
+    distance_history: wgpu::Buffer,
+    states: wgpu::Buffer,
+    trends: wgpu::Buffer,
+    changes_info: wgpu::Buffer,
+    places: wgpu::Buffer,
+    sight_bits: wgpu::Buffer,
+    ambient_cubes: wgpu::Buffer,
+    irradiance_atlas: wgpu::Texture,
+    distance_atlas: wgpu::Texture,
+    irradiance_view: wgpu::TextureView,
+    distance_view: wgpu::TextureView,
+    sampler: wgpu::Sampler,
+}
+
+impl ProbeField {
+    /// # Errors
+    /// [`ProbeFieldError`] when the adapter cannot hold it; nothing is allocated then.
+    pub fn new(
+        gpu: &Gpu,
+        volume: Volume,
+        parameters: &ProbeParameters,
+    ) -> Result<Self, ProbeFieldError> {
+        // Where nobody has asked for so many bits, distances are guessed from, as with large cages.
+        let sight = Sight::new(&volume, parameters).filter(|sight| {
+            parameters.visibility == Visibility::Exact
+                || gpu.check_buffer(SIGHT, sight.bytes()).is_ok()
+        });
+        let twins = sight.as_ref().is_some_and(Sight::twins);
+        let slots = volume.slots() * if twins { 2 } else { 1 };
+        let atlas = AtlasLayout::new(
+            slots,
+            parameters,
+            sight.is_none(),
+            gpu.limits.max_texture_dimension_2d,
+            gpu.limits.max_texture_array_layers,
+        )?;
+        let memory = ProbeMemory {
+            sight: sight.as_ref().map_or(0, Sight::bytes),
+            ..atlas.memory(parameters.rays)
+        };
+        let parts = [
+            (SIGHT, memory.sight),
+            ("the rays of all probes (probes.rays)", memory.rays),
+            (
+                "the irradiance history of all probes",
+                memory.irradiance_history,
+            ),
+            (
+                "the distance history of all probes",
+                memory.distance_history,
+            ),
+        ];
+        for (what, bytes) in parts {
+            gpu.check_buffer(what, bytes)?;
+        }
+        let what = format!("a layout of {} probes", volume.slots());
+        gpu.making(&what, memory.total(), || {
+            Self::make(gpu, volume, sight, atlas, memory, parameters)
+        })
+    }
+
+    fn make(
+        gpu: &Gpu,
+        volume: Volume,
+        sight: Option<Sight>,
+        atlas: AtlasLayout,
+        memory: ProbeMemory,
+        parameters: &ProbeParameters,
+    ) -> Result<Self, ProbeFieldError> {
+        let texture = |label, texels| {
+            let format = wgpu::TextureFormat::Rgba16Float;
+            gpu.texture(label, atlas.texture_extent(texels), format)
+        };
+        let irradiance_atlas = texture("irradiance_atlas", atlas.irradiance_texels)?;
+        let distance_atlas = texture("distance_atlas", atlas.distance_texels)?;
+        let places = gpu.storage_buffer("probe_places", memory.places)?;
+        // Until pass `probes/classify` looks, all probes stand on the lattice and are thought alive.
+        let lattice: Vec<[f32; 4]> = (0..volume.slots())
+            .map(|slot| volume.position(slot).extend(1.0).to_array())
+            .collect();
+        gpu.queue
+            .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
+        Ok(Self {
+            sight,
+            sight_bits: gpu.storage_buffer("probe_sight", memory.sight)?,
+            ambient_cubes: gpu.storage_buffer("ambient_cubes", memory.ambient_cubes)?,
+            changes: Changes::default(),
+            plan: UpdateSchedule::new(gpu, atlas.slots, parameters.rays)?,
+            places,
+            info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
+            ray_directions: gpu
+                .storage_buffer("ray_directions", u64::from(parameters.rays) * 16)?,
+            rays: gpu.storage_buffer("probe_rays", memory.rays)?,
+            irradiance_history: gpu
+                .storage_buffer("irradiance_history", memory.irradiance_history)?,
+            distance_history: gpu.storage_buffer("distance_history", memory.distance_history)?,
+            states: gpu.storage_buffer("probe_states", memory.states)?,
+            trends: gpu.storage_buffer("probe_trends", memory.trends)?,
+            changes_info: gpu.uniform_buffer("changes", &GpuChanges::default()),
+            irradiance_view: layers_of(&irradiance_atlas),
+            distance_view: layers_of(&distance_atlas),
+            irradiance_atlas,
+            distance_atlas,
+            sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("probe_sampler"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+            rays_per_probe: parameters.rays,
+            distance_sharpness: parameters.distance_sharpness,
+            contact: parameters.contact == Contact::On,
+            motion: Motion::new(&volume),
+            volume,
+            atlas,
+            memory,
+        })
+    }
+
+    /// Moves a volume that follows the camera, before frame `frame`. Returns whether that leaves
+    /// nothing of what the probes knew: the next frame is the first one then.
+    pub fn follow(&mut self, eye_ws: Vec3, frame: u64) -> bool {
+        self.motion.follow(&mut self.volume, eye_ws, frame)
+    }
+
+    /// Probes that the last move has made new.
+    pub fn fresh(&self) -> u32 {
+        self.motion.fresh()
+    }
+
+    /// Voxels of a box (grid space, from low to high corner) have changed: the passes `probes/classify` and
+    /// `probe_sight` look there before the probes' next update.
+    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
+        self.plan.change(low_gs, high_gs);
+    }
+
+    /// Whether those passes have probes to place.
+    pub fn misplaced(&self) -> bool {
+        self.plan.has_changed() || self.fresh() > 0
+    }
+
+    /// They have been recorded.
+    pub fn set_placed(&mut self) {
+        self.plan.forget_changes();
+    }
+
+    /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
+    /// the probes: the writes take effect at its start.
+    ///
+    /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
+    /// time when this one was made.
+    pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
+        let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
+        gpu.queue
+            .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));
+        let info = GpuProbeInfo::new(self, parameters, frame);
+        gpu.queue
+            .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
+        let directions: Vec<[f32; 4]> = sampling::directions(self.rays_per_probe, seed, frame)
+            .map(|direction| direction.as_vec3().extend(0.0).to_array())
+            .collect();
+        gpu.queue
+            .write_buffer(&self.ray_directions, 0, bytemuck::cast_slice(&directions));
+        self.plan.begin_frame(gpu, parameters, &self.changes, frame);
+    }
+
+    /// Whether probes know by marching what they see: see [`Sight::new`].
+    pub fn exact(&self) -> bool {
+        self.sight.is_some()
+    }
+
+    /// Whether probes keep how far they see: nobody asks under exact visibility.
+    pub fn keeps_distances(&self) -> bool {
+        self.atlas.distance_texels > 0
+    }
+
+    /// What of what they see the probes keep.
+    pub fn sight(&self) -> Option<&Sight> {
+        self.sight.as_ref()
+    }
+
+    /// The bits of [`Self::sight`], words of 32.
+    pub fn sight_bits(&self) -> &wgpu::Buffer {
+        &self.sight_bits
+    }
+
+    /// Workgroups that the due probes take, as pass `probes/schedule` writes them: those of pass `probes/trace`
+    /// at [`Self::RAYS_OFFSET`], those of passes with one for each at [`Self::PROBES_OFFSET`].
+    pub fn dispatch(&self) -> &wgpu::Buffer {
+        self.plan.dispatch()
+    }
+
+    /// Bytes in [`Self::dispatch`].
+    pub const RAYS_OFFSET: u64 = 0;
+    pub const PROBES_OFFSET: u64 = 16;
+
+    /// Slots that the last update was for, in no particular order.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn due(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        self.plan.due(gpu)
+    }
+
+    /// Where each probe stands (world space; XYZ), and whether it gives light (W: 0 if not, 2 if it has a twin, else 1).
+    pub fn places(&self) -> &wgpu::Buffer {
+        &self.places
+    }
+
+    pub fn volume(&self) -> &Volume {
+        &self.volume
+    }
+
+    pub(super) fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    pub fn atlas(&self) -> &AtlasLayout {
+        &self.atlas
+    }
+
+    /// Rays of each probe in a frame.
+    pub fn rays_per_probe(&self) -> u32 {
+        self.rays_per_probe
+    }
+
+    /// Exponent of the lobe that averages distances.
+    pub fn distance_sharpness(&self) -> u32 {
+        self.distance_sharpness
+    }
+
+    /// Radiance (linear RGB) and length (voxels; negative where it began in stone) of every ray of each
+    /// probe's last update, probe by probe: four f32 each, 0 before the first.
+    pub fn rays(&self) -> &wgpu::Buffer {
+        &self.rays
+    }
+
+    /// What lies in f32 between frames, with names: light, distances, and what is known of their changes.
+    pub fn histories(&self) -> [(&'static str, &wgpu::Buffer); 4] {
+        [
+            ("the rays of probes", &self.rays),
+            ("the irradiance history", &self.irradiance_history),
+            ("the distance history", &self.distance_history),
+            ("the trends of probes", &self.trends),
+        ]
+    }
+
+    /// What each probe gives to faces of voxels: `shaders/probes/probe_cube.wesl`, halves throughout.
+    pub fn ambient_cubes(&self) -> &wgpu::Buffer {
+        &self.ambient_cubes
+    }
+
+    /// Irradiance over π (RGB) and whether the probe gives light (A): rgba16float.
+    pub fn irradiance_atlas(&self) -> &wgpu::Texture {
+        &self.irradiance_atlas
+    }
+
+    /// Mean distance (R) and mean of squares (G) in units of the longest distance and its square:
+    /// rgba16float; one texel where [`Self::keeps_distances`] says no.
+    pub fn distance_atlas(&self) -> &wgpu::Texture {
+        &self.distance_atlas
+    }
+
+    /// How many probes are in each state, and were due in the last update.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn state_counts(&self, gpu: &Gpu) -> Result<StateCounts, GpuError> {
+        self.plan.count(gpu, &self.states, self.volume.slots())
+    }
+
+    /// How often each probe has been updated since it was new; 0 for one in stone.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        let states: Vec<[u32; 4]> = gpu.read_buffer(&self.states)?;
+        let probes = states.iter().take(self.volume.slots() as usize);
+        Ok(probes.map(|[updates, ..]| *updates).collect())
+    }
+
+    /// Bytes of GPU memory.
+    pub fn memory(&self) -> ProbeMemory {
+        self.memory
+    }
+}
+
+fn layers_of(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}

@@ -1,0 +1,103 @@
+//! What every pass knows of the probe field.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::{GpuProbeLevel, ProbeField, level::LEVELS};
+use crate::{
+    parameters::{LongRays, ProbeParameters, Relocation, Visibility},
+    probes::{Layout as _, Sight},
+};
+
+/// `ProbeInfo` of `shaders/probes/field.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuProbeInfo {
+    pub levels: [GpuProbeLevel; LEVELS],
+    pub counts: [u32; 3],
+    pub slots: u32,
+    pub level_count: u32,
+    pub level_slots: u32,
+    pub rays: u32,
+    pub columns_log2: u32,
+    pub rows_log2: u32,
+    pub irradiance_texels: f32,
+    pub irradiance_scale: [f32; 2],
+    pub distance_scale: [f32; 2],
+    pub distance_texels: f32,
+    pub reject_longer: u32,
+    pub normal_bias: f32,
+    pub view_bias: f32,
+    pub wrap_offset: f32,
+    pub crush: f32,
+    pub visibility: u32,
+    pub chebyshev_power: f32,
+    pub chebyshev_floor: f32,
+    pub least_weight: f32,
+    pub hysteresis: f32,
+    pub warmup_frames: u32,
+    pub firefly_clamp: f32,
+    pub move_reach: f32,
+    pub lattice_slots: u32,
+    pub sight_lattice_words: u32,
+    pub twin_share: f32,
+    pub pad: u32,
+}
+
+/// Share of its history that a probe keeps at most. When nothing has changed for long there is nothing to follow.
+fn hysteresis(parameters: &ProbeParameters, stillness: f32) -> f32 {
+    let still = parameters.still_hysteresis.max(parameters.hysteresis);
+    parameters.hysteresis + (still - parameters.hysteresis) * stillness
+}
+
+impl GpuProbeInfo {
+    /// Of a field in a frame.
+    pub(super) fn new(field: &ProbeField, parameters: &ProbeParameters, frame: u64) -> Self {
+        let (volume, atlas) = (field.volume(), field.atlas());
+        let sight = field.sight();
+        let scale = |texels: u32| {
+            let [width, height, _] = atlas.texture_extent(texels);
+            [1.0 / width as f32, 1.0 / height as f32]
+        };
+        Self {
+            levels: GpuProbeLevel::all(volume, field.motion(), sight, parameters, frame),
+            counts: volume.counts().to_array(),
+            slots: atlas.slots,
+            level_count: volume.levels().len() as u32,
+            level_slots: volume.level_slots(),
+            rays: field.rays_per_probe(),
+            columns_log2: atlas.columns_log2,
+            rows_log2: atlas.rows_log2,
+            irradiance_texels: atlas.irradiance_texels as f32,
+            irradiance_scale: scale(atlas.irradiance_texels),
+            distance_scale: scale(atlas.distance_texels),
+            distance_texels: atlas.distance_texels as f32,
+            reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
+            normal_bias: parameters.normal_bias,
+            view_bias: parameters.view_bias,
+            wrap_offset: parameters.wrap_offset,
+            crush: parameters.crush,
+            visibility: match parameters.visibility {
+                Visibility::None => 0,
+                // Where it is not exact, or cannot be.
+                Visibility::Chebyshev | Visibility::Exact | Visibility::Auto => 1,
+            },
+            chebyshev_power: parameters.chebyshev_power,
+            chebyshev_floor: parameters.chebyshev_floor,
+            least_weight: parameters.least_weight,
+            hysteresis: hysteresis(parameters, field.changes.stillness()),
+            warmup_frames: parameters.warmup_frames,
+            firefly_clamp: parameters.firefly_clamp,
+            move_reach: match parameters.relocation {
+                Relocation::Off => 0.0,
+                Relocation::Exact | Relocation::Statistical => parameters.move_reach,
+            },
+            lattice_slots: volume.slots(),
+            sight_lattice_words: sight.map_or(0, Sight::lattice_words),
+            twin_share: match sight {
+                Some(sight) if sight.twins() => parameters.twin_share,
+                _ => 1.0,
+            },
+            pad: 0,
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! A level of the probe field as shaders read it.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::{
+    parameters::{LongRays, ProbeParameters, Relocation},
+    probes::{Level, Motion, Sight, Volume, volume::MAX_LEVELS},
+};
+
+/// Room for the levels of a volume.
+pub const LEVELS: usize = MAX_LEVELS as usize;
+
+/// `ProbeLevel` of `shaders/probes/field.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuProbeLevel {
+    pub first_ws: [f32; 3],
+    pub first_slot: u32,
+    pub spacing: [f32; 3],
+    pub longest: f32,
+    pub inverse_spacing: [f32; 3],
+    pub fade: f32,
+    pub middle_ws: [f32; 3],
+    pub age: u32,
+    pub reach: [f32; 3],
+    pub sight_first_word: u32,
+    pub anchor_ws: [f32; 3],
+    pub sight_words: u32,
+    pub base: [i32; 3],
+    pub sight_row: u32,
+    pub wrap: [u32; 3],
+    pub sight_layer: u32,
+    pub base_before: [i32; 3],
+    pub _pad4: u32,
+    pub inwards_ws: [f32; 3],
+    pub _pad5: u32,
+    pub sight_counts: [u32; 3],
+    pub _pad6: u32,
+}
+
+/// A place that all probes lie on the same side of.
+const FAR: f32 = 1e30;
+
+impl GpuProbeLevel {
+    /// The levels of a volume in a frame; those that it does not have are 0.
+    pub fn all(
+        volume: &Volume,
+        motion: &Motion,
+        sight: Option<&Sight>,
+        parameters: &ProbeParameters,
+        frame: u64,
+    ) -> [Self; LEVELS] {
+        // As the source rejects: what no cage can ask for, however far its probe has moved.
+        let longest = match (parameters.long_rays, parameters.relocation) {
+            (LongRays::Clamp, _) => parameters.distance_clamp,
+            (LongRays::Reject, Relocation::Off) => 1.0,
+            (LongRays::Reject, _) => 1.0 + parameters.move_reach,
+        };
+        let mut all = [Self::default(); LEVELS];
+        let levels = volume.levels().iter().zip(motion.before().levels());
+        for (index, (gpu_level, (level, before))) in all.iter_mut().zip(levels).enumerate() {
+            let seen = sight.map(|sight| sight.boxes()[index]);
+            *gpu_level = Self {
+                sight_first_word: seen.map_or(0, |seen| seen.first_word),
+                sight_row: seen.map_or(0, |seen| seen.bricks().x),
+                sight_layer: seen.map_or(0, |seen| seen.bricks().x * seen.bricks().y),
+                sight_words: seen.map_or(0, |seen| seen.words()),
+                sight_counts: seen.map_or([0; 3], |seen| seen.counts.to_array()),
+                longest: longest * level.cage_diagonal(),
+                fade: volume.fade(parameters.cascade_fade),
+                age: motion.age(index, frame),
+                ..Self::new(level, before, volume.moves())
+            };
+        }
+        all
+    }
+
+    /// The place of a level, and where it was `before`; the rest is 0. Of a volume that `moves` where a
+    /// probe in stone goes must not depend on where the window is.
+    fn new(level: &Level, before: &Level, moves: bool) -> Self {
+        Self {
+            first_ws: level.first().to_array(),
+            first_slot: level.first_slot(),
+            spacing: level.spacing().to_array(),
+            inverse_spacing: level.spacing().recip().to_array(),
+            middle_ws: level.middle().to_array(),
+            reach: level.reach().to_array(),
+            anchor_ws: level.anchor().to_array(),
+            base: level.base().to_array(),
+            wrap: level.wrap().to_array(),
+            base_before: before.base().to_array(),
+            inwards_ws: if moves {
+                [FAR; 3]
+            } else {
+                level.middle().to_array()
+            },
+            ..Self::default()
+        }
+    }
+}

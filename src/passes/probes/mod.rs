@@ -1,0 +1,19 @@
+//! The field of probes: which are updated, what their rays find, and the maps that keep it.
+
+pub mod blend;
+mod changes;
+pub mod classify;
+mod field;
+mod info;
+mod level;
+pub mod schedule;
+pub mod seed;
+pub mod trace;
+mod update_schedule;
+pub mod visibility;
+
+pub use changes::{GpuChanges, GpuEditSphere};
+pub use field::{ProbeField, ProbeFieldError};
+pub use info::GpuProbeInfo;
+pub use level::GpuProbeLevel;
+pub use update_schedule::{GpuUpdateSchedule, StateCounts};

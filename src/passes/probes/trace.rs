@@ -1,0 +1,52 @@
+//! Pass `probes/trace`: every ray of the probes that are due, shaded where it hits.
+
+use super::ProbeField;
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
+
+pub struct ProbeTrace {
+    kernel: Kernel,
+    bindings: Bindings,
+    most: [u32; 2],
+    dispatch: wgpu::Buffer,
+}
+
+impl ProbeTrace {
+    /// `resources` are those of the voxels, the lights and the materials.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(
+        gpu: &Gpu,
+        field: &ProbeField,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, GpuError> {
+        let mut overrides = vec![("COHERENT", 0.0)];
+        overrides.extend(field.light_constants());
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "probes/trace",
+                overrides: &overrides,
+                ..Default::default()
+            },
+        )?;
+        let mut all = resources.to_vec();
+        all.extend(field.resources());
+        all.push(("probe_rays_out", field.rays().as_entire_binding()));
+        // The buffer of the rays fits a binding, so that their number fits an u32.
+        let rays = field.atlas().slots * field.rays_per_probe();
+        let groups = rays.div_ceil(kernel.workgroup_size[0]);
+        Ok(Self {
+            bindings: kernel.bind(gpu, &all),
+            kernel,
+            most: rectangle(groups),
+            dispatch: field.dispatch().clone(),
+        })
+    }
+
+    /// After pass `probes/schedule`.
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        let due = (&self.dispatch, ProbeField::RAYS_OFFSET);
+        recorder.run_indirect(&self.kernel, &self.bindings, self.most, due);
+    }
+}

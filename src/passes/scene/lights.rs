@@ -1,0 +1,35 @@
+//! Lamps, sun and sky on the GPU.
+
+use crate::{
+    gpu::Gpu,
+    lights::{self, Lights},
+};
+
+/// The binding of `shaders/scene/lights.wesl`.
+pub struct GpuLights {
+    pub buffer: wgpu::Buffer,
+}
+
+impl GpuLights {
+    /// Dark until [`set`](Self::set).
+    pub fn new(gpu: &Gpu) -> Self {
+        Self {
+            buffer: gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("lights"),
+                size: lights::table::BYTES as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+        }
+    }
+
+    /// What the next frames are lit by.
+    pub fn set(&self, gpu: &Gpu, lights: &Lights) {
+        gpu.queue.write_buffer(&self.buffer, 0, &lights.to_bytes());
+    }
+
+    /// What the shaders bind by name.
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 1] {
+        [("lights", self.buffer.as_entire_binding())]
+    }
+}

@@ -1,0 +1,13 @@
+//! What is seen and what lights it: voxels, materials, lights, emissive faces.
+
+pub mod distances;
+mod emitters;
+mod lights;
+mod materials;
+pub mod voxelise;
+mod voxels;
+
+pub use emitters::GpuEmitters;
+pub use lights::GpuLights;
+pub use materials::GpuMaterials;
+pub use voxels::{GpuVoxels, MemoryUse};

@@ -1,0 +1,373 @@
+//! Pass `scene/voxelise`: the world's shape, rules and features into the brick map, on the GPU.
+//!
+//! `classify` decides every cell that the shape's bound decides at its centre and lists the others;
+//! `stone` finds which of their voxels are stone; `survey` gives buried cells their material and
+//! lists those beside air; `exposed` settles the ones of a single material; `fill` makes the bricks
+//! of all that is left, and `place` enters them into the grid. The counts are read back between them, so that every buffer has the size
+//! that it needs, and so that the work goes out in slices: no dispatch holds the GPU for long.
+//!
+//! What becomes of what is defined in `world::generate`, the CPU's reference.
+
+use std::time::{Duration, Instant};
+
+use bytemuck::{Pod, Zeroable};
+use glam::UVec3;
+
+use super::GpuVoxels;
+use super::voxels::{GpuGridInfo, MASK_BYTES, MATERIAL_BYTES};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing};
+use crate::world::World;
+use crate::world::generate::FeatureBins;
+use crate::world::noise::NoiseBank;
+use crate::world::sdf::shape_module;
+use crate::world::voxels::{CELL, grid_cells};
+
+/// `Job` of `shaders/scene/voxelise_job.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuVoxeliseJob {
+    pub size: [u32; 3],
+    pub first: u32,
+    pub cells: [u32; 3],
+    pub end: u32,
+    pub rows_at: u32,
+    pub parts_at: u32,
+    pub part_count: u32,
+    pub all_stone: u32,
+    pub entry_count: u32,
+    /// A uniform struct's size is a multiple of 16 bytes.
+    pub padding: [u32; 3],
+}
+
+/// `Counters` of `shaders/scene/voxelise_job.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuVoxeliseCounters {
+    pub candidates: u32,
+    pub mixed: u32,
+    pub exposed: u32,
+    pub varied: u32,
+    pub bricks: u32,
+}
+
+/// Bytes of a stone record: its cell and sixteen mask words.
+const RECORD_BYTES: u64 = 17 * 4;
+
+/// Bytes of an entry of `fill`.
+const ENTRY_BYTES: u64 = 8;
+
+/// The entry points in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Classify,
+    Stone,
+    Survey,
+    Exposed,
+    Fill,
+    Place,
+}
+
+/// What voxelisation did and took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VoxeliseReport {
+    /// Sum of the dispatches; none where the adapter cannot time them.
+    pub gpu_ms: Option<f64>,
+    /// Its parts: classify, stone, survey, exposed, fill, place.
+    pub stages_ms: [f64; 6],
+    /// From start to end, compilation left out, read-backs of counts included.
+    pub wall_ms: f64,
+    /// Cells that had to be looked into.
+    pub candidates: u32,
+    /// Bricks in use.
+    pub bricks: u32,
+    /// Greatest sum of the buffers held at a time.
+    pub peak_bytes: u64,
+}
+
+/// The kernels for one world.
+pub struct Voxelise {
+    classify: Kernel,
+    stone: Kernel,
+    survey: Kernel,
+    exposed: Kernel,
+    fill: Kernel,
+    place: Kernel,
+}
+
+impl Voxelise {
+    /// Compiles the world's shape.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(gpu: &Gpu, world: &World) -> Result<Self, GpuError> {
+        let module = shape_module(world);
+        let kernel = |entry| {
+            Kernel::new(
+                gpu,
+                &KernelSpec {
+                    shader: "scene/voxelise",
+                    entry,
+                    generated: &[("shape", &module)],
+                    ..Default::default()
+                },
+            )
+        };
+        Ok(Self {
+            classify: kernel("classify")?,
+            stone: kernel("stone")?,
+            survey: kernel("survey")?,
+            exposed: kernel("exposed")?,
+            fill: kernel("fill")?,
+            place: kernel("place")?,
+        })
+    }
+
+    /// Builds the brick map of the world that the kernels were compiled for. Its distances are left
+    /// to the pass `scene/distances`.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] before anything too large is allocated, [`GpuError::Device`].
+    pub fn run(&self, gpu: &Gpu, world: &World) -> Result<(GpuVoxels, VoxeliseReport), GpuError> {
+        let start = Instant::now();
+        let cells = grid_cells(world.size).to_array().map(u64::from);
+        let grid_bytes = cells.iter().product::<u64>().saturating_mul(4);
+        gpu.check_buffer("grid", grid_bytes)?;
+        let mut work = Work::new(gpu, world)?;
+        let mut held = Memory::default();
+        // Fits, because the grid does.
+        let touched = work.cells.element_product();
+        let list_bytes = u64::from(touched) * 4;
+        let grid = held.take(gpu, "grid", grid_bytes)?;
+        let tables = NoiseBank::new(&world.noises).packed_tables();
+        let tables = gpu.storage_buffer_of("noise_tables", &tables)?;
+        let features = gpu.storage_buffer_of("features", &work.features)?;
+        held.note(tables.size() + features.size());
+        let info = gpu.uniform_buffer("grid_info", &GpuGridInfo::new(world.size, world.origin));
+        let candidates = held.take(gpu, "candidates", list_bytes)?;
+        let (job, counters) = (work.job_buffer.clone(), work.counters.clone());
+        let common = [
+            ("grid_info", info.as_entire_binding()),
+            ("job", job.as_entire_binding()),
+            ("counters", counters.as_entire_binding()),
+            ("cell_words", grid.as_entire_binding()),
+            ("noise_tables", tables.as_entire_binding()),
+            ("features", features.as_entire_binding()),
+        ];
+        let bind = |kernel: &Kernel, more: &[(&'static str, &wgpu::Buffer)]| {
+            let more = more
+                .iter()
+                .map(|(name, buffer)| (*name, buffer.as_entire_binding()));
+            kernel.bind(gpu, &common.iter().cloned().chain(more).collect::<Vec<_>>())
+        };
+
+        let bindings = bind(&self.classify, &[("candidates", &candidates)]);
+        work.dispatch(
+            Stage::Classify,
+            &self.classify,
+            &bindings,
+            touched.div_ceil(64),
+        )?;
+        let counted = work.counted()?;
+
+        let candidate_count = u64::from(counted.candidates);
+        let stone_records = held.take(gpu, "stone records", candidate_count * RECORD_BYTES)?;
+        let mixed = held.take(gpu, "mixed cells", candidate_count * ENTRY_BYTES)?;
+        let lists = [
+            ("candidates", &candidates),
+            ("stone_records", &stone_records),
+            ("entries", &mixed),
+        ];
+        let bindings = bind(&self.stone, &lists);
+        work.dispatch(Stage::Stone, &self.stone, &bindings, counted.candidates)?;
+        held.release(candidates);
+
+        let exposed_cells = held.take(gpu, "exposed cells", list_bytes)?;
+        let lists = [
+            ("stone_records", &stone_records),
+            ("exposed_cells", &exposed_cells),
+        ];
+        let bindings = bind(&self.survey, &lists);
+        work.dispatch(Stage::Survey, &self.survey, &bindings, touched.div_ceil(64))?;
+        let counted = work.counted()?;
+
+        let varied = held.take(
+            gpu,
+            "varied cells",
+            u64::from(counted.exposed) * ENTRY_BYTES,
+        )?;
+        let [records, cells] = lists;
+        let bindings = bind(&self.exposed, &[records, cells, ("entries", &varied)]);
+        work.dispatch(Stage::Exposed, &self.exposed, &bindings, counted.exposed)?;
+        held.release(exposed_cells);
+        let counted = work.counted()?;
+
+        let bricks = u64::from(counted.mixed) + u64::from(counted.varied);
+        let masks = held.take(gpu, "masks", bricks * MASK_BYTES)?;
+        let materials = held.take(gpu, "voxel_materials", bricks * MATERIAL_BYTES)?;
+        let parts = [(&mixed, counted.mixed, 0), (&varied, counted.varied, 1)];
+        // All bricks before any is placed: until then the grid tells where stone is.
+        for stage in [Stage::Fill, Stage::Place] {
+            for (entries, count, all_stone) in parts {
+                work.job.all_stone = all_stone;
+                work.job.entry_count = count;
+                let records = ("stone_records", &stone_records);
+                if stage == Stage::Fill {
+                    let bricks = [("masks_out", &masks), ("materials_out", &materials)];
+                    let lists = [records, ("entries", entries), bricks[0], bricks[1]];
+                    work.dispatch(stage, &self.fill, &bind(&self.fill, &lists), count)?;
+                } else {
+                    let bindings = bind(&self.place, &[records, ("entries", entries)]);
+                    work.dispatch(stage, &self.place, &bindings, count.div_ceil(64))?;
+                }
+            }
+        }
+        let counted = work.counted()?;
+
+        let report = VoxeliseReport {
+            gpu_ms: work.timing.supported().then(|| work.stages_ms.iter().sum()),
+            stages_ms: work.stages_ms,
+            wall_ms: start.elapsed().as_secs_f64() * 1e3,
+            candidates: counted.candidates,
+            bricks: counted.bricks,
+            peak_bytes: held.peak,
+        };
+        let voxels = GpuVoxels {
+            size: world.size,
+            origin: world.origin,
+            info,
+            grid,
+            masks,
+            materials,
+        };
+        Ok((voxels, report))
+    }
+}
+
+/// Sums of the buffers in use.
+#[derive(Default)]
+struct Memory {
+    now: u64,
+    peak: u64,
+}
+
+impl Memory {
+    fn take(&mut self, gpu: &Gpu, label: &str, bytes: u64) -> Result<wgpu::Buffer, GpuError> {
+        let buffer = gpu.storage_buffer(label, bytes)?;
+        self.note(buffer.size());
+        Ok(buffer)
+    }
+
+    fn note(&mut self, bytes: u64) {
+        self.now += bytes;
+        self.peak = self.peak.max(self.now);
+    }
+
+    fn release(&mut self, buffer: wgpu::Buffer) {
+        self.now -= buffer.size();
+        buffer.destroy();
+    }
+}
+
+/// Sends a kernel's workgroups out in slices and sums their times.
+struct Work<'a> {
+    gpu: &'a Gpu,
+    timing: Timing,
+    stages_ms: [f64; 6],
+    job: GpuVoxeliseJob,
+    job_buffer: wgpu::Buffer,
+    counters: wgpu::Buffer,
+    cells: UVec3,
+    /// The bins' offsets, their rows and the parts, as the shader reads them.
+    features: Vec<u32>,
+}
+
+/// Slices double while they take less than half of this, and halve above it: far enough below the
+/// 50 ms after which a slow device would be felt, because cells differ in their cost.
+const SLICE: Duration = Duration::from_millis(30);
+/// Slices do not shrink below this many workgroups: software devices take some 5 ms to begin one.
+const SMALLEST_SLICE: u32 = 8;
+/// Workgroups of a kernel's first slice.
+const FIRST_SLICE: u32 = 64;
+/// Workgroups along x; more go into further rows.
+const ROW: u32 = 32_768;
+
+impl<'a> Work<'a> {
+    fn new(gpu: &'a Gpu, world: &World) -> Result<Self, GpuError> {
+        let bins = FeatureBins::new(&world.features, world.origin, world.size);
+        let mut job = GpuVoxeliseJob {
+            size: world.size.to_array(),
+            cells: world.size.map(|n| n.div_ceil(CELL)).to_array(),
+            part_count: world.features.len() as u32,
+            ..Default::default()
+        };
+        let mut features = Vec::new();
+        if !world.features.is_empty() {
+            let (offsets, rows) = bins.rows();
+            features.extend_from_slice(offsets);
+            job.rows_at = features.len() as u32;
+            features.extend_from_slice(rows);
+            job.parts_at = features.len() as u32;
+            for part in &world.features {
+                features.extend(part.min.to_array().map(|n| n as u32));
+                features.push(u32::from(part.material));
+                features.extend(part.max.to_array().map(|n| n as u32));
+                features.push(u32::from(part.without_corners));
+            }
+        }
+        Ok(Self {
+            timing: Timing::new(gpu)?,
+            stages_ms: [0.0; 6],
+            job_buffer: gpu.uniform_buffer("job", &job),
+            counters: gpu.storage_buffer("counters", size_of::<GpuVoxeliseCounters>() as u64)?,
+            cells: UVec3::from_array(job.cells),
+            job,
+            features,
+            gpu,
+        })
+    }
+
+    /// Runs `count` workgroups.
+    fn dispatch(
+        &mut self,
+        stage: Stage,
+        kernel: &Kernel,
+        bindings: &Bindings,
+        count: u32,
+    ) -> Result<(), GpuError> {
+        let mut slice = FIRST_SLICE;
+        self.job.first = 0;
+        while self.job.first < count {
+            self.job.end = count.min(self.job.first.saturating_add(slice));
+            self.gpu
+                .queue
+                .write_buffer(&self.job_buffer, 0, bytemuck::bytes_of(&self.job));
+            let groups = self.job.end - self.job.first;
+            let start = Instant::now();
+            let mut recorder = Recorder::new(self.gpu, Some(&mut self.timing));
+            recorder.compute("scene/voxelise", |pass| {
+                kernel.dispatch(pass, bindings, [groups.min(ROW), groups.div_ceil(ROW), 1]);
+            });
+            recorder.submit(self.gpu)?;
+            self.gpu.wait()?;
+            while let Some(times) = self.timing.next_frame() {
+                self.stages_ms[stage as usize] += times.passes_ms.values().sum::<f64>();
+            }
+            let elapsed = start.elapsed();
+            if elapsed < SLICE / 16 {
+                slice = slice.saturating_mul(8);
+            } else if elapsed < SLICE / 2 {
+                slice = slice.saturating_mul(2);
+            } else if elapsed > SLICE {
+                slice = (slice / 2).max(SMALLEST_SLICE);
+            }
+            self.job.first = self.job.end;
+        }
+        Ok(())
+    }
+
+    fn counted(&self) -> Result<GpuVoxeliseCounters, GpuError> {
+        let words = size_of::<GpuVoxeliseCounters>() as u64;
+        let read = self.gpu.read_buffer_range(&self.counters, 0, words)?;
+        Ok(read[0])
+    }
+}

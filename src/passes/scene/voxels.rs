@@ -1,0 +1,165 @@
+//! The world on the GPU: what every pass may bind by name.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{IVec3, UVec3};
+
+use crate::{
+    gpu::{Gpu, GpuError},
+    world::voxels::{Brick, CELL, Edit, Voxels, grid_cells},
+};
+
+/// `GridInfo` of `shaders/scene/voxels.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuGridInfo {
+    pub origin_ws: [f32; 3],
+    pub shift_y: u32,
+    pub extent: [u32; 3],
+    pub shift_z: u32,
+}
+
+impl GpuGridInfo {
+    /// For a world of `size` voxels whose corner lies at `origin`.
+    pub fn new(size: UVec3, origin: IVec3) -> Self {
+        let cells = grid_cells(size);
+        let bits = cells.map(|n| n.trailing_zeros());
+        Self {
+            origin_ws: origin.as_vec3().to_array(),
+            shift_y: bits.x,
+            extent: (cells * CELL).to_array(),
+            shift_z: bits.x + bits.y,
+        }
+    }
+}
+
+/// Bytes of GPU memory, as `--json` gives them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct MemoryUse {
+    pub voxels: u64,
+    pub probes: u64,
+    pub total: u64,
+}
+
+/// The brick map on the GPU. A clone is another handle to the same buffers.
+#[derive(Clone)]
+pub struct GpuVoxels {
+    pub size: UVec3,
+    /// World space of the grid's first corner.
+    pub origin: IVec3,
+    pub info: wgpu::Buffer,
+    pub grid: wgpu::Buffer,
+    pub masks: wgpu::Buffer,
+    pub materials: wgpu::Buffer,
+}
+
+/// Bytes of a brick's masks and of its materials.
+pub const MASK_BYTES: u64 = 64;
+pub const MATERIAL_BYTES: u64 = 512;
+
+impl GpuVoxels {
+    /// Uploads the CPU's copy.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`].
+    pub fn upload(gpu: &Gpu, voxels: &Voxels, origin: IVec3) -> Result<Self, GpuError> {
+        let (grid, masks, materials) = voxels.raw();
+        let info = GpuGridInfo::new(voxels.size(), origin);
+        Ok(Self {
+            size: voxels.size(),
+            origin,
+            info: gpu.uniform_buffer("grid_info", &info),
+            grid: gpu.storage_buffer_of("grid", grid)?,
+            masks: gpu.storage_buffer_of("masks", masks)?,
+            materials: gpu.storage_buffer_of("voxel_materials", materials)?,
+        })
+    }
+
+    /// Reads the structure back, once, for collision, picking and edits.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn read_back(&self, gpu: &Gpu) -> Result<Voxels, GpuError> {
+        let cells = u64::from(grid_cells(self.size).element_product());
+        let grid = gpu.read_buffer_range(&self.grid, 0, (cells * 4).max(16))?;
+        let bricks = (self.masks.size() / MASK_BYTES).min(self.materials.size() / MATERIAL_BYTES);
+        let masks = gpu.read_buffer_range::<u32>(&self.masks, 0, bricks * MASK_BYTES)?;
+        let materials = gpu.read_buffer_range::<u8>(&self.materials, 0, bricks * MATERIAL_BYTES)?;
+        Ok(Voxels::from_raw(
+            self.size,
+            grid[..cells as usize].to_vec(),
+            masks.as_chunks::<16>().0.to_vec(),
+            materials.as_chunks::<{ size_of::<Brick>() }>().0.to_vec(),
+        ))
+    }
+
+    /// The same voxels with room for the bricks of the CPU's copy, when an edit has outgrown the
+    /// buffers: all that is bound to the old ones must then be bound to these. `None` when it has
+    /// not. Nothing of `self` is changed.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`].
+    pub fn with_room_for(&self, gpu: &Gpu, voxels: &Voxels) -> Result<Option<Self>, GpuError> {
+        let needed = voxels.raw().1.len() as u64;
+        if needed * MASK_BYTES <= self.masks.size()
+            && needed * MATERIAL_BYTES <= self.materials.size()
+        {
+            return Ok(None);
+        }
+        // Half as much again, so that digging on does not make new ones at every stroke.
+        let ample = needed * 3 / 2;
+        let fits = gpu.check_buffer("voxel_materials", ample * MATERIAL_BYTES);
+        let bricks = if fits.is_ok() { ample } else { needed };
+        let masks = gpu.storage_buffer("masks", bricks * MASK_BYTES)?;
+        let materials = gpu.storage_buffer("voxel_materials", bricks * MATERIAL_BYTES)?;
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        for (old, new) in [(&self.masks, &masks), (&self.materials, &materials)] {
+            encoder.copy_buffer_to_buffer(old, 0, new, 0, old.size());
+        }
+        gpu.queue.submit([encoder.finish()]);
+        Ok(Some(Self {
+            masks,
+            materials,
+            ..self.clone()
+        }))
+    }
+
+    /// Follows an edit of the CPU's copy: writes the bricks and the rows of the grid that it changed.
+    ///
+    /// # Panics
+    /// Without room for the bricks: see [`Self::with_room_for`].
+    pub fn write(&self, gpu: &Gpu, voxels: &Voxels, edit: &Edit) {
+        let (grid, masks, materials) = voxels.raw();
+        for brick in &edit.bricks {
+            let (index, offset) = (*brick as usize, u64::from(*brick));
+            assert!(
+                (offset + 1) * MATERIAL_BYTES <= self.materials.size(),
+                "no room for brick {brick}"
+            );
+            let mask: &[u8] = bytemuck::cast_slice(&masks[index]);
+            gpu.queue
+                .write_buffer(&self.masks, offset * MASK_BYTES, mask);
+            gpu.queue
+                .write_buffer(&self.materials, offset * MATERIAL_BYTES, &materials[index]);
+        }
+        for range in &edit.grid {
+            let words: &[u8] = bytemuck::cast_slice(&grid[range.clone()]);
+            gpu.queue
+                .write_buffer(&self.grid, range.start as u64 * 4, words);
+        }
+    }
+
+    /// The bindings of `shaders/scene/voxels.wesl`.
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
+        [
+            ("grid_info", self.info.as_entire_binding()),
+            ("grid", self.grid.as_entire_binding()),
+            ("masks", self.masks.as_entire_binding()),
+            ("voxel_materials", self.materials.as_entire_binding()),
+        ]
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.grid.size() + self.masks.size() + self.materials.size()
+    }
+}

@@ -1,0 +1,74 @@
+//! Pass `surface_cache/allocate`: which faces the camera sees or rays have asked for, and how many workgroups it takes to light them.
+
+use super::SurfaceCache;
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
+
+/// Workgroups for all faces that rays may have asked for.
+const ASKED_GROUPS: u32 = SurfaceCache::ASKED_ROOM / 64;
+
+pub struct SurfaceAllocate {
+    mark: (Kernel, Bindings),
+    asked: [(Kernel, Bindings); 3],
+    arguments: (Kernel, Bindings),
+    groups: [u32; 2],
+}
+
+impl SurfaceAllocate {
+    /// For pictures of `size` pixels. `surfaces` is what the camera rays hit; `resources` are those of the
+    /// voxels and the view.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        surfaces: &wgpu::Buffer,
+        faces: &SurfaceCache,
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, GpuError> {
+        let mut all = resources.to_vec();
+        all.extend(faces.update_resources());
+        all.push(("surfaces", surfaces.as_entire_binding()));
+        let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
+            let spec = KernelSpec {
+                shader: "surface_cache/allocate",
+                entry,
+                ..Default::default()
+            };
+            let kernel = Kernel::new(gpu, &spec)?;
+            let bindings = kernel.bind(gpu, &all);
+            Ok((kernel, bindings))
+        };
+        let mark = entry("mark")?;
+        // One thread for four pixels.
+        let [columns, rows] = mark.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
+        Ok(Self {
+            mark,
+            asked: [
+                entry("claim_asked")?,
+                entry("take_asked")?,
+                entry("mark_asked")?,
+            ],
+            arguments: entry("arguments")?,
+            groups: rectangle(columns * rows),
+        })
+    }
+
+    /// After pass `view/camera_rays`.
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        let (kernel, bindings) = &self.mark;
+        recorder.run(kernel, bindings, self.groups);
+    }
+
+    /// The faces that rays have asked for, and then how much there is to do in all. After
+    /// [`record`](Self::record), before pass `surface_cache/trace`.
+    pub fn record_asked(&self, recorder: &mut Recorder<'_>) {
+        let (arguments, bindings) = &self.arguments;
+        recorder.compute(&arguments.label, |pass| {
+            for (kernel, bindings) in &self.asked {
+                kernel.dispatch(pass, bindings, [ASKED_GROUPS, 1, 1]);
+            }
+            arguments.dispatch(pass, bindings, [1, 1, 1]);
+        });
+    }
+}

@@ -1,0 +1,320 @@
+//! Faces of voxels that have light of their own: what passes `surface_cache/allocate`, `surface_cache/trace`, `surface_cache/resolve` and `view/shade`
+//! share.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::{
+    gpu::{Gpu, GpuError, rectangle},
+    parameters::{FinalGather, ProbeParameters},
+    probes::Changes,
+};
+
+/// `FaceInfo` of `shaders/surface_cache/table.wesl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuSurfaceCacheInfo {
+    pub edited_low_gs: [f32; 3],
+    pub frame: u32,
+    pub edited_high_gs: [f32; 3],
+    pub edited_frame: u32,
+    pub bucket_mask: u32,
+    pub most_batches: u32,
+    pub rays_rows: u32,
+    pub blend_rows: u32,
+    pub most_samples: f32,
+    pub widest_pixel: f32,
+    pub seed: u32,
+    pub alert: f32,
+    pub stillness: f32,
+    pub near: f32,
+    pub changed_frame: u32,
+    pub padding: u32,
+}
+
+/// Faces that look the same way and have a place in the table.
+const BUCKETS: u32 = 1 << 16;
+/// Ways that faces look.
+const FACINGS: u32 = 6;
+/// Batches of rays that faces can send in a frame.
+const MOST_BATCHES: u32 = 1 << 17;
+/// `FACE_RAYS` of the same, and bytes of each.
+const FACE_RAYS: u32 = 32;
+const RAY_BYTES: u64 = 8;
+/// Pixels of the picture for each batch of a frame, where that gives more than the least: in software, where each ray
+/// is waited for, a small picture is not to cost as much as a large one.
+const PIXELS_A_BATCH: u32 = 8;
+const LEAST_BATCHES: u32 = 1 << 15;
+const LEAST_IN_SOFTWARE: u32 = 1 << 12;
+/// Threads of a workgroup of pass `surface_cache/trace`.
+const RAYS_A_GROUP: u32 = 64;
+/// Faces of a workgroup of pass `surface_cache/resolve`.
+const FACES_A_GROUP: u32 = 16;
+/// Frames that probes take to settle after their warm-up.
+const SETTLING_FRAMES: u32 = 24;
+/// Rays that a quarter's light is the mean of until then, and while light changes: at full alert this many,
+/// and the more the less sure it is.
+const LEAST_SAMPLES: f32 = 64.0;
+const SAMPLES_AT_ALERT: f32 = 16.0;
+/// Voxels from an edit within which light is another at once.
+const EDIT_REACH: f32 = 3.0;
+
+/// The table, the list of a frame's faces, and what the rays of each have found.
+pub struct SurfaceCache {
+    is_used: bool,
+    entries: u32,
+    least_batches: u32,
+    most_batches: u32,
+    frame: u32,
+    /// Box of voxels (grid space, with what they reach) that edits changed for this frame or an earlier one,
+    /// and that frame.
+    edited: Option<(Vec3, Vec3, u32)>,
+    info: wgpu::Buffer,
+    table: wgpu::Buffer,
+    counts: wgpu::Buffer,
+    list: wgpu::Buffer,
+    batches: wgpu::Buffer,
+    rays: wgpu::Buffer,
+    asked: wgpu::Buffer,
+    histories: wgpu::Buffer,
+    dispatch: wgpu::Buffer,
+}
+
+impl SurfaceCache {
+    /// Bytes of `FaceBatch` of the same.
+    pub const BATCH_BYTES: u64 = 16;
+    /// Bytes of `ListedFace` of the same.
+    pub const LISTED_BYTES: u64 = 24;
+    /// Bytes of `FaceHistory` of `shaders/surface_cache/lists.wesl`.
+    pub const HISTORY_BYTES: u64 = 144;
+    /// Bytes of the `ENTRY_WORDS` of `shaders/surface_cache/table.wesl`.
+    pub const ENTRY_BYTES: u64 = 48;
+    /// `ASKED_ROOM` of the same, and bytes of its `AskedList`.
+    pub const ASKED_ROOM: u32 = 4096;
+    pub const ASKED_LIST_BYTES: u64 = 4 + 8 * Self::ASKED_ROOM as u64;
+    /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/trace`.
+    pub const RAYS_OFFSET: u64 = 0;
+    /// Byte in [`Self::dispatch`] of those of pass `surface_cache/resolve`.
+    pub const BLEND_OFFSET: u64 = 16;
+
+    /// An empty table; where there is no final gather, one that takes next to no memory.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter cannot hold it.
+    pub fn new(gpu: &Gpu, parameters: &ProbeParameters) -> Result<Self, GpuError> {
+        let is_used = parameters.final_gather == FinalGather::On;
+        let entries = FACINGS * if is_used { BUCKETS } else { 1 };
+        let all = u64::from(entries);
+        let most_batches = entries.min(MOST_BATCHES);
+        let batches = u64::from(most_batches);
+        let bytes = all * (Self::ENTRY_BYTES + Self::LISTED_BYTES + Self::HISTORY_BYTES)
+            + batches * (Self::BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
+            + Self::ASKED_LIST_BYTES;
+        let what = "the faces of the final gather (probes.final_gather)";
+        gpu.making(what, bytes, || {
+            Ok(Self {
+                is_used,
+                entries,
+                least_batches: if gpu.summary.is_software() {
+                    LEAST_IN_SOFTWARE
+                } else {
+                    LEAST_BATCHES
+                },
+                most_batches,
+                frame: 0,
+                edited: None,
+                info: gpu.uniform_buffer("face_info", &GpuSurfaceCacheInfo::default()),
+                table: gpu.storage_buffer("face_table", all * Self::ENTRY_BYTES)?,
+                counts: gpu.storage_buffer("face_counts", 16)?,
+                // Lists begin with a count.
+                list: gpu.storage_buffer("face_list", (1 + all) * Self::LISTED_BYTES)?,
+                batches: gpu.storage_buffer("face_batches", (1 + batches) * Self::BATCH_BYTES)?,
+                rays: gpu
+                    .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
+                asked: gpu.storage_buffer("asked_faces", Self::ASKED_LIST_BYTES)?,
+                histories: gpu.storage_buffer("face_histories", all * Self::HISTORY_BYTES)?,
+                dispatch: gpu.storage_buffer("face_dispatch", 32)?,
+            })
+        })
+    }
+
+    /// Whether faces are lit on their own at all.
+    pub fn is_used(&self) -> bool {
+        self.is_used
+    }
+
+    /// Voxels of a box (grid space, from low to high corner) have changed: the next frame is the first
+    /// that shows it.
+    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
+        let frame = self.frame + 1;
+        let (low, high) = (low_gs - EDIT_REACH, high_gs + EDIT_REACH);
+        self.edited = Some(match self.edited {
+            Some((known_low, known_high, known)) if known == frame => {
+                (known_low.min(low), known_high.max(high), frame)
+            }
+            _ => (low, high, frame),
+        });
+    }
+
+    /// Forgets all faces, as if the table were new.
+    pub fn forget(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        self.frame = 0;
+        self.edited = None;
+        for buffer in [&self.table, &self.histories, &self.counts, &self.asked] {
+            encoder.clear_buffer(buffer, 0, None);
+        }
+    }
+
+    /// Writes the uniform of the next frame and empties the list. Once before each submission that updates
+    /// the faces: the writes take effect at its start.
+    ///
+    /// In a picture of few pixels (`size`) faces take turns. `age` is that of the probes in frames, and `changes` says
+    /// how sure it is that light changes now: what is soon out of date counts little.
+    /// `spacing` is that of the probes (voxels).
+    pub fn begin_frame(
+        &mut self,
+        gpu: &Gpu,
+        parameters: &ProbeParameters,
+        size: [u32; 2],
+        seed: u32,
+        age: u32,
+        changes: &Changes,
+        spacing: f32,
+    ) {
+        let alert = changes.alert();
+        let settled = age >= parameters.warmup_frames + SETTLING_FRAMES;
+        let most_samples = if settled {
+            (SAMPLES_AT_ALERT / alert.max(f32::MIN_POSITIVE)).max(LEAST_SAMPLES)
+        } else {
+            LEAST_SAMPLES
+        };
+        let most_samples = most_samples.min(parameters.face_samples as f32);
+        self.frame += 1;
+        // Until the probes have settled light is not still.
+        let still_frames = if settled { changes.still_frames() } else { 0 };
+        let changed_frame = self.frame.saturating_sub(still_frames);
+        let (low, high, edited_frame) = self.edited.unwrap_or_default();
+        let info = GpuSurfaceCacheInfo {
+            edited_low_gs: low.to_array(),
+            frame: self.frame,
+            edited_high_gs: high.to_array(),
+            edited_frame,
+            bucket_mask: self.entries / FACINGS - 1,
+            most_batches: self.batches_of(size),
+            rays_rows: self.rays_most(size)[1],
+            blend_rows: self.blend_most(size)[1],
+            most_samples,
+            widest_pixel: parameters.face_pixels.recip(),
+            seed,
+            alert,
+            stillness: changes.stillness(),
+            near: parameters.near_hits * spacing,
+            changed_frame,
+            padding: 0,
+        };
+        gpu.queue
+            .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
+        // Nothing is on either list.
+        gpu.queue.write_buffer(&self.counts, 0, &[0; 8]);
+    }
+
+    /// Most batches of rays in a frame of `size` pixels.
+    fn batches_of(&self, [width, height]: [u32; 2]) -> u32 {
+        let share = width * height / PIXELS_A_BATCH;
+        self.most_batches.min(share.max(self.least_batches))
+    }
+
+    /// Most workgroups of pass `surface_cache/trace` for pictures of `size` pixels.
+    pub fn rays_most(&self, size: [u32; 2]) -> [u32; 2] {
+        rectangle((self.batches_of(size) * FACE_RAYS).div_ceil(RAYS_A_GROUP))
+    }
+
+    /// Most workgroups of pass `surface_cache/resolve` for pictures of `size` pixels: of four, one is looked at, and rays ask
+    /// for other faces.
+    pub fn blend_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+        let seen = width.div_ceil(2) * height.div_ceil(2);
+        let listed = self.entries.min(seen + Self::ASKED_ROOM);
+        rectangle(listed.div_ceil(FACES_A_GROUP))
+    }
+
+    /// Workgroups that the listed faces take, as pass `surface_cache/allocate` writes them.
+    pub fn dispatch(&self) -> &wgpu::Buffer {
+        &self.dispatch
+    }
+
+    /// The constant of kernels that shade what the camera sees.
+    pub fn constants(&self) -> [(&'static str, f64); 1] {
+        [("FINAL_GATHER", f64::from(u8::from(self.is_used)))]
+    }
+
+    /// The bindings of `shaders/surface_cache/table.wesl`: what it takes to look a face's light up.
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+        [
+            ("face_info", self.info.as_entire_binding()),
+            ("face_table", self.table.as_entire_binding()),
+        ]
+    }
+
+    /// What the passes that light faces read and write besides.
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
+        let of = wgpu::Buffer::as_entire_binding;
+        [
+            ("face_info", of(&self.info)),
+            ("face_table", of(&self.table)),
+            ("marked_table", of(&self.table)),
+            ("face_table_out", of(&self.table)),
+            ("face_counts", of(&self.counts)),
+            ("face_list_out", of(&self.list)),
+            ("face_list", of(&self.list)),
+            ("face_batches_out", of(&self.batches)),
+            ("face_batches", of(&self.batches)),
+            ("known_faces", of(&self.histories)),
+            ("face_histories", of(&self.histories)),
+            ("face_dispatch", of(&self.dispatch)),
+            // Pass `surface_cache/trace` writes these.
+            ("face_rays", of(&self.rays)),
+            ("asked_faces", of(&self.asked)),
+        ]
+    }
+
+    /// Where pass `surface_cache/trace` writes.
+    pub fn rays(&self) -> &wgpu::Buffer {
+        &self.rays
+    }
+
+    /// How many faces the last frame has listed.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn listed(&self, gpu: &Gpu) -> Result<u32, GpuError> {
+        let count: Vec<u32> = gpu.read_buffer_range(&self.counts, 0, 4)?;
+        Ok(count[0])
+    }
+
+    /// How many rays faces have sent in the last frame.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn rays_sent(&self, gpu: &Gpu) -> Result<u64, GpuError> {
+        let count: Vec<u32> = gpu.read_buffer_range(&self.batches, 0, 4)?;
+        Ok(u64::from(count[0]) * u64::from(FACE_RAYS))
+    }
+
+    /// The `FaceHistory` of every entry: [`Self::HISTORY_BYTES`] each.
+    pub fn histories(&self) -> &wgpu::Buffer {
+        &self.histories
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        let buffers = [
+            &self.table,
+            &self.list,
+            &self.batches,
+            &self.rays,
+            &self.asked,
+            &self.histories,
+        ];
+        buffers.iter().map(|buffer| buffer.size()).sum()
+    }
+}

@@ -1,0 +1,50 @@
+//! Pass `view/camera_rays`: one ray through each pixel's centre, and what it hits.
+
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder};
+
+/// The kernel and the surfaces that it writes: 8 bytes a pixel, rows from the top
+/// (`shaders/march/surface.wesl` says how to read them).
+pub struct CameraRays {
+    kernel: Kernel,
+    bindings: Bindings,
+    pub surfaces: wgpu::Buffer,
+    size: [u32; 2],
+}
+
+impl CameraRays {
+    /// Of the largest buffer that a picture takes.
+    pub const BYTES_PER_PIXEL: u64 = 8;
+
+    /// For pictures of `size` pixels. `resources` are those of the voxels and the view.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`], [`GpuError::Shader`].
+    pub fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        resources: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Self, GpuError> {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let surfaces = gpu.storage_buffer("surfaces", pixels * Self::BYTES_PER_PIXEL)?;
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "view/camera_rays",
+                ..Default::default()
+            },
+        )?;
+        let mut all = resources.to_vec();
+        all.push(("surfaces_out", surfaces.as_entire_binding()));
+        Ok(Self {
+            bindings: kernel.bind(gpu, &all),
+            kernel,
+            surfaces,
+            size,
+        })
+    }
+
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        let groups = self.kernel.groups_of(self.size);
+        recorder.run(&self.kernel, &self.bindings, groups);
+    }
+}

@@ -1,0 +1,51 @@
+//! Pass `view/shade`: lights what the camera rays hit.
+
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
+
+/// The kernel and the picture that it writes.
+pub struct Shade {
+    kernel: Kernel,
+    bindings: Bindings,
+    /// `rgba16float`: linear HDR radiance (or the view's data), alpha 1; rows from the top.
+    pub hdr: wgpu::Texture,
+}
+
+impl Shade {
+    /// For pictures of `size` pixels. `surfaces` is what the camera rays hit; `resources` are those
+    /// of the voxels, the view, the lights and the materials.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`], and [`GpuError::TooLarge`] for a picture that no texture can hold.
+    pub fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        surfaces: &wgpu::Buffer,
+        offer: &Offer<'_>,
+    ) -> Result<Self, GpuError> {
+        let format = wgpu::TextureFormat::Rgba16Float;
+        let hdr = gpu.texture("hdr", [size[0], size[1], 1], format)?;
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "view/shade",
+                offered: &offer.constants,
+                ..Default::default()
+            },
+        )?;
+        let hdr_view = hdr.create_view(&Default::default());
+        let all = offer.with([
+            ("surfaces", surfaces.as_entire_binding()),
+            ("hdr", wgpu::BindingResource::TextureView(&hdr_view)),
+        ]);
+        Ok(Self {
+            bindings: kernel.bind(gpu, &all.resources),
+            kernel,
+            hdr,
+        })
+    }
+
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        let [columns, rows] = self.kernel.groups_of([self.hdr.width(), self.hdr.height()]);
+        recorder.run(&self.kernel, &self.bindings, rectangle(columns * rows));
+    }
+}
