@@ -30,7 +30,7 @@ use crate::{
         bench::shadow_count::{self, Senders},
         probes::{ProbeField, ProbeFieldError},
         scene::{GpuLights, MemoryUse},
-        surface_cache::SurfaceCache,
+        surface_cache::{NextFrame, SurfaceCache},
         view::{Inspection, InspectionError, View},
     },
     probes::{ProbeError, Volume},
@@ -131,17 +131,14 @@ impl Frame {
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
-        let changes = &self.field.changes;
-        let spacing = self.field.volume().levels()[0].spacing().element_sum() / 3.0;
-        self.faces.begin_frame(
-            gpu,
-            probes,
-            view.size,
-            view.seed,
-            self.frames,
-            changes,
-            spacing,
-        );
+        let next = NextFrame {
+            size: view.size,
+            seed: view.seed,
+            age: self.frames,
+            changes: &self.field.changes,
+            spacing: self.field.volume().levels()[0].spacing().element_sum() / 3.0,
+        };
+        self.faces.begin_frame(gpu, probes, &next);
         if self.field.misplaced() {
             self.passes.classify.record(recorder);
             if self.field.exact() {

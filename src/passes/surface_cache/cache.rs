@@ -59,6 +59,19 @@ const SAMPLES_AT_ALERT: f32 = 16.0;
 /// Voxels from an edit within which light is another at once.
 const EDIT_REACH: f32 = 3.0;
 
+/// What the cache must know of a frame before it is recorded.
+pub struct NextFrame<'a> {
+    /// Width and height of the picture in pixels. In a small picture faces take turns.
+    pub size: [u32; 2],
+    pub seed: u32,
+    /// Frames since the probes were made.
+    pub age: u32,
+    /// How sure it is that light changes now: what is soon out of date counts little.
+    pub changes: &'a Changes,
+    /// Of the probes (voxels).
+    pub spacing: f32,
+}
+
 /// The table, the list of a frame's faces, and what the rays of each have found.
 pub struct SurfaceCache {
     is_used: bool,
@@ -167,20 +180,10 @@ impl SurfaceCache {
 
     /// Writes the uniform of the next frame and empties the list. Once before each submission that updates
     /// the faces: the writes take effect at its start.
-    ///
-    /// In a picture of few pixels (`size`) faces take turns. `age` is that of the probes in frames, and `changes` says
-    /// how sure it is that light changes now: what is soon out of date counts little.
-    /// `spacing` is that of the probes (voxels).
-    pub fn begin_frame(
-        &mut self,
-        gpu: &Gpu,
-        parameters: &ProbeParameters,
-        size: [u32; 2],
-        seed: u32,
-        age: u32,
-        changes: &Changes,
-        spacing: f32,
-    ) {
+    pub fn begin_frame(&mut self, gpu: &Gpu, parameters: &ProbeParameters, next: &NextFrame<'_>) {
+        let NextFrame {
+            size, age, changes, ..
+        } = *next;
         let alert = changes.alert();
         let settled = age >= parameters.warmup_frames + SETTLING_FRAMES;
         let most_samples = if settled {
@@ -205,10 +208,10 @@ impl SurfaceCache {
             blend_rows: self.blend_most(size)[1],
             most_samples,
             widest_pixel: parameters.face_pixels.recip(),
-            seed,
+            seed: next.seed,
             alert,
             stillness: changes.stillness(),
-            near: parameters.near_hits * spacing,
+            near: parameters.near_hits * next.spacing,
             changed_frame,
             padding: 0,
         };

@@ -5,4 +5,4 @@ mod cache;
 pub mod resolve;
 pub mod trace;
 
-pub use cache::{GpuSurfaceCacheInfo, SurfaceCache};
+pub use cache::{GpuSurfaceCacheInfo, NextFrame, SurfaceCache};
