@@ -5,7 +5,10 @@ use std::{
     sync::{Arc, Mutex},
 };
 
-use super::{GpuError, Kernel, ShaderLibrary, slices};
+use super::{
+    GpuError, Kernel, ShaderLibrary,
+    slices::{self, Pace},
+};
 
 /// Whether shader modules get the run-time checks that wgpu adds (bounds, loop counters, division).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -36,6 +39,8 @@ pub struct Gpu {
     pub(super) slice_arguments: slices::SliceArguments,
     /// What has been compiled so far, so that a resize need not compile again.
     pub(super) kernels: Arc<Mutex<HashMap<u64, Kernel>>>,
+    /// How fast each kernel is here, by [`super::KernelSpec`].
+    pub(super) paces: Arc<Mutex<HashMap<u64, Arc<Pace>>>>,
 }
 
 /// An adapter in words, as `--json` and `grotto info` print it.
@@ -215,6 +220,7 @@ impl Gpu {
             summary,
             shaders: Arc::new(ShaderLibrary::embedded()),
             kernels: Arc::default(),
+            paces: Arc::default(),
             instance,
             adapter,
             device,
@@ -245,6 +251,7 @@ impl Gpu {
         Self {
             shaders: Arc::new(shaders),
             kernels: Arc::default(),
+            paces: Arc::default(),
             ..self.clone()
         }
     }

@@ -46,12 +46,14 @@ impl KernelSpec<'_> {
 #[derive(Clone)]
 pub struct Kernel {
     pub label: String,
+    /// Of its [`KernelSpec`].
+    key: u64,
     pipeline: wgpu::ComputePipeline,
     groups: Arc<[Group]>,
     pub workgroup_size: [u32; 3],
 }
 
-/// The resources of a [`Kernel`], ready to be set, and how fast it works on them.
+/// The resources of a [`Kernel`], ready to be set, and how fast it is on this device.
 pub struct Bindings {
     groups: Vec<Option<wgpu::BindGroup>>,
     pub(super) pace: Arc<Pace>,
@@ -71,12 +73,12 @@ impl Kernel {
         if let Some(known) = cache().get(&key) {
             return Ok(known.clone());
         }
-        let compiled = Self::compile(gpu, spec)?;
+        let compiled = Self::compile(gpu, spec, key)?;
         cache().insert(key, compiled.clone());
         Ok(compiled)
     }
 
-    fn compile(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
+    fn compile(gpu: &Gpu, spec: &KernelSpec<'_>, key: u64) -> Result<Self, GpuError> {
         let composed = gpu.shaders.compose(spec.shader, spec.generated)?;
         let label = spec.shader;
         let entry = if spec.entry.is_empty() {
@@ -124,6 +126,7 @@ impl Kernel {
         }
         Ok(Self {
             label: label.to_owned(),
+            key,
             pipeline,
             groups: groups.into(),
             workgroup_size: composed.module.entry_points[index].workgroup_size,
@@ -165,13 +168,14 @@ impl Kernel {
                 entries: &entries,
             })
         };
+        let mut paces = gpu.paces.lock().expect("nobody panics holding it");
         Bindings {
+            pace: paces.entry(self.key).or_default().clone(),
             groups: self
                 .groups
                 .iter()
                 .map(|group| (!group.slots.is_empty()).then(|| bind_group(group)))
                 .collect(),
-            pace: Arc::default(),
         }
     }
 

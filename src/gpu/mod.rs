@@ -6,6 +6,7 @@ mod buffers;
 mod device;
 mod faults;
 mod kernel;
+mod learner;
 mod memory;
 mod offer;
 mod recorder;

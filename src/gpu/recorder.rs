@@ -1,12 +1,13 @@
 //! Records passes into one submission, and has them timed.
 
-use std::{mem, ops::Range, time::Instant};
+use std::{mem, ops::Range, sync::Arc, time::Instant};
 
 use wgpu_profiler::GpuProfilerQuery;
 
 use super::{
     Bindings, Gpu, GpuError, Kernel, Timing,
-    slices::{MOST_ROWS, SliceArguments, Slices},
+    learner::Learner,
+    slices::{MOST_ROWS, Pace, SliceArguments, Slices},
     timing::{Clock, WHOLE},
 };
 
@@ -22,6 +23,31 @@ pub struct Recorder<'a> {
     shared: Option<wgpu::ComputePass<'static>>,
     first_groups: u32,
     arguments: SliceArguments,
+    /// A CPU does the work: it writes its timestamps when it gets round to it.
+    is_software: bool,
+    /// Times the passes whose pace nobody else learns.
+    learner: Option<Learner>,
+    dispatches: u32,
+}
+
+/// How the pace of a kernel learns of a pass.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Learning {
+    /// Not now.
+    Not,
+    /// From the times of this recorder's [`Timing`].
+    Timed,
+    /// From two stamps of the GPU.
+    Stamped,
+    /// By waiting for the pass.
+    Waiting,
+}
+
+/// What tells when a pass begins and ends.
+enum Stamps<'a> {
+    None,
+    Query(&'a GpuProfilerQuery),
+    Own(wgpu::ComputePassTimestampWrites<'a>),
 }
 
 impl<'a> Recorder<'a> {
@@ -35,6 +61,9 @@ impl<'a> Recorder<'a> {
             shared: None,
             first_groups: gpu.first_groups,
             arguments: gpu.slice_arguments.clone(),
+            is_software: gpu.summary.is_software(),
+            learner: None,
+            dispatches: 0,
         }
     }
 
@@ -88,40 +117,72 @@ impl<'a> Recorder<'a> {
     ) {
         assert!(rows <= MOST_ROWS, "`{}` has {rows} rows", kernel.label);
         let (label, pace) = (&*kernel.label, &bindings.pace);
+        let learning = self.learning(pace);
+        if matches!(learning, Learning::Stamped | Learning::Waiting) {
+            // What runs side by side has no time of its own.
+            self.shared = None;
+        }
         let slices = Slices::new(pace, [width, rows], self.first_groups);
-        let by_the_wall = matches!(
-            self.timing.as_ref().map(|timing| &timing.clock),
-            Some(Clock::Wall { .. })
-        );
-        match indirect {
-            None if !by_the_wall => self.compute(label, |pass| {
+        let one_by_one = indirect.is_some() || self.waits() || learning == Learning::Waiting;
+        if one_by_one {
+            for slice in slices {
+                self.dispatches += 1;
+                let groups = (slice.end - slice.start) * width;
+                let learner = (learning, pace, groups);
+                let elapsed_ms = match indirect {
+                    Some(arguments) => {
+                        self.run_some_rows(kernel, bindings, slice, rows, arguments, learner)
+                    }
+                    None => self.compute_timed(label, learner, |pass| {
+                        kernel.dispatch_rows(pass, bindings, width, slice);
+                    }),
+                };
+                if let Some(elapsed_ms) = elapsed_ms {
+                    tracing::trace!("{label}: {groups} workgroups in {elapsed_ms:.1} ms");
+                    pace.learn(groups, elapsed_ms);
+                }
+            }
+        } else {
+            let slices: Vec<_> = slices.collect();
+            self.dispatches += slices.len() as u32;
+            self.compute_timed(label, (learning, pace, rows * width), |pass| {
                 for slice in slices {
                     kernel.dispatch_rows(pass, bindings, width, slice);
                 }
-            }),
+            });
+        }
+        if let (Some(timing), Learning::Timed) = (&mut self.timing, learning) {
+            let all = (pace.clone(), rows * width);
+            timing.learning.insert(label.to_owned(), all);
+        }
+    }
+
+    /// Whether the times of all passes are found by waiting for each.
+    fn waits(&self) -> bool {
+        let clock = self.timing.as_ref().map(|timing| &timing.clock);
+        matches!(clock, Some(Clock::Wall { .. }))
+    }
+
+    /// How a pass that is to run next teaches its kernel's pace.
+    fn learning(&mut self, pace: &Pace) -> Learning {
+        match self.timing.as_ref().map(|timing| &timing.clock) {
+            Some(Clock::Wall { .. }) => Learning::Waiting,
+            Some(Clock::Gpu { .. }) if self.whole.is_none() => Learning::Timed,
+            _ if !pace.is_due() => Learning::Not,
+            _ if self.is_software => Learning::Waiting,
             _ => {
-                for slice in slices {
-                    let count = slice.end - slice.start;
-                    let elapsed_ms = match indirect {
-                        Some(arguments) => {
-                            self.run_some_rows(kernel, bindings, slice, rows, arguments)
-                        }
-                        None => self.compute_timed(label, |pass| {
-                            kernel.dispatch_rows(pass, bindings, width, slice);
-                        }),
-                    };
-                    if by_the_wall {
-                        let elapsed_ms = elapsed_ms.unwrap_or_default();
-                        tracing::trace!("{label}: {count} of {rows} rows in {elapsed_ms:.1} ms");
-                        pace.learn(count, elapsed_ms);
-                    }
+                self.learner = self.learner.take().or_else(|| Learner::new(&self.device));
+                match self.learner {
+                    Some(_) => Learning::Stamped,
+                    None => Learning::Waiting,
                 }
             }
         }
-        if let (Some(timing), false) = (&mut self.timing, by_the_wall) {
-            let learning = (pace.clone(), rows);
-            timing.learning.insert(label.to_owned(), learning);
-        }
+    }
+
+    /// How many dispatches [`run`](Self::run) and [`run_indirect`](Self::run_indirect) have made so far.
+    pub fn dispatches(&self) -> u32 {
+        self.dispatches
     }
 
     /// Passes that the GPU may run side by side, where they are not timed one by one. One that writes what
@@ -149,6 +210,7 @@ impl<'a> Recorder<'a> {
         slice: Range<u32>,
         rows: u32,
         (buffer, offset): (&wgpu::Buffer, u64),
+        learner: (Learning, &Arc<Pace>, u32),
     ) -> Option<f64> {
         let arguments = self.arguments.clone();
         let is_whole = slice == (0..rows);
@@ -158,11 +220,11 @@ impl<'a> Recorder<'a> {
         }
         // A copy between passes ends the shared one.
         self.shared = None;
-        self.pass(&kernel.label, |encoder, query| {
+        self.pass(&kernel.label, Some(learner), |encoder, stamps| {
             if !is_whole {
                 arguments.write(encoder, (buffer, offset), slice.end - slice.start);
             }
-            let pass = &mut begin_compute_pass(encoder, &kernel.label, query);
+            let pass = &mut begin_compute_pass(encoder, &kernel.label, stamps);
             let (buffer, offset) = if is_whole {
                 (buffer, offset)
             } else {
@@ -174,21 +236,28 @@ impl<'a> Recorder<'a> {
 
     /// A compute pass under this label.
     pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
-        self.compute_timed(label, record);
+        if let Some(pass) = &mut self.shared {
+            record(pass);
+            return;
+        }
+        self.pass(label, None, |encoder, stamps| {
+            record(&mut begin_compute_pass(encoder, label, stamps));
+        });
     }
 
     /// Milliseconds, where they are known at once.
     fn compute_timed(
         &mut self,
         label: &str,
+        learner: (Learning, &Arc<Pace>, u32),
         record: impl FnOnce(&mut wgpu::ComputePass<'_>),
     ) -> Option<f64> {
         if let Some(pass) = &mut self.shared {
             record(pass);
             return None;
         }
-        self.pass(label, |encoder, query| {
-            record(&mut begin_compute_pass(encoder, label, query));
+        self.pass(label, Some(learner), |encoder, stamps| {
+            record(&mut begin_compute_pass(encoder, label, stamps));
         })
     }
 
@@ -199,7 +268,7 @@ impl<'a> Recorder<'a> {
         target: &wgpu::TextureView,
         record: impl FnOnce(&mut wgpu::RenderPass<'static>),
     ) {
-        self.pass(label, |encoder, query| {
+        self.pass(label, None, |encoder, stamps| {
             let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(label),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -211,7 +280,10 @@ impl<'a> Recorder<'a> {
                         store: wgpu::StoreOp::Store,
                     },
                 })],
-                timestamp_writes: query.and_then(|query| query.render_pass_timestamp_writes()),
+                timestamp_writes: match stamps {
+                    Stamps::Query(query) => query.render_pass_timestamp_writes(),
+                    Stamps::None | Stamps::Own(_) => None,
+                },
                 ..Default::default()
             });
             // It ends with this closure, before the encoder is used again.
@@ -219,43 +291,64 @@ impl<'a> Recorder<'a> {
         });
     }
 
-    /// Times what `record` records into the encoder; by the wall's clock the milliseconds are known
-    /// at once.
+    /// Times what `record` records into the encoder; where that is by waiting, the milliseconds are known
+    /// at once. `learner` is what learns of it otherwise, and of how many workgroups.
     fn pass(
         &mut self,
         label: &str,
-        record: impl FnOnce(&mut wgpu::CommandEncoder, Option<&GpuProfilerQuery>),
+        learner: Option<(Learning, &Arc<Pace>, u32)>,
+        record: impl FnOnce(&mut wgpu::CommandEncoder, Stamps<'_>),
     ) -> Option<f64> {
+        let whole = self.whole.is_some();
         match self.timing.as_mut().map(|timing| &mut timing.clock) {
-            Some(Clock::Gpu { .. }) if self.whole.is_some() => {
-                record(&mut self.encoder, None);
-                None
-            }
-            Some(Clock::Gpu { profiler, .. }) => {
+            Some(Clock::Gpu { profiler, .. }) if !whole => {
                 let query = profiler.begin_pass_query(label, &mut self.encoder);
-                record(&mut self.encoder, Some(&query));
+                record(&mut self.encoder, Stamps::Query(&query));
                 profiler.end_query(&mut self.encoder, query);
                 None
             }
-            Some(Clock::Wall { current, .. }) => {
-                let next = self.device.create_command_encoder(&Default::default());
-                let before = mem::replace(&mut self.encoder, next);
-                finish(&self.device, &self.queue, before);
-                let start = Instant::now();
-                record(&mut self.encoder, None);
-                let next = self.device.create_command_encoder(&Default::default());
-                let pass = mem::replace(&mut self.encoder, next);
-                finish(&self.device, &self.queue, pass);
-                let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
-                *current.passes_ms.entry(label.to_owned()).or_default() += elapsed_ms;
-                current.frame_ms += elapsed_ms;
+            Some(Clock::Wall { .. }) => {
+                let elapsed_ms = self.wait_for(record);
+                if let Some(Clock::Wall { current, .. }) =
+                    self.timing.as_mut().map(|timing| &mut timing.clock)
+                {
+                    *current.passes_ms.entry(label.to_owned()).or_default() += elapsed_ms;
+                    current.frame_ms += elapsed_ms;
+                }
                 Some(elapsed_ms)
             }
-            Some(Clock::None) | None => {
-                record(&mut self.encoder, None);
-                None
-            }
+            _ => match (learner, &mut self.learner) {
+                (Some((Learning::Waiting, ..)), _) => Some(self.wait_for(record)),
+                (Some((Learning::Stamped, pace, groups)), Some(learner)) => {
+                    let stamps = learner.stamps(pace, groups);
+                    record(&mut self.encoder, stamps.map_or(Stamps::None, Stamps::Own));
+                    None
+                }
+                _ => {
+                    record(&mut self.encoder, Stamps::None);
+                    None
+                }
+            },
         }
+    }
+
+    /// Milliseconds from the submission of what `record` records to its end. All before it is submitted, and waited
+    /// for, first.
+    fn wait_for(&mut self, record: impl FnOnce(&mut wgpu::CommandEncoder, Stamps<'_>)) -> f64 {
+        self.flush();
+        let start = Instant::now();
+        record(&mut self.encoder, Stamps::None);
+        self.flush();
+        start.elapsed().as_secs_f64() * 1e3
+    }
+
+    /// Submits what is recorded so far, and waits. A device that is lost here is still lost, and said to be, at the
+    /// next wait that returns a result.
+    fn flush(&mut self) {
+        let next = self.device.create_command_encoder(&Default::default());
+        let before = mem::replace(&mut self.encoder, next);
+        self.queue.submit([before.finish()]);
+        let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
     }
 
     /// Submits the work; its times come from [`Timing::next_frame`] when it is done.
@@ -263,21 +356,26 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// [`GpuError::Device`] when timestamps were left open.
     pub fn submit(mut self, gpu: &Gpu) -> Result<wgpu::SubmissionIndex, GpuError> {
-        let clock = self.timing.map(|timing| &mut timing.clock);
-        let Some(Clock::Gpu { profiler, .. }) = clock else {
-            if let Some(Clock::Wall { current, finished }) = clock {
-                finished.push_back(mem::take(current));
+        let mut clock = self.timing.map(|timing| &mut timing.clock);
+        match &mut clock {
+            Some(Clock::Gpu { profiler, .. }) => {
+                if let Some(query) = self.whole.take() {
+                    profiler.end_query(&mut self.encoder, query);
+                }
+                profiler.resolve_queries(&mut self.encoder);
             }
-            return Ok(gpu.queue.submit([self.encoder.finish()]));
-        };
-        if let Some(query) = self.whole.take() {
-            profiler.end_query(&mut self.encoder, query);
+            Some(Clock::Wall { current, finished }) => finished.push_back(mem::take(current)),
+            Some(Clock::None) | None => {}
         }
-        profiler.resolve_queries(&mut self.encoder);
-        let index = gpu.queue.submit([self.encoder.finish()]);
-        profiler
-            .end_frame()
-            .map_err(|error| GpuError::Device(error.to_string()))?;
+        let index = match self.learner {
+            Some(learner) => learner.submit(gpu, self.encoder),
+            None => gpu.queue.submit([self.encoder.finish()]),
+        };
+        if let Some(Clock::Gpu { profiler, .. }) = clock {
+            profiler
+                .end_frame()
+                .map_err(|error| GpuError::Device(error.to_string()))?;
+        }
         Ok(index)
     }
 }
@@ -285,17 +383,14 @@ impl<'a> Recorder<'a> {
 fn begin_compute_pass<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
     label: &str,
-    query: Option<&'a GpuProfilerQuery>,
+    stamps: Stamps<'_>,
 ) -> wgpu::ComputePass<'a> {
     encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
         label: Some(label),
-        timestamp_writes: query.and_then(|query| query.compute_pass_timestamp_writes()),
+        timestamp_writes: match stamps {
+            Stamps::None => None,
+            Stamps::Query(query) => query.compute_pass_timestamp_writes(),
+            Stamps::Own(writes) => Some(writes),
+        },
     })
-}
-
-/// Submits and waits. A device that is lost here is still lost, and said to be, at the next wait
-/// that returns a result.
-fn finish(device: &wgpu::Device, queue: &wgpu::Queue, encoder: wgpu::CommandEncoder) {
-    queue.submit([encoder.finish()]);
-    let _ = device.poll(wgpu::PollType::wait_indefinitely());
 }

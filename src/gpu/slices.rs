@@ -2,13 +2,14 @@
 //! alive, and no watchdog takes the device away.
 //!
 //! Work is a rectangle of workgroups, and a dispatch takes some of its rows. How many is learned from
-//! the time that they took: a fast GPU gets all of them at once from its second frame on. Shaders
+//! the time that they took: a fast GPU gets all of them at once from its third frame on. A device learns it for
+//! each kernel, whoever binds it and however frames are timed (`learner`). Shaders
 //! that can be sent so add `first_row` (`shaders/frame/chunk.wesl`) to their row; it lies in a table
 //! that the device is opened with, and a dynamic offset chooses it.
 
 use std::{
     ops::Range,
-    sync::atomic::{AtomicBool, AtomicU64, Ordering},
+    sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering},
 };
 
 use wgpu::util::DeviceExt as _;
@@ -22,7 +23,9 @@ pub(super) const MOST_ROWS: u32 = 4096;
 
 /// Milliseconds that a dispatch should take. None may take 50; rows differ, and so do frames.
 const AIM_MS: f64 = 20.0;
-/// Share of a row's time that stays known after a faster one: what was seen of the sky says little
+/// Nothing takes no time at all: a clock that stands still says that there is room.
+const LEAST_MS: f64 = 1e-6;
+/// Share of a group's time that stays known after a faster one: what was seen of the sky says little
 /// about the rest of a picture.
 const KEPT_OF_SLOWER: f64 = 0.85;
 /// After a slower one.
@@ -96,22 +99,34 @@ impl SliceArguments {
     }
 }
 
-/// What is known of the time that a row takes.
+/// Runs of a kernel after which its pace is learned again where nobody times its passes.
+const RUNS_BETWEEN: u32 = 256;
+
+/// What is known of the time that a kernel's workgroups take on a device.
 #[derive(Debug, Default)]
 pub(super) struct Pace {
     /// Bits of an f64; 0 while nothing is known.
-    ms_a_row: AtomicU64,
+    ms_a_group: AtomicU64,
     begun: AtomicBool,
+    /// Runs since it last learned.
+    runs: AtomicU32,
 }
 
 impl Pace {
-    /// So many rows took so long. The first time says nothing: drivers compile before they begin.
-    pub(super) fn learn(&self, rows: u32, ms: f64) {
+    /// Whether a run that nobody times should be timed for the pace alone.
+    pub(super) fn is_due(&self) -> bool {
+        let is_known = self.ms_a_group.load(Ordering::Relaxed) > 0;
+        !is_known || self.runs.load(Ordering::Relaxed) >= RUNS_BETWEEN
+    }
+
+    /// N workgroups took this many milliseconds. The first time says nothing: drivers compile before they begin.
+    pub(super) fn learn(&self, groups: u32, ms: f64) {
         if !self.begun.swap(true, Ordering::Relaxed) {
             return;
         }
-        let fresh = ms / f64::from(rows.max(1));
-        let known = match f64::from_bits(self.ms_a_row.load(Ordering::Relaxed)) {
+        self.runs.store(0, Ordering::Relaxed);
+        let fresh = ms.max(LEAST_MS) / f64::from(groups.max(1));
+        let known = match f64::from_bits(self.ms_a_group.load(Ordering::Relaxed)) {
             known if known > 0.0 => known,
             _ => fresh,
         };
@@ -121,13 +136,13 @@ impl Pace {
             KEPT_OF_SLOWER
         };
         let next = kept * known + (1.0 - kept) * fresh;
-        self.ms_a_row.store(next.to_bits(), Ordering::Relaxed);
+        self.ms_a_group.store(next.to_bits(), Ordering::Relaxed);
     }
 
     /// How many rows of `width` workgroups the next dispatch may take; `unknown` workgroups as long
     /// as no time is known.
     fn rows(&self, width: u32, unknown: u32) -> u32 {
-        let ms = f64::from_bits(self.ms_a_row.load(Ordering::Relaxed));
+        let ms = f64::from_bits(self.ms_a_group.load(Ordering::Relaxed)) * f64::from(width);
         let rows = if ms > 0.0 {
             (AIM_MS / ms) as u32
         } else {
@@ -149,6 +164,7 @@ pub(super) struct Slices<'a> {
 
 impl<'a> Slices<'a> {
     pub(super) fn new(pace: &'a Pace, [width, rows]: [u32; 2], unknown: u32) -> Self {
+        pace.runs.fetch_add(1, Ordering::Relaxed);
         Self {
             pace,
             width,
@@ -212,7 +228,7 @@ mod tests {
                         prop_assert!(known || count <= (unknown / width).max(1));
                     }
                 }
-                pace.learn(count, f64::from(count) * ms_a_row);
+                pace.learn(count * width, f64::from(count) * ms_a_row);
                 last = Some(count);
                 expected = slice.end;
             }
@@ -231,17 +247,18 @@ mod tests {
     #[test]
     fn what_is_fast_goes_out_at_once_and_slow_rows_are_remembered() {
         let pace = Pace::default();
-        pace.learn(1, 900.0);
-        pace.learn(135, 2.0);
+        let all = 240 * 135;
+        pace.learn(240, 900.0);
+        pace.learn(all, 2.0);
         let mut at_once = Slices::new(&pace, [240, 135], 512);
         assert_eq!((at_once.next(), at_once.next()), (Some(0..135), None));
         // One slow frame: half of it at a time, until faster ones have been seen for a while.
-        pace.learn(135, 60.0);
+        pace.learn(all, 60.0);
         assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 2);
-        pace.learn(135, 2.0);
+        pace.learn(all, 2.0);
         assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 2);
         for _ in 0..20 {
-            pace.learn(135, 2.0);
+            pace.learn(all, 2.0);
         }
         assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 1);
     }

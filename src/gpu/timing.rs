@@ -23,7 +23,7 @@ pub(super) const WHOLE: &str = "";
 /// Collects the times of passes over frames.
 pub struct Timing {
     pub(super) clock: Clock,
-    /// What learns from the time of a pass, by its label, and of how many rows.
+    /// What learns from the time of a pass, by its label, and of how many workgroups.
     pub(super) learning: BTreeMap<String, (Arc<Pace>, u32)>,
 }
 
@@ -81,8 +81,8 @@ impl Timing {
                 let results = profiler.process_finished_frame(*period)?;
                 let times = PassTimes::of(&results);
                 for (label, ms) in &times.passes_ms {
-                    if let Some((pace, rows)) = self.learning.get(label) {
-                        pace.learn(*rows, *ms);
+                    if let Some((pace, groups)) = self.learning.get(label) {
+                        pace.learn(*groups, *ms);
                     }
                 }
                 Some(times)
