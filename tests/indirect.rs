@@ -227,7 +227,7 @@ fn a_white_furnace_reaches_its_closed_form_and_never_more() {
         (
             0.9,
             ProbeParameters {
-                visibility: grotto::parameters::Visibility::None,
+                method: grotto::parameters::Method::Source,
                 ..Default::default()
             },
         ),

@@ -260,7 +260,7 @@ mod tests {
             ("probes.relocaton=off", &["`probes.relocation`"]),
             (
                 "probes.relocation=off,sometimes",
-                &["probes.relocation", "statistical", "`sometimes`"],
+                &["probes.relocation", "exact", "`sometimes`"],
             ),
             ("probes.relocation=", &["probes.relocation", "``"]),
             ("probes.rays=8,8", &["`probes.rays`", "`8` twice"]),
@@ -284,7 +284,7 @@ mod tests {
         let many: Vec<String> = (8..80).map(|n| n.to_string()).collect();
         let many = many.join(",");
         let lists =
-            ["rays", "asleep_interval", "fed_interval"].map(|key| format!("probes.{key}={many}"));
+            ["rays", "alive_frames", "warmup_frames"].map(|key| format!("probes.{key}={many}"));
         let lists: Vec<&str> = lists.iter().map(String::as_str).collect();
         assert!(refused(&lists, &[]).contains("4096"));
     }

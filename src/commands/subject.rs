@@ -49,7 +49,7 @@ pub struct SubjectOptions {
     #[arg(long, value_name = "N,N…", value_delimiter = ',', value_parser = rays)]
     pub rays: Vec<u32>,
     /// Values of a probes.* parameter, one row each (repeatable: each with each), as in
-    /// probes.relocation=off,statistical,exact
+    /// probes.relocation=off,exact
     #[arg(long, value_name = "KEY=VALUE,VALUE…", value_parser = Varied::parse)]
     pub vary: Vec<Varied>,
 }

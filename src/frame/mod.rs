@@ -141,6 +141,9 @@ impl Frame {
         self.faces.begin_frame(gpu, probes, &next);
         if self.field.misplaced() {
             self.passes.classify.record(recorder);
+            if let Some(walk) = &self.passes.walk {
+                walk.record_begin(recorder);
+            }
             if self.field.exact() {
                 self.passes.visibility.record(recorder);
             }
@@ -149,8 +152,7 @@ impl Frame {
             }
             self.field.set_placed();
         }
-        self.passes
-            .record_light(recorder, probes, self.faces.is_used());
+        self.passes.record_light(recorder, self.faces.is_used());
         self.passes.record_picture(recorder, view);
         self.frames += 1;
     }

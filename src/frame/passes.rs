@@ -3,11 +3,11 @@
 use super::{FrameError, inspect::Inspect};
 use crate::{
     gpu::{Gpu, Offer, Recorder},
-    parameters::{ProbeParameters, Relocation},
     passes::{
         probes::{
             ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
-            seed::ProbeSeed, trace::ProbeTrace, visibility::ProbeVisibility,
+            seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
+            visibility::ProbeVisibility,
         },
         surface_cache::{
             SurfaceCache, allocate::SurfaceAllocate, resolve::SurfaceResolve, trace::SurfaceTrace,
@@ -23,6 +23,7 @@ pub(super) struct Passes {
     pub visibility: ProbeVisibility,
     pub seed: ProbeSeed,
     schedule: ProbeSchedule,
+    pub walk: Option<SourceWalk>,
     probe_trace: ProbeTrace,
     blend: ProbeBlend,
     allocate: SurfaceAllocate,
@@ -55,6 +56,7 @@ impl Passes {
             visibility: ProbeVisibility::new(gpu, field, scene)?,
             schedule: ProbeSchedule::new(gpu, field)?,
             seed: ProbeSeed::new(gpu, field, scene)?,
+            walk: SourceWalk::new(gpu, field, scene)?,
             probe_trace: ProbeTrace::new(gpu, field, scene)?,
             blend: ProbeBlend::new(gpu, field)?,
             allocate: SurfaceAllocate::new(gpu, size, surfaces, cache, scene)?,
@@ -68,7 +70,7 @@ impl Passes {
 
     /// From the camera's rays to the light of the probes and, if there is a `cache`, that of the surfaces that
     /// the camera sees.
-    pub fn record_light(&self, recorder: &mut Recorder<'_>, probes: &ProbeParameters, cache: bool) {
+    pub fn record_light(&self, recorder: &mut Recorder<'_>, cache: bool) {
         recorder.together(|recorder| {
             self.camera_rays.record(recorder);
             self.schedule.record_list(recorder);
@@ -89,8 +91,8 @@ impl Passes {
             }
         });
         self.blend.record(recorder);
-        if probes.relocation == Relocation::Statistical {
-            self.classify.record_walk(recorder);
+        if let Some(walk) = &self.walk {
+            walk.record(recorder);
         }
         if cache {
             self.resolve.record(recorder);

@@ -1,6 +1,6 @@
 //! One key of the table: found by name, read and written with its range checked.
 
-use super::{KEYS, Kind, Parameters, Value, nearest};
+use super::{KEYS, Kind, Parameters, Value, nearest, removed};
 
 /// A tunable as `--set`, `grotto info --keys` and the panel see it.
 #[derive(Debug)]
@@ -39,11 +39,14 @@ pub enum ParameterError {
         name: String,
         near: Vec<&'static str>,
     },
-    #[error("`{key}` takes {kind}, not `{text}`")]
+    #[error("`{name}` is no parameter any more: {instead}")]
+    RemovedKey { name: String, instead: &'static str },
+    #[error("`{key}` takes {kind}, not `{text}`{}", instead.map_or(String::new(), |text| format!(": {text}")))]
     BadValue {
         key: &'static str,
         kind: String,
         text: String,
+        instead: Option<&'static str>,
     },
 }
 
@@ -56,9 +59,13 @@ fn did_you_mean(near: &[&str]) -> String {
 
 impl Key {
     /// # Errors
-    /// [`ParameterError::UnknownKey`] with the nearest names.
+    /// [`ParameterError::UnknownKey`] with the nearest names; [`ParameterError::RemovedKey`] with what to write now.
     pub fn find(name: &str) -> Result<&'static Self, ParameterError> {
         KEYS.iter().find(|key| key.name == name).ok_or_else(|| {
+            if let Some(instead) = removed::instead_of(name) {
+                let name = name.to_owned();
+                return ParameterError::RemovedKey { name, instead };
+            }
             let near = nearest(name, KEYS.iter().map(|key| key.name));
             ParameterError::UnknownKey {
                 name: name.to_owned(),
@@ -103,6 +110,7 @@ impl Key {
             key: self.name,
             kind: self.kind.to_string(),
             text: text.to_owned(),
+            instead: removed::instead_of_value(self.name, text),
         }
     }
 }

@@ -6,7 +6,10 @@
 
 mod key;
 mod nearest;
+mod removed;
 mod value;
+
+use std::borrow::Cow;
 
 use glam::{UVec3, Vec3};
 
@@ -14,7 +17,8 @@ pub use key::{Key, ParameterError, Remake};
 pub use nearest::nearest;
 pub use value::{Kind, Value};
 
-/// Declares the sections: per field one doc line, type, default, kind, and what a change makes anew.
+/// Declares the sections: per field one doc line, type, default, kind, and what a change makes anew. A section
+/// may have another one `within` it.
 macro_rules! parameters {
     ($(
         #[doc = $section_doc:literal]
@@ -23,6 +27,17 @@ macro_rules! parameters {
                 #[doc = $doc:literal]
                 $field:ident: $type:ty = $default:expr, $kind:expr, $remake:ident;
             )+
+            $(
+                within
+                #[doc = $inner_doc:literal]
+                $inner:ident: $Inner:ident {
+                    $(
+                        #[doc = $inner_field_doc:literal]
+                        $inner_field:ident: $inner_type:ty = $inner_default:expr,
+                            $inner_kind:expr, $inner_remake:ident;
+                    )+
+                }
+            )?
         }
     )+) => {
         /// All tunables. `Default` gives what a user gets who sets nothing.
@@ -36,30 +51,61 @@ macro_rules! parameters {
             #[derive(Clone, Debug, PartialEq)]
             pub struct $Section {
                 $(#[doc = $doc] pub $field: $type,)+
+                $(#[doc = $inner_doc] pub $inner: $Inner,)?
             }
 
             impl Default for $Section {
                 fn default() -> Self {
-                    Self { $($field: $default,)+ }
+                    Self {
+                        $($field: $default,)+
+                        $($inner: $Inner::default(),)?
+                    }
                 }
             }
+
+            $(
+                #[doc = $inner_doc]
+                #[derive(Clone, Debug, PartialEq)]
+                pub struct $Inner {
+                    $(#[doc = $inner_field_doc] pub $inner_field: $inner_type,)+
+                }
+
+                impl Default for $Inner {
+                    fn default() -> Self {
+                        Self { $($inner_field: $inner_default,)+ }
+                    }
+                }
+            )?
         )+
 
         /// Every key, section by section.
-        pub static KEYS: &[Key] = &[$($(
-            Key {
-                name: concat!(stringify!($section), ".", stringify!($field)),
-                doc: $doc,
-                kind: $kind,
-                remake: Remake::$remake,
-                get: |parameters| parameters.$section.$field.clone().into(),
-                put: |parameters, value| {
-                    parameters.$section.$field = value
-                        .try_into()
-                        .expect("a value is checked against its kind, which matches the type");
-                },
+        pub static KEYS: &[Key] = &[$(
+            $(key!($section.$field, [$section], $field, $doc, $kind, $remake),)+
+            $($(key!(
+                $inner.$inner_field, [$section.$inner], $inner_field,
+                $inner_field_doc, $inner_kind, $inner_remake
+            ),)+)?
+        )+];
+    };
+}
+
+/// One entry of [`KEYS`]: its name, the path to its section, and what is said of it.
+macro_rules! key {
+    (
+        $prefix:ident.$name:ident, [$($path:ident).+], $field:ident, $doc:expr, $kind:expr, $remake:ident
+    ) => {
+        Key {
+            name: concat!(stringify!($prefix), ".", stringify!($name)),
+            doc: $doc,
+            kind: $kind,
+            remake: Remake::$remake,
+            get: |parameters| parameters.$($path).+.$field.clone().into(),
+            put: |parameters, value| {
+                parameters.$($path).+.$field = value
+                    .try_into()
+                    .expect("a value is checked against its kind, which matches the type");
             },
-        )+)+];
+        }
     };
 }
 
@@ -101,8 +147,6 @@ macro_rules! choice {
 choice! {
     /// How a probe behind a wall loses its weight.
     Visibility {
-        /// Not at all: probes light through walls.
-        None = "none",
         /// By the mean and the variance of the distances that the probe saw (Majercik et al. 2019).
         Chebyshev = "chebyshev",
         /// By marching: kept for every voxel of air beside stone in the probe's cages.
@@ -113,9 +157,58 @@ choice! {
 }
 
 choice! {
-    /// What becomes of a distance that is longer than `probes.distance_clamp`.
-    LongRays {
-        /// It counts as the clamp: the mean says "far".
+    /// What becomes of a probe whose lattice point lies in stone.
+    Relocation {
+        /// It is dead.
+        Off = "off",
+        /// It moves to the nearest air, if that is near enough.
+        Exact = "exact",
+    }
+}
+
+choice! {
+    /// Whose algorithm lights the picture.
+    Method {
+        /// Ours.
+        Grotto = "grotto",
+        /// That of the published DDGI systems that grotto is compared with: probes alone, which guess from
+        /// distances what they see.
+        Source = "source",
+    }
+}
+
+choice! {
+    /// What the probes of a cage weigh at a point under [`Method::Source`]: each has the ones before.
+    SourceWeights {
+        /// By place on the lattice alone: walls hide nothing.
+        Trilinear = "trilinear",
+        /// And less, the farther a probe lies behind the surface.
+        Direction = "direction",
+        /// And by Chebyshev's bound on what the probe sees.
+        Visibility = "visibility",
+        /// And small weights are crushed, because the eye is sensitive to faint light.
+        Perception = "perception",
+        /// And the corner of a moved probe moves along.
+        Adjusted = "adjusted",
+    }
+}
+
+choice! {
+    /// What becomes of a probe in stone under [`Method::Source`].
+    SourceRelocation {
+        /// It is dead.
+        Off = "off",
+        /// It walks along the axes until its rays do not begin in stone.
+        Surface = "surface",
+        /// And until it is a voxel away from surfaces.
+        Clear = "clear",
+    }
+}
+
+choice! {
+    /// What becomes of a distance that no cage asks for under [`Method::Source`].
+    SourceDepth {
+        /// It counts as the longest: the mean says "far".
         Clamp = "clamp",
         /// It is left out: the mean is that of what is near.
         Reject = "reject",
@@ -123,32 +216,7 @@ choice! {
 }
 
 choice! {
-    /// What becomes of a probe whose lattice point lies in stone.
-    Relocation {
-        /// It is dead.
-        Off = "off",
-        /// It moves to the nearest air, if that is near enough.
-        Exact = "exact",
-        /// It walks along the axes, farther and farther, until its rays find that it stands in air and
-        /// far enough from surfaces.
-        Statistical = "statistical",
-    }
-}
-
-choice! {
-    /// What the probes of a cage weigh at a point, before light and visibility.
-    Weights {
-        /// By the distances of the probes as they stand, without a step from cage to cage.
-        Continuous = "continuous",
-        /// Trilinear, with the corner of a moved probe moved along.
-        Adjusted = "adjusted",
-        /// Trilinear, as if no probe had moved.
-        Lattice = "lattice",
-    }
-}
-
-choice! {
-    /// Whether probes sleep.
+    /// Whether probes sleep that no pixel asks for.
     ProbeStates {
         /// Every probe outside of stone is updated in every frame.
         Off = "off",
@@ -200,9 +268,7 @@ parameters! {
         rays: u32 = 128, Kind::Count { min: 8, max: 4096 }, Probes;
         #[doc = "Share of history kept per update; higher is steadier, lower reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
-        #[doc = "Share of history that an update keeps when no lamp and no voxel has changed for long, if that is more than probes.hysteresis: more noise is averaged away, and the first change ends it."]
-        still_hysteresis: f32 = 0.998, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
-        #[doc = "How a probe behind a wall loses its weight: exact marches and leaks nothing (cages of up to 20 voxels; larger ones take chebyshev), and where there is one level of probes it gives thin walls some on both sides; chebyshev guesses from distances; auto is exact for one level and chebyshev for cascades; none is fastest and leaks."]
+        #[doc = "How a probe behind a wall loses its weight: exact marches and leaks nothing (cages of up to 20 voxels; larger ones take chebyshev), and where there is one level of probes it gives thin walls some on both sides; chebyshev guesses from distances; auto is exact for one level and chebyshev for cascades."]
         visibility: Visibility = Visibility::Auto, Visibility::KIND, Probes;
         #[doc = "Light between the faces of voxels that stand beside each other, which probes are too far apart to tell: on finds the shade at feet of walls and on steps, and the glow of the next voxel; off is faster."]
         contact: Contact = Contact::On, Contact::KIND, Probes;
@@ -214,70 +280,40 @@ parameters! {
         face_pixels: f32 = 2.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;
         #[doc = "Final gather: spacings of the probes within which what rays hit looks on for its light, before the probes are asked; more is truer and noisier, 0 asks them at once."]
         near_hits: f32 = 2.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;
-        #[doc = "Whether probes without surfaces in their cages sleep; off updates every probe that is not in stone."]
+        #[doc = "Whether probes sleep that no pixel asks for; on saves most of their time, off updates every probe that is not in stone in every frame."]
         states: ProbeStates = ProbeStates::On, ProbeStates::KIND, Nothing;
-        #[doc = "Whether probes sleep too that no pixel asks for; on saves most of their time, off reacts at once where nobody looks."]
-        asking: bool = true, Kind::Flag, Nothing;
         #[doc = "Frames that a probe stays awake after it was last asked for; more finds each pixel's probes (64), less sleeps sooner."]
         alive_frames: u32 = 64, Kind::Count { min: 1, max: 100_000 }, Nothing;
-        #[doc = "Frames between updates of a probe that only other probes' rays ask for; more is faster, less carries changes of bounced light sooner."]
-        fed_interval: u32 = 4, Kind::Count { min: 1, max: 1000 }, Nothing;
-        #[doc = "By how much the times between updates grow (but those of sleeping probes) when no lamp and no voxel has changed for long: there is little news then. More is faster, 1 keeps averaging."]
-        still_interval: u32 = 2, Kind::Count { min: 1, max: 100 }, Nothing;
-        #[doc = "Frames between updates of a sleeping probe; more is faster, less is fresher when it wakes."]
-        asleep_interval: u32 = 10, Kind::Count { min: 1, max: 1000 }, Nothing;
-        #[doc = "Most rays of all probes in a frame, from the second frame on; 0 sets no limit. Less is faster; probes take turns then, those first whose light changes."]
-        budget: u32 = 0, Kind::Count { min: 0, max: 1_000_000_000 }, Nothing;
         #[doc = "Unrest (how much its light changes now) above which a probe is updated in every frame, whoever asks; less follows lamps sooner, 1 never does."]
         restless: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "What becomes of probes in stone: exact moves them to the nearest air, statistical lets them walk until their rays are free, off leaves them dead; exact lights corners truer and traces more probes."]
+        #[doc = "What becomes of probes in stone: exact moves them to the nearest air, off leaves them dead; exact lights corners truer and traces more probes."]
         relocation: Relocation = Relocation::Exact, Relocation::KIND, Probes;
-        #[doc = "Statistical relocation: share kept per update of what is known of a probe's place; more moves later, less moves for what passes by."]
-        stone_hysteresis: f32 = 0.95, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
-        #[doc = "Statistical relocation: share of updates in stone from which a probe moves; more moves fewer probes."]
-        stone_threshold: f32 = 0.5, Kind::Number { min: 0.0, max: 0.99 }, Nothing;
-        #[doc = "Statistical relocation: voxels that a moved probe should be from surfaces; more avoids pits, less stays nearer to its lattice point."]
-        clearance: f32 = 1.0, Kind::Number { min: 0.0, max: 31.0 }, Nothing;
-        #[doc = "What moved probes weigh: continuous by where they stand, adjusted as the trilinear cage moved along, lattice as if unmoved; lattice is fastest, continuous shows no cages; exact visibility takes continuous."]
-        weights: Weights = Weights::Continuous, Weights::KIND, Nothing;
-        #[doc = "Farthest that a probe in stone moves along an axis, in spacings (and 31 voxels); more reaches more walls, for more probes to trace."]
-        move_reach: f32 = 0.95, Kind::Number { min: 0.0, max: 0.95 }, Probes;
         #[doc = "Share of the surfaces in its cages that a probe must miss under exact visibility to get a twin that sees them; less lights thin walls truer and traces more probes, 1 makes none."]
         twin_share: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Probes;
         #[doc = "Edge of a probe's irradiance map; more resolves sharper bounced light, for memory and blend time by its square."]
         irradiance_texels: u32 = 8, Kind::Count { min: 4, max: 32 }, Probes;
         #[doc = "Edge of a probe's distance map, which chebyshev reads; more leaks less at thin walls, for memory and blend time by its square."]
         distance_texels: u32 = 16, Kind::Count { min: 4, max: 64 }, Probes;
-        #[doc = "Power of the cosine that blends the distances of chebyshev; higher separates walls better, lower is less noisy at few rays."]
-        distance_sharpness: u32 = 50, Kind::Count { min: 1, max: 255 }, Probes;
-        #[doc = "Longest distance a probe keeps, in diagonals of its cage; more keeps far walls apart, less keeps more precision near."]
-        distance_clamp: f32 = 1.5, Kind::Number { min: 1.0, max: 16.0 }, Nothing;
-        #[doc = "What becomes of longer distances: clamp counts them as the clamp, reject leaves them out and keeps near walls sharper."]
-        long_rays: LongRays = LongRays::Clamp, LongRays::KIND, Nothing;
         #[doc = "Voxels along the normal that a gather point is moved; more leaks less from behind, less keeps contact shadows."]
         normal_bias: f32 = 0.1, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
-        #[doc = "Voxels towards the camera that a gather point is moved under chebyshev; more hides self-shadowing, less shifts light less."]
-        view_bias: f32 = 0.0, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
-        #[doc = "Added to the squared wrap weight of a probe; 0.2 keeps probes at grazing angles (smoother), 0 drops them (sharper)."]
-        wrap_offset: f32 = 0.2, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Chebyshev weights below this are crushed to their cube; more leaks less, 0 crushes none and is smoother."]
-        crush: f32 = 0.2, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Power of the chebyshev bound; more leaks less, less shadows softer."]
-        chebyshev_power: f32 = 3.0, Kind::Number { min: 1.0, max: 20.0 }, Nothing;
-        #[doc = "Least chebyshev weight; more never goes black, less leaks less."]
-        chebyshev_floor: f32 = 0.0, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "Weight of a whole cage below which its light fades to none under chebyshev; more leaks less into sealed rooms, less keeps light in tight corners."]
-        least_weight: f32 = 1e-4, Kind::Number { min: 1e-9, max: 1.0 }, Nothing;
-        #[doc = "Cells at the edge of a cascade over which the next one takes over; more hides the seam better, less uses the finer probes farther out."]
-        cascade_fade: f32 = 1.0, Kind::Number { min: 0.25, max: 8.0 }, Nothing;
         #[doc = "Frames of a fresh field in which history is replaced, one bounce each, before it is averaged; more carry bright surfaces farther, fewer settle sooner."]
         warmup_frames: u32 = 40, Kind::Count { min: 0, max: 1000 }, Nothing;
         #[doc = "Standard deviations of its own noise beyond which a probe's light counts as changed and its history is shortened; less reacts sooner, more boils less, and 1000 never reacts."]
         change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;
-        #[doc = "Share of its unrest that a probe keeps per update after a change; more lets late bounces in sooner, less is steady again sooner."]
-        change_unrest: f32 = 0.9, Kind::Number { min: 0.0, max: 0.99 }, Nothing;
         #[doc = "Most luminance of a probe ray in multiples of the probe's mean; less is steadier but loses the light of small bright things, 0 limits nothing."]
         firefly_clamp: f32 = 0.0, Kind::Number { min: 0.0, max: 65504.0 }, Nothing;
+        #[doc = "Whose algorithm lights the picture: grotto's own, or source for that of the DDGI systems that it is compared with (probes alone, no final gather, no light between neighbouring faces); the keys source.* choose its parts."]
+        method: Method = Method::Grotto, Method::KIND, Probes;
+        within
+        #[doc = "The algorithm of `probes.method=source`, part by part."]
+        source: SourceParameters {
+            #[doc = "What probes weigh, each with the ones before: trilinear by place, direction less behind the surface, visibility by Chebyshev's bound, perception crushes small weights, adjusted moves the corners of moved probes."]
+            weights: SourceWeights = SourceWeights::Perception, SourceWeights::KIND, Probes;
+            #[doc = "What becomes of probes in stone: off leaves them dead, surface lets them walk until their rays are free, clear until they are a voxel away from surfaces too."]
+            relocation: SourceRelocation = SourceRelocation::Off, SourceRelocation::KIND, Probes;
+            #[doc = "What becomes of distances that no cage asks for: clamp counts them as the longest, reject leaves them out and keeps near walls sharper."]
+            depth: SourceDepth = SourceDepth::Clamp, SourceDepth::KIND, Probes;
+        }
     }
 
     #[doc = "The lamps."]
@@ -300,6 +336,23 @@ parameters! {
     textures: TextureParameters {
         #[doc = "Whether faces carry their procedural textures; off shows plain colours and saves one read a pixel."]
         enabled: bool = true, Kind::Flag, Nothing;
+    }
+}
+
+impl ProbeParameters {
+    /// What a field of probes is made by: under [`Method::Source`] the probes alone light the picture, and guess
+    /// from distances what they see.
+    pub fn effective(&self) -> Cow<'_, Self> {
+        match self.method {
+            Method::Grotto => Cow::Borrowed(self),
+            Method::Source => Cow::Owned(Self {
+                visibility: Visibility::Chebyshev,
+                contact: Contact::Off,
+                final_gather: FinalGather::Off,
+                relocation: Relocation::Off,
+                ..self.clone()
+            }),
+        }
     }
 }
 
@@ -373,7 +426,7 @@ mod tests {
         for assignment in [
             "probes.rays=400",
             "probes.hysteresis = 0.9",
-            "probes.visibility=none",
+            "probes.visibility=chebyshev",
             "probes.states=on",
             "lights.preset=four lamps",
             "lights.animate=off",
@@ -388,7 +441,7 @@ mod tests {
         }
         assert_eq!(parameters.probes.rays, 400);
         assert_eq!(parameters.probes.hysteresis, 0.9);
-        assert_eq!(parameters.probes.visibility, Visibility::None);
+        assert_eq!(parameters.probes.visibility, Visibility::Chebyshev);
         assert_eq!(parameters.lights.preset, "four lamps");
         assert!(!parameters.lights.animate);
         assert!(!parameters.textures.enabled);

@@ -24,6 +24,9 @@ pub use volume::Volume;
 
 use glam::Vec3;
 
+/// Farthest that a probe in stone moves along an axis, in spacings.
+pub const MOVE_REACH: f32 = 0.95;
+
 /// Where probes stand. Slots are numbered from 0 and never move in memory.
 pub trait Layout {
     /// How many probes there are.

@@ -67,9 +67,8 @@ pub struct Sight {
 }
 
 impl Sight {
-    /// `None` where visibility is not to be exact, where cages are too large for it (more than 20 voxels
-    /// along an axis, in any level), and where probes walk: what is kept would soon be that of another
-    /// place.
+    /// `None` where visibility is not to be exact, and where cages are too large for it (more than 20 voxels
+    /// along an axis, in any level).
     ///
     /// Probes of one level have twins behind what they do not see, where they may leave the lattice; of several levels, the
     /// coarser have what the finer miss.
@@ -77,12 +76,12 @@ impl Sight {
         let is_asked = match parameters.visibility {
             Visibility::Exact => true,
             Visibility::Auto => volume.levels().len() == 1,
-            Visibility::None | Visibility::Chebyshev => false,
+            Visibility::Chebyshev => false,
         };
-        if !is_asked || parameters.relocation == Relocation::Statistical {
+        if !is_asked {
             return None;
         }
-        let moves = parameters.relocation == Relocation::Exact && parameters.move_reach > 0.0;
+        let moves = parameters.relocation == Relocation::Exact;
         let twins = volume.levels().len() == 1 && moves && parameters.twin_share < 1.0;
         let mut words = 0u64;
         let mut boxes = Vec::new();
@@ -205,7 +204,6 @@ mod tests {
         assert_eq!(sight_by(Visibility::Auto, 2.0, 2), None);
         assert!(sight_by(Visibility::Exact, 2.0, 2).is_some());
         assert_eq!(sight_by(Visibility::Chebyshev, 2.0, 1), None);
-        assert_eq!(sight_by(Visibility::None, 2.0, 1), None);
     }
 
     #[test]

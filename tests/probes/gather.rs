@@ -1,7 +1,10 @@
 //! What a surface gathers from the probes around it.
 
 use glam::{DVec3, IVec2, Vec3};
-use grotto::{parameters::ProbeParameters, probes::sampling};
+use grotto::{
+    parameters::{Method, ProbeParameters, SourceWeights},
+    probes::sampling,
+};
 
 use crate::{Rig, volume};
 
@@ -51,7 +54,12 @@ fn chebyshev_hides_what_a_wall_separates() {
     let seen = rig.gather(&[point])[0];
     assert!(seen[0] < 0.5, "leaks {seen:?}");
     assert!(seen[1] > 0.99, "loses what it sees: {seen:?}");
-    rig.parameters.visibility = grotto::parameters::Visibility::None;
+    let mut blind = ProbeParameters {
+        method: Method::Source,
+        ..Default::default()
+    };
+    blind.source.weights = SourceWeights::Direction;
+    let mut rig = Rig::new(volume([2, 1, 1], 8.0), blind);
     rig.update(rays);
     let blind = rig.gather(&[point])[0];
     assert!(blind[0] > 5.0, "the test's own wall must matter: {blind:?}");

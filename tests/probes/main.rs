@@ -182,7 +182,7 @@ struct Place { point: vec4f, normal: vec4f }
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= arrayLength(&points) { return; }
     let place = points[id.x];
-    gathered[id.x] = vec4f(gather(place.point.xyz, place.normal.xyz, place.normal.xyz), 0.0);
+    gathered[id.x] = vec4f(gather(place.point.xyz, place.normal.xyz), 0.0);
 }
 ";
 

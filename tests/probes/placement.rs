@@ -3,12 +3,16 @@
 use glam::{IVec3, UVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder},
-    parameters::{ProbeParameters, Relocation, Weights},
+    parameters::{
+        Method, ProbeParameters, Relocation, SourceParameters, SourceRelocation, SourceWeights,
+    },
     passes::{
-        probes::{ProbeField, classify::ProbeClassify, schedule::ProbeSchedule},
+        probes::{
+            ProbeField, classify::ProbeClassify, schedule::ProbeSchedule, source_walk::SourceWalk,
+        },
         scene::GpuVoxels,
     },
-    probes::{Layout as _, Volume, sampling},
+    probes::{Layout as _, MOVE_REACH, Volume, sampling},
     world::{
         LayoutSpec,
         voxels::{NewCell, Voxels},
@@ -47,7 +51,7 @@ fn volume() -> Volume {
 }
 
 /// The test's world and its probes on the GPU.
-fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, ProbeClassify) {
+fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, GpuVoxels) {
     let voxels = Voxels::from_cells(UVec3::splat(SIZE as u32), |cell| {
         let mut brick = Box::new([0u8; 512]);
         for (i, material) in brick.iter_mut().enumerate() {
@@ -63,7 +67,7 @@ fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, ProbeClassify
     let mut recorder = Recorder::new(gpu, None);
     pass.record(&mut recorder);
     recorder.submit(gpu).expect("submits");
-    (field, pass)
+    (field, voxels)
 }
 
 /// XYZ: place, W: whether alive.
@@ -89,7 +93,7 @@ fn cost(from: IVec3, to: IVec3) -> i32 {
 fn probes_in_stone_move_to_the_best_air_within_reach_or_die() {
     let gpu = gpu();
     let parameters = ProbeParameters::default();
-    let reach = (parameters.move_reach * SPACING).as_ivec3();
+    let reach = (MOVE_REACH * SPACING).as_ivec3();
     let (mut moved, mut dead) = (0, 0);
     for (slot, [x, y, z, alive]) in (0..).zip(places(&gpu, &parameters)) {
         let home_ws = volume().position(slot);
@@ -135,13 +139,15 @@ fn without_relocation_probes_in_stone_are_dead_where_they_are() {
     }
 }
 
-/// Weights of the probes at points, by slot: their shares, made to add up to 1 as the gather does.
-fn weights(gpu: &Gpu, field: &ProbeField, points: &[Vec3]) -> Vec<Vec<f32>> {
+/// Weights of the probes at points, by slot: their shares, made to add up to 1 as the gather does. `share` is the
+/// expression of a corner's share.
+fn weights(gpu: &Gpu, field: &ProbeField, points: &[Vec3], share: &str) -> Vec<Vec<f32>> {
+    let source = WEIGHTS.replace("SHARE", share);
     let kernel = Kernel::new(
         gpu,
         &KernelSpec {
             shader: "generated/weights",
-            generated: &[("weights", WEIGHTS)],
+            generated: &[("weights", &source)],
             ..Default::default()
         },
     )
@@ -177,7 +183,8 @@ fn weights(gpu: &Gpu, field: &ProbeField, points: &[Vec3]) -> Vec<Vec<f32>> {
 }
 
 const WEIGHTS: &str = "
-import package::probes::volume::{cage_around, cage_slot, corner_share, probe_place};
+import package::probes::source_weights::adjusted_share;
+import package::probes::volume::{cage_around, cage_slot, corner_share, lattice_weights, probe_place};
 @group(3) @binding(0) var<storage, read> points: array<vec4f>;
 @group(3) @binding(1) var<storage, read_write> corners: array<vec2f>;
 @compute @workgroup_size(64)
@@ -187,15 +194,21 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let cage = cage_around(0u, point);
         for (var corner = 0u; corner < 8u; corner += 1u) {
             let slot = cage_slot(cage, corner);
-            let share = corner_share(cage, corner, probe_place(slot), point);
+            let share = SHARE;
             corners[id.x * 8u + corner] = vec2f(f32(slot), share);
         }
     }
 }
 ";
 
-/// Probes moved at random as far as the parameters allow, and points in their volume.
+/// Shares by the places of the probes, by the lattice alone, and by Fibix's filter.
+const CONTINUOUS: &str = "corner_share(cage, corner, probe_place(slot), point)";
+const LATTICE: &str = "lattice_weights(cage, corner).x * lattice_weights(cage, corner).y * lattice_weights(cage, corner).z";
+const ADJUSTED: &str = "adjusted_share(cage, corner, probe_place(slot).xyz)";
+
+/// Probes moved at random as far as they may, and points in their volume.
 struct Moved {
+    share: &'static str,
     gpu: Gpu,
     field: ProbeField,
     places: Vec<Vec3>,
@@ -203,15 +216,12 @@ struct Moved {
 }
 
 impl Moved {
-    fn new(weights: Weights) -> Self {
+    fn new(share: &'static str) -> Self {
         let gpu = gpu();
-        let parameters = ProbeParameters {
-            weights,
-            ..Default::default()
-        };
+        let parameters = ProbeParameters::default();
         let field = ProbeField::new(&gpu, volume(), &parameters).expect("fits");
         field.begin_frame(&gpu, &parameters, 1, 0);
-        let reach = parameters.move_reach * SPACING;
+        let reach = MOVE_REACH * SPACING;
         let random = |i: u64| sampling::rotation(17, i).xyz().as_vec3();
         let places: Vec<Vec3> = (0..volume().slots())
             .map(|slot| volume().position(slot) + (random(slot.into()) * reach).trunc())
@@ -233,6 +243,7 @@ impl Moved {
             })
             .collect();
         Self {
+            share,
             gpu,
             field,
             places,
@@ -241,7 +252,7 @@ impl Moved {
     }
 
     fn weights(&self, points: &[Vec3]) -> Vec<Vec<f32>> {
-        weights(&self.gpu, &self.field, points)
+        weights(&self.gpu, &self.field, points, self.share)
     }
 
     /// The most that a weight changes over steps so small that none may change much, across the
@@ -260,22 +271,22 @@ impl Moved {
 #[test]
 fn continuous_and_lattice_weights_are_shares_without_steps() {
     // Where neighbours have changed places, shares are steep, but no step.
-    let jump = Moved::new(Weights::Continuous).largest_jump();
+    let jump = Moved::new(CONTINUOUS).largest_jump();
     assert!(jump < 0.02, "{jump}");
-    let jump = Moved::new(Weights::Lattice).largest_jump();
+    let jump = Moved::new(LATTICE).largest_jump();
     assert!(jump < 1e-3, "{jump}");
 }
 
 /// The comparison above can tell: the source's weights have steps between cages.
 #[test]
 fn adjusted_weights_are_shares_with_steps_between_cages() {
-    let jump = Moved::new(Weights::Adjusted).largest_jump();
+    let jump = Moved::new(ADJUSTED).largest_jump();
     assert!(jump > 0.1, "{jump}");
 }
 
 #[test]
 fn lattice_and_adjusted_weights_are_their_closed_forms() {
-    for kind in [Weights::Lattice, Weights::Adjusted] {
+    for kind in [LATTICE, ADJUSTED] {
         let moved = Moved::new(kind);
         let spacing = volume().levels()[0].spacing();
         for (found, point) in moved.weights(&moved.points).iter().zip(&moved.points) {
@@ -296,7 +307,7 @@ fn lattice_and_adjusted_weights_are_their_closed_forms() {
                     ((1.0 - a) * (1.0 - t) + a * t).clamp(0.0, 1.0)
                 });
                 expected[slot as usize] += match kind {
-                    Weights::Adjusted => adjusted.product::<f32>(),
+                    ADJUSTED => adjusted.product::<f32>(),
                     _ => lattice,
                 };
             }
@@ -338,18 +349,36 @@ fn clearance(voxel: IVec3) -> f32 {
     nearest.expect("six") as f32 - 0.5
 }
 
+/// The source's algorithm, whose probes walk.
+fn walking(relocation: SourceRelocation) -> ProbeParameters {
+    ProbeParameters {
+        method: Method::Source,
+        rays: 8,
+        source: SourceParameters {
+            relocation,
+            weights: SourceWeights::Adjusted,
+            ..Default::default()
+        },
+        ..Default::default()
+    }
+}
+
+fn begin(gpu: &Gpu, walk: &SourceWalk) {
+    let mut recorder = Recorder::new(gpu, None);
+    walk.record_begin(&mut recorder);
+    recorder.submit(gpu).expect("submits");
+}
+
 #[test]
 fn walking_probes_stop_where_their_rays_are_free() {
     let gpu = gpu();
-    let parameters = ProbeParameters {
-        relocation: Relocation::Statistical,
-        stone_hysteresis: 0.0,
-        rays: 8,
-        ..Default::default()
-    };
-    let (field, states) = placed(&gpu, &parameters);
+    let parameters = walking(SourceRelocation::Clear);
+    let (field, voxels) = placed(&gpu, &parameters);
+    let walk = SourceWalk::with_memory(&gpu, &field, &voxels.resources(), 0.0);
+    let walk = walk.expect("compiles").expect("probes walk");
+    begin(&gpu, &walk);
     let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
-    let reach = (parameters.move_reach * SPACING).as_ivec3();
+    let reach = (MOVE_REACH * SPACING).as_ivec3();
     let voxel_of = |place: &[f32; 4]| Vec3::from_slice(place).floor().as_ivec3() - ORIGIN;
     let mut found: Vec<[f32; 4]> = Vec::new();
     // As many frames as two walks have steps.
@@ -372,7 +401,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
             .write_buffer(field.rays(), 0, bytemuck::cast_slice(&rays));
         let mut recorder = Recorder::new(&gpu, None);
         due.record(&mut recorder);
-        states.record_walk(&mut recorder);
+        walk.record(&mut recorder);
         recorder.submit(&gpu).expect("submits");
     }
     let (mut walked, mut far, mut dead) = (0, 0, 0);
@@ -380,7 +409,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
         let home = voxel_of(&volume().position(slot).extend(0.0).to_array());
         let turn = || steps(reach).map(|step| home + step);
         let allowed = |voxel: &IVec3| (*voxel - home).abs().cmple(reach).all() && !is_stone(*voxel);
-        let clear = |voxel: &IVec3| allowed(voxel) && clearance(*voxel) >= parameters.clearance;
+        let clear = |voxel: &IVec3| allowed(voxel) && clearance(*voxel) >= SourceWalk::CLEARANCE;
         let expected = [home]
             .into_iter()
             .chain(turn())
@@ -407,12 +436,11 @@ fn walking_probes_stop_where_their_rays_are_free() {
 #[test]
 fn a_probe_walks_only_when_it_has_been_in_stone_for_long() {
     let gpu = gpu();
-    let parameters = ProbeParameters {
-        relocation: Relocation::Statistical,
-        rays: 8,
-        ..Default::default()
-    };
-    let (field, states) = placed(&gpu, &parameters);
+    let parameters = walking(SourceRelocation::Surface);
+    let (field, voxels) = placed(&gpu, &parameters);
+    let walk = SourceWalk::new(&gpu, &field, &voxels.resources());
+    let walk = walk.expect("compiles").expect("probes walk");
+    begin(&gpu, &walk);
     let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
     let rays = vec![[0.0f32, 0.0, 0.0, -1.0]; volume().slots() as usize * 8];
     gpu.queue
@@ -423,7 +451,7 @@ fn a_probe_walks_only_when_it_has_been_in_stone_for_long() {
         field.begin_frame(&gpu, &parameters, 1, frame);
         let mut recorder = Recorder::new(&gpu, None);
         due.record(&mut recorder);
-        states.record_walk(&mut recorder);
+        walk.record(&mut recorder);
         recorder.submit(&gpu).expect("submits");
         let places: Vec<[f32; 4]> = gpu.read_buffer(field.places()).expect("reads back");
         assert_eq!(places == before, frame < 14, "frame {frame}");

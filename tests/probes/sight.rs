@@ -8,7 +8,7 @@ use grotto::{
         probes::{ProbeField, classify::ProbeClassify, visibility::ProbeVisibility},
         scene::GpuVoxels,
     },
-    probes::{Layout as _, Sight, SightBox, Volume, sampling},
+    probes::{Layout as _, MOVE_REACH, Sight, SightBox, Volume, sampling},
     reference::march::{Outcome, Ray, march_plain},
     world::{LayoutSpec, voxels::Voxels},
 };
@@ -141,7 +141,7 @@ fn a_probe_sees_what_marching_says_and_its_twin_the_rest() {
     let sight = placed.field.sight().expect("exact");
     let (places, bits) = (placed.places(&gpu), placed.bits(&gpu));
     let lattice = volume().slots();
-    let reach = (exact().move_reach * SPACING).as_ivec3();
+    let reach = (MOVE_REACH * SPACING).as_ivec3();
     let (mut seen, mut hidden, mut twins) = (0, 0, 0);
     for slot in 0..2 * lattice {
         let [x, y, z, w] = places[slot as usize];

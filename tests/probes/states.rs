@@ -88,14 +88,9 @@ impl Slab {
         slab
     }
 
-    /// All rays of a probe are this long, or begin in stone (negative).
+    /// All rays of a probe are this long, or begin in stone (negative), and bring no light.
     fn set_rays(&self, slot: u32, length: f32) {
-        self.set_light(slot, length, 0.0);
-    }
-
-    /// And they bring so much light (radiance).
-    fn set_light(&self, slot: u32, length: f32, light: f32) {
-        let rays = [[light, light, light, length]; RAYS as usize];
+        let rays = [[0.0, 0.0, 0.0, length]; RAYS as usize];
         let offset = u64::from(slot) * size_of_val(&rays) as u64;
         let bytes = bytemuck::cast_slice(&rays);
         self.gpu
@@ -183,7 +178,7 @@ import package::probes::gather::gather;
 @compute @workgroup_size(1)
 fn main() {
     gather_for(select(PIXEL, RAY, place[1].w > 0.0));
-    place[0] = vec4f(gather(place[0].xyz, place[1].xyz, place[1].xyz), 0.0);
+    place[0] = vec4f(gather(place[0].xyz, place[1].xyz), 0.0);
 }
 ";
 
@@ -218,7 +213,8 @@ fn on() -> ProbeParameters {
 #[test]
 fn stone_is_dead_open_air_sleeps_and_what_is_before_a_wall_is_alive() {
     let mut slab = Slab::new(ProbeParameters {
-        asking: false,
+        // Any unrest keeps awake what has surfaces around it.
+        restless: 0.0,
         ..on()
     });
     let (near, far) = (columns(2..3), columns(3..6));
@@ -300,65 +296,6 @@ fn what_feeds_the_picture_is_due_at_once_when_light_changes() {
     assert_eq!(slab.update(), &turn(&fed, 7, 4) | &turn(&asleep, 7, 10));
 }
 
-/// A quarter of the probes at a time, each in its turn; and those whose light changes come first.
-#[test]
-fn a_budget_is_kept_and_starves_nobody() {
-    let all = columns(2..6);
-    let mut slab = Slab::new(ProbeParameters {
-        states: Sleep::Off,
-        restless: 1.0,
-        budget: RAYS * all.len() as u32 / 4,
-        ..Default::default()
-    });
-    // Nothing is known yet; then new ones are restless, and after a while all are still.
-    assert_eq!(slab.update(), all);
-    let mut counts = Vec::new();
-    let mut seen = BTreeSet::new();
-    for _ in 0..12 {
-        let due = slab.update();
-        counts.push(due.len());
-        seen.extend(due);
-    }
-    assert_eq!(seen, all, "{counts:?}");
-    assert!(counts.iter().sum::<usize>() <= 12 * 9, "{counts:?}");
-    for round in 0..4 {
-        let mut seen = BTreeSet::new();
-        for _ in 0..4 {
-            let due = slab.update();
-            assert!((7..=11).contains(&due.len()), "{round}: {}", due.len());
-            seen.extend(due);
-        }
-        assert_eq!(seen, all, "round {round}");
-    }
-}
-
-#[test]
-fn a_budget_goes_first_to_light_that_changes() {
-    let near = columns(2..3);
-    let mut slab = Slab::new(ProbeParameters {
-        states: Sleep::Off,
-        budget: RAYS * 18,
-        ..Default::default()
-    });
-    for _ in 0..40 {
-        slab.update();
-    }
-    // The light before the wall turns far brighter.
-    near.iter()
-        .for_each(|slot| slab.set_light(*slot, 100.0, 9.0));
-    let mut updates = vec![0; COUNTS.element_product() as usize];
-    for _ in 0..12 {
-        let due = slab.update();
-        due.iter().for_each(|slot| updates[*slot as usize] += 1);
-    }
-    let mean = |slots: &BTreeSet<u32>| {
-        let sum: i32 = slots.iter().map(|slot| updates[*slot as usize]).sum();
-        f64::from(sum) / slots.len() as f64
-    };
-    let (restless, still) = (mean(&near), mean(&columns(3..6)));
-    assert!(restless > 1.3 * still && still > 2.0, "{restless} {still}");
-}
-
 #[test]
 fn restless_probes_before_surfaces_are_due_in_every_frame() {
     let mut slab = Slab::new(ProbeParameters {
@@ -410,7 +347,7 @@ fn an_edit_wakes_what_it_touches_at_once_and_kills_what_it_covers() {
 #[test]
 fn probes_that_an_edit_walls_in_are_no_longer_far() {
     let mut slab = Slab::new(ProbeParameters {
-        asking: false,
+        restless: 0.0,
         alive_frames: 1,
         ..on()
     });

@@ -13,7 +13,7 @@ use crate::{
     frame::{Frame, Stage},
     gpu::{Gpu, Recorder, Timing},
     lights::Lights,
-    parameters::{ProbeParameters, Visibility},
+    parameters::{Method, ProbeParameters, SourceWeights},
     passes::view::{View, ViewMode},
     world::voxels::Voxels,
 };
@@ -86,7 +86,9 @@ impl<'a> Play<'a> {
         let parameters = &subject.parameters;
         let mut probes = parameters.probes.clone();
         if fault == Some(Fault::Leak) {
-            probes.visibility = Visibility::None;
+            // The weights of others, without what hides probes behind walls.
+            probes.method = Method::Source;
+            probes.source.weights = SourceWeights::Direction;
         }
         let voxels = stage.read_back(gpu)?;
         Ok(Self {

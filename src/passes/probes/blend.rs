@@ -1,6 +1,6 @@
 //! Pass `probes/blend`: averages the rays of a frame into the maps of each probe that is due.
 
-use super::ProbeField;
+use super::{ProbeField, source::Source};
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 pub struct ProbeBlend {
@@ -23,7 +23,10 @@ impl ProbeBlend {
                     ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
                     ("DISTANCE_TEXELS", f64::from(atlas.distance_texels.max(1))),
                     ("DISTANCES", f64::from(u8::from(field.keeps_distances()))),
-                    ("DISTANCE_SHARPNESS", f64::from(field.distance_sharpness())),
+                    (
+                        "REJECT_LONGER",
+                        f64::from(u8::from(field.source().is_some_and(Source::rejects))),
+                    ),
                 ],
                 ..Default::default()
             },

@@ -7,6 +7,9 @@ use crate::{
     probes::changes::{Changes, EDITS},
 };
 
+/// Share of its unrest that a probe keeps per update after a change: late bounces come in while it fades.
+const UNREST_KEPT: f32 = 0.9;
+
 /// `Changes` of `shaders/probes/changes.wesl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -44,7 +47,7 @@ impl GpuChanges {
         Self {
             alert: changes.alert(),
             deviations: parameters.change_deviations,
-            unrest_kept: parameters.change_unrest,
+            unrest_kept: UNREST_KEPT,
             frame,
             edit_count: changes.edits().len() as u32,
             edits,

@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 
 use super::{GpuProbeLevel, ProbeField, level::LEVELS};
 use crate::{
-    parameters::{LongRays, ProbeParameters, Relocation, Visibility},
-    probes::{Layout as _, Sight},
+    parameters::{ProbeParameters, Relocation},
+    probes::{Layout as _, MOVE_REACH, Sight},
 };
 
 /// `ProbeInfo` of `shaders/probes/field.wesl`.
@@ -24,15 +24,7 @@ pub struct GpuProbeInfo {
     pub irradiance_scale: [f32; 2],
     pub distance_scale: [f32; 2],
     pub distance_texels: f32,
-    pub reject_longer: u32,
     pub normal_bias: f32,
-    pub view_bias: f32,
-    pub wrap_offset: f32,
-    pub crush: f32,
-    pub visibility: u32,
-    pub chebyshev_power: f32,
-    pub chebyshev_floor: f32,
-    pub least_weight: f32,
     pub hysteresis: f32,
     pub warmup_frames: u32,
     pub firefly_clamp: f32,
@@ -43,9 +35,12 @@ pub struct GpuProbeInfo {
     pub pad: u32,
 }
 
+/// Share of history that an update keeps when no lamp and no voxel has changed for long: more noise is averaged away.
+const STILL_HYSTERESIS: f32 = 0.998;
+
 /// Share of its history that a probe keeps at most. When nothing has changed for long there is nothing to follow.
 fn hysteresis(parameters: &ProbeParameters, stillness: f32) -> f32 {
-    let still = parameters.still_hysteresis.max(parameters.hysteresis);
+    let still = STILL_HYSTERESIS.max(parameters.hysteresis);
     parameters.hysteresis + (still - parameters.hysteresis) * stillness
 }
 
@@ -71,25 +66,13 @@ impl GpuProbeInfo {
             irradiance_scale: scale(atlas.irradiance_texels),
             distance_scale: scale(atlas.distance_texels),
             distance_texels: atlas.distance_texels as f32,
-            reject_longer: u32::from(parameters.long_rays == LongRays::Reject),
             normal_bias: parameters.normal_bias,
-            view_bias: parameters.view_bias,
-            wrap_offset: parameters.wrap_offset,
-            crush: parameters.crush,
-            visibility: match parameters.visibility {
-                Visibility::None => 0,
-                // Where it is not exact, or cannot be.
-                Visibility::Chebyshev | Visibility::Exact | Visibility::Auto => 1,
-            },
-            chebyshev_power: parameters.chebyshev_power,
-            chebyshev_floor: parameters.chebyshev_floor,
-            least_weight: parameters.least_weight,
             hysteresis: hysteresis(parameters, field.changes.stillness()),
             warmup_frames: parameters.warmup_frames,
             firefly_clamp: parameters.firefly_clamp,
             move_reach: match parameters.relocation {
                 Relocation::Off => 0.0,
-                Relocation::Exact | Relocation::Statistical => parameters.move_reach,
+                Relocation::Exact => MOVE_REACH,
             },
             lattice_slots: volume.slots(),
             sight_lattice_words: sight.map_or(0, Sight::lattice_words),

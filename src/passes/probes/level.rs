@@ -2,8 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::source;
 use crate::{
-    parameters::{LongRays, ProbeParameters, Relocation},
+    parameters::ProbeParameters,
     probes::{Level, Motion, Sight, Volume, volume::MAX_LEVELS},
 };
 
@@ -38,6 +39,10 @@ pub struct GpuProbeLevel {
     pub _pad6: u32,
 }
 
+/// Longest distance that a probe keeps, in diagonals of its cage.
+const LONGEST: f32 = 1.5;
+/// Cells at the edge of a level over which the next one takes over.
+const FADE_CELLS: f32 = 1.0;
 /// A place that all probes lie on the same side of.
 const FAR: f32 = 1e30;
 
@@ -50,12 +55,7 @@ impl GpuProbeLevel {
         parameters: &ProbeParameters,
         frame: u64,
     ) -> [Self; LEVELS] {
-        // As the source rejects: what no cage can ask for, however far its probe has moved.
-        let longest = match (parameters.long_rays, parameters.relocation) {
-            (LongRays::Clamp, _) => parameters.distance_clamp,
-            (LongRays::Reject, Relocation::Off) => 1.0,
-            (LongRays::Reject, _) => 1.0 + parameters.move_reach,
-        };
+        let longest = source::longest(parameters).unwrap_or(LONGEST);
         let mut all = [Self::default(); LEVELS];
         let levels = volume.levels().iter().zip(motion.before().levels());
         for (index, (gpu_level, (level, before))) in all.iter_mut().zip(levels).enumerate() {
@@ -67,7 +67,7 @@ impl GpuProbeLevel {
                 sight_words: seen.map_or(0, |seen| seen.words()),
                 sight_counts: seen.map_or([0; 3], |seen| seen.counts.to_array()),
                 longest: longest * level.cage_diagonal(),
-                fade: volume.fade(parameters.cascade_fade),
+                fade: volume.fade(FADE_CELLS),
                 age: motion.age(index, frame),
                 ..Self::new(level, before, volume.moves())
             };

@@ -8,6 +8,8 @@ mod info;
 mod level;
 pub mod schedule;
 pub mod seed;
+mod source;
+pub mod source_walk;
 pub mod trace;
 mod update_schedule;
 pub mod visibility;

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
-    parameters::{ProbeParameters, ProbeStates, Relocation, Weights},
+    parameters::{ProbeParameters, ProbeStates},
     probes::Changes,
 };
 
@@ -23,15 +23,9 @@ pub struct GpuUpdateSchedule {
     pub asleep_interval: u32,
     pub rays_rows: u32,
     pub probe_rows: u32,
-    pub weights: u32,
-    pub relocation: u32,
-    pub stone_hysteresis: f32,
-    pub stone_threshold: f32,
-    pub clearance: f32,
     pub restless: f32,
-    pub budget: u32,
     pub still_interval: u32,
-    pub padding: [u32; 3],
+    pub padding: u32,
 }
 
 /// How many probes are in each state, as pass `probes/schedule` last judged them.
@@ -47,6 +41,12 @@ pub struct StateCounts {
     pub due: u32,
 }
 
+/// Frames between updates of a probe that only the rays of other probes ask for.
+const FED_INTERVAL: u32 = 4;
+/// Frames between updates of a probe that nobody asks for.
+const ASLEEP_INTERVAL: u32 = 10;
+/// By how much the times between other updates grow when no lamp and no voxel has changed for long.
+const STILL_INTERVAL: u32 = 2;
 /// Threads of a workgroup of pass `probes/trace`.
 const RAY_GROUP: u32 = 64;
 /// Words in front of the list, as `LIST` of `shaders/probes/update_schedule.wesl`.
@@ -67,7 +67,6 @@ pub(super) struct UpdateSchedule {
     work: wgpu::Buffer,
     face_requests: wgpu::Buffer,
     dispatch: wgpu::Buffer,
-    walks: wgpu::Buffer,
 }
 
 impl UpdateSchedule {
@@ -83,7 +82,6 @@ impl UpdateSchedule {
             work: gpu.storage_buffer("probe_work", (LIST + 3 * all) * 4)?,
             face_requests: gpu.storage_buffer("face_requests", (LIST + 3 * all) * 4)?,
             dispatch: gpu.storage_buffer("probe_dispatch", 48)?,
-            walks: gpu.storage_buffer("probe_walks", all * 8)?,
         })
     }
 
@@ -96,51 +94,29 @@ impl UpdateSchedule {
         frame: u64,
     ) {
         let is_still = changes.stillness() == 1.0 && parameters.states == ProbeStates::On;
-        let still_interval = if is_still {
-            parameters.still_interval
-        } else {
-            1
-        };
+        let still_interval = if is_still { STILL_INTERVAL } else { 1 };
         let (low, high) = self.changed.unwrap_or((Vec3::INFINITY, Vec3::NEG_INFINITY));
         let plan = GpuUpdateSchedule {
             changed_low_gs: low.to_array(),
             frame: frame as u32,
             changed_high_gs: high.to_array(),
-            states: match (parameters.states, parameters.asking) {
-                (ProbeStates::Off, _) => 0,
-                (ProbeStates::On, false) => 1,
-                (ProbeStates::On, true) => 2,
+            states: match parameters.states {
+                ProbeStates::Off => 0,
+                ProbeStates::On => 1,
             },
             alive_frames: parameters.alive_frames,
             // Where light changes at once, what feeds the picture is wanted at once.
             fed_interval: if changes.alert() > SUDDEN {
                 1
             } else {
-                parameters.fed_interval * still_interval
+                FED_INTERVAL * still_interval
             },
-            asleep_interval: parameters.asleep_interval,
+            asleep_interval: ASLEEP_INTERVAL,
             rays_rows: self.rays_rows,
             probe_rows: self.probe_rows,
-            weights: match parameters.weights {
-                Weights::Continuous => 0,
-                Weights::Adjusted => 1,
-                Weights::Lattice => 2,
-            },
-            relocation: match parameters.relocation {
-                Relocation::Off => 0,
-                Relocation::Exact => 1,
-                Relocation::Statistical => 2,
-            },
-            stone_hysteresis: parameters.stone_hysteresis,
-            stone_threshold: parameters.stone_threshold,
-            clearance: parameters.clearance,
             restless: parameters.restless,
-            budget: match parameters.budget {
-                0 => 0,
-                rays => (rays / parameters.rays).max(1),
-            },
             still_interval,
-            padding: [0; 3],
+            padding: 0,
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&plan));
@@ -184,10 +160,6 @@ impl UpdateSchedule {
     /// `probe_work` of pass `surface_cache/trace`.
     pub fn requests_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         ("probe_work", self.face_requests.as_entire_binding())
-    }
-
-    pub fn walks(&self) -> (&'static str, wgpu::BindingResource<'_>) {
-        ("probe_walks", self.walks.as_entire_binding())
     }
 
     pub fn dispatch(&self) -> &wgpu::Buffer {

@@ -115,7 +115,7 @@ impl SurfaceCache {
     /// # Errors
     /// [`GpuError`] when the adapter cannot hold it.
     pub fn new(gpu: &Gpu, parameters: &ProbeParameters) -> Result<Self, GpuError> {
-        let is_used = parameters.final_gather == FinalGather::On;
+        let is_used = parameters.effective().final_gather == FinalGather::On;
         let entries = FACINGS * if is_used { BUCKETS } else { 1 };
         let all = u64::from(entries);
         let most_batches = entries.min(MOST_BATCHES);

@@ -85,13 +85,9 @@ impl Tables<'_> {
         Ok(())
     }
 
-    /// 4.1–4.7 and Fig. 4.8: maps, errors, stability, times. Its probes are Chebyshev's, and light the
-    /// picture alone.
+    /// 4.1–4.7 and Fig. 4.8: maps, errors, stability, times. The algorithm is the source's.
     fn fibix(&mut self) -> Result<(), Failure> {
-        const PROBES_ALONE: [(&str, &str); 2] = [
-            ("probes.visibility", "chebyshev"),
-            ("probes.final_gather", "off"),
-        ];
+        const PROBES_ALONE: [(&str, &str); 1] = [("probes.method", "source")];
         let with = |more: &[(&'static str, &'static str)]| [&PROBES_ALONE[..], more].concat();
         let maps = [
             ("8", "8"),
@@ -118,14 +114,14 @@ impl Tables<'_> {
             &PROBES_ALONE,
         )?;
         for (name, relocation, weights) in [
-            ("simple", "off", "lattice"),
-            ("offset", "statistical", "lattice"),
-            ("offset by occupancy", "exact", "lattice"),
-            ("adjusted filter", "statistical", "adjusted"),
+            ("simple", "off", "perception"),
+            ("offset to surface", "surface", "perception"),
+            ("offset and clear", "clear", "perception"),
+            ("adjusted filter", "clear", "adjusted"),
         ] {
             let set = with(&[
-                ("probes.relocation", relocation),
-                ("probes.weights", weights),
+                ("source.relocation", relocation),
+                ("source.weights", weights),
             ]);
             self.add("fibix-4.2", BEAM, name, work(), &set)?;
         }
@@ -134,7 +130,7 @@ impl Tables<'_> {
             let name = format!("distance {texels}");
             self.add("fibix-4.3", BEAM, &name, work(), &set)?;
         }
-        let set = with(&[("probes.long_rays", "reject")]);
+        let set = with(&[("source.depth", "reject")]);
         self.add(
             "fibix-4.3",
             BEAM,
@@ -177,9 +173,10 @@ impl Tables<'_> {
         Ok(())
     }
 
-    /// 7.3–7.7 and 7.9: the field's rays, times and states by grid, rays and culling.
+    /// 7.3–7.7 and 7.9: the field's rays, times and states by grid, rays and culling; and its weights, added one by
+    /// one.
     fn g3d(&mut self) -> Result<(), Failure> {
-        const ALONE: (&str, &str) = ("probes.final_gather", "off");
+        const ALONE: (&str, &str) = ("probes.method", "source");
         let grids = [
             ("16×16×16", UVec3::splat(16)),
             ("32×16×32", UVec3::new(32, 16, 32)),
@@ -188,12 +185,7 @@ impl Tables<'_> {
         for (grid, counts) in grids {
             for rays in ["64", "512"] {
                 for states in ["off", "on"] {
-                    let set = [
-                        ALONE,
-                        ("probes.visibility", "chebyshev"),
-                        ("probes.rays", rays),
-                        ("probes.states", states),
-                    ];
+                    let set = [ALONE, ("probes.rays", rays), ("probes.states", states)];
                     let name = format!("{grid}/rays {rays}/states {states}");
                     let work = (self.lattice(grid, counts), Work::Frames(Condition::Moving));
                     self.add("g3d-7.3-7.6-7.9", CAVE, &name, work, &set)?;
@@ -211,15 +203,14 @@ impl Tables<'_> {
             for states in ["off", "on"] {
                 let name = format!("probes {probes}/states {states}");
                 let layout = self.lattice(&format!("{probes} probes"), UVec3::from_array(counts));
-                let set = [
-                    ALONE,
-                    ("probes.visibility", "chebyshev"),
-                    ("probes.rays", "64"),
-                    ("probes.states", states),
-                ];
+                let set = [ALONE, ("probes.rays", "64"), ("probes.states", states)];
                 let work = (layout, Work::Frames(Condition::Moving));
                 self.add("g3d-7.7", CAVE, &name, work, &set)?;
             }
+        }
+        for weights in ["trilinear", "direction", "visibility", "perception"] {
+            let set = [ALONE, ("source.weights", weights)];
+            self.add("g3d-weights", BEAM, weights, (None, Work::Error), &set)?;
         }
         Ok(())
     }
@@ -342,6 +333,7 @@ mod tests {
             ("fibix-4.7", 5),
             ("g3d-7.3-7.6-7.9", 12),
             ("g3d-7.7", 10),
+            ("g3d-weights", 4),
             ("minecraft-layouts", 8),
             ("minecraft-rays", 6),
             ("minecraft-textures", 2),

@@ -126,7 +126,7 @@ impl Dice {
             &[
                 "probes.relocation=off",
                 "probes.relocation=exact",
-                "probes.relocation=statistical",
+                "probes.relocation=exact",
             ],
             &["probes.final_gather=on", "probes.final_gather=off"],
             &["probes.contact=on", "probes.contact=off"],

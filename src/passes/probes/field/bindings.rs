@@ -1,6 +1,6 @@
 //! What kernels are given of a probe field: buffers, textures and constants, by name.
 
-use super::ProbeField;
+use super::{ProbeField, Source};
 
 impl ProbeField {
     /// The bindings of `shaders/probes/field.wesl`: what it takes to gather.
@@ -51,12 +51,11 @@ impl ProbeField {
 
     /// What the passes `probes/classify` and `probes/visibility` read of the probes and write: where each
     /// stands, what it knows, and what it sees.
-    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
+    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 7] {
         let [plan, work] = self.plan.resources();
         [
             plan,
             work,
-            self.plan.walks(),
             ("probe_info", self.info.as_entire_binding()),
             ("probe_places_out", self.places.as_entire_binding()),
             ("probe_states", self.states.as_entire_binding()),
@@ -80,18 +79,23 @@ impl ProbeField {
     }
 
     /// The constants of kernels that gather.
-    pub fn gather_constants(&self) -> [(&'static str, f64); 2] {
+    pub fn gather_constants(&self) -> [(&'static str, f64); 3] {
         let nested = self.volume.moves() || self.volume.levels().len() > 1;
         [
+            (
+                "SOURCE_WEIGHTS",
+                self.source.as_ref().map_or(0.0, Source::weights),
+            ),
             ("EXACT", f64::from(u8::from(self.exact()))),
             ("NESTED", f64::from(u8::from(nested))),
         ]
     }
 
     /// The constants of kernels that light what rays find: those, and what is looked for.
-    pub fn light_constants(&self) -> [(&'static str, f64); 3] {
-        let [exact, nested] = self.gather_constants();
+    pub fn light_constants(&self) -> [(&'static str, f64); 4] {
+        let [source, exact, nested] = self.gather_constants();
         [
+            source,
             exact,
             nested,
             ("CONTACT", f64::from(u8::from(self.contact))),

@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::{
     GpuChanges, GpuProbeInfo,
+    source::Source,
     update_schedule::{StateCounts, UpdateSchedule},
 };
 use crate::{
@@ -40,8 +41,8 @@ pub struct ProbeField {
     memory: ProbeMemory,
     plan: UpdateSchedule,
     rays_per_probe: u32,
-    distance_sharpness: u32,
     contact: bool,
+    source: Option<Source>,
     info: wgpu::Buffer,
     ray_directions: wgpu::Buffer,
     rays: wgpu::Buffer,
@@ -68,6 +69,7 @@ impl ProbeField {
         volume: Volume,
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
+        let parameters = &*parameters.effective();
         // Where nobody has asked for so many bits, distances are guessed from, as with large cages.
         let sight = Sight::new(&volume, parameters).filter(|sight| {
             parameters.visibility == Visibility::Exact
@@ -156,8 +158,8 @@ impl ProbeField {
                 ..Default::default()
             }),
             rays_per_probe: parameters.rays,
-            distance_sharpness: parameters.distance_sharpness,
             contact: parameters.contact == Contact::On,
+            source: Source::new(gpu, volume.slots(), parameters)?,
             motion: Motion::new(&volume),
             volume,
             atlas,
@@ -198,6 +200,7 @@ impl ProbeField {
     /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
     /// time when this one was made.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
+        let parameters = &*parameters.effective();
         let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
         gpu.queue
             .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));
@@ -215,6 +218,11 @@ impl ProbeField {
     /// Whether probes know by marching what they see: see [`Sight::new`].
     pub fn exact(&self) -> bool {
         self.sight.is_some()
+    }
+
+    /// What there is besides where the algorithm is not grotto's own.
+    pub(super) fn source(&self) -> Option<&Source> {
+        self.source.as_ref()
     }
 
     /// Whether probes keep how far they see: nobody asks under exact visibility.
@@ -270,11 +278,6 @@ impl ProbeField {
     /// Rays of each probe in a frame.
     pub fn rays_per_probe(&self) -> u32 {
         self.rays_per_probe
-    }
-
-    /// Exponent of the lobe that averages distances.
-    pub fn distance_sharpness(&self) -> u32 {
-        self.distance_sharpness
     }
 
     /// Radiance (linear RGB) and length (voxels; negative where it began in stone) of every ray of each

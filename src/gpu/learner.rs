@@ -1,0 +1,97 @@
+//! Times of passes for their [`Pace`] alone: what a frame that nobody times pass by pass still learns.
+
+use std::sync::Arc;
+
+use super::{Gpu, slices::Pace};
+
+/// Passes of one submission that are timed so.
+const MOST_PASSES: u32 = 64;
+
+/// Stamps of the passes of one submission.
+pub(super) struct Learner {
+    stamps: wgpu::QuerySet,
+    /// What learns of each pair of stamps, and how many workgroups ran between them.
+    learning: Vec<(Arc<Pace>, u32)>,
+}
+
+impl Learner {
+    /// `None` where the adapter has no stamps of its own time.
+    pub(super) fn new(device: &wgpu::Device) -> Option<Self> {
+        if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            return None;
+        }
+        let stamps = device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("pace"),
+            ty: wgpu::QueryType::Timestamp,
+            count: 2 * MOST_PASSES,
+        });
+        Some(Self {
+            stamps,
+            learning: Vec::new(),
+        })
+    }
+
+    /// What a compute pass of `groups` workgroups is to be begun with; `None` when there is no room for more.
+    pub(super) fn stamps(
+        &mut self,
+        pace: &Arc<Pace>,
+        groups: u32,
+    ) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let first = 2 * self.learning.len() as u32;
+        if first >= 2 * MOST_PASSES {
+            return None;
+        }
+        self.learning.push((pace.clone(), groups));
+        Some(wgpu::ComputePassTimestampWrites {
+            query_set: &self.stamps,
+            beginning_of_pass_write_index: Some(first),
+            end_of_pass_write_index: Some(first + 1),
+        })
+    }
+
+    /// Submits `encoder`; the paces learn when the work is done and the device is polled.
+    pub(super) fn submit(
+        self,
+        gpu: &Gpu,
+        mut encoder: wgpu::CommandEncoder,
+    ) -> wgpu::SubmissionIndex {
+        let count = 2 * self.learning.len() as u32;
+        let bytes = u64::from(count) * u64::from(wgpu::QUERY_SIZE);
+        let buffer = |label, usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let resolved = buffer(
+            "pace_resolved",
+            wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+        );
+        let read = buffer(
+            "pace_read",
+            wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        );
+        encoder.resolve_query_set(&self.stamps, 0..count, &resolved, 0);
+        encoder.copy_buffer_to_buffer(&resolved, 0, &read, 0, bytes);
+        let index = gpu.queue.submit([encoder.finish()]);
+        let period_ms = f64::from(gpu.queue.get_timestamp_period()) * 1e-6;
+        let (mapped, learning) = (read.clone(), self.learning);
+        read.map_async(wgpu::MapMode::Read, .., move |result| {
+            if result.is_err() {
+                return;
+            }
+            let Ok(view) = mapped.get_mapped_range(..) else {
+                return;
+            };
+            let pairs = view.chunks_exact(2 * wgpu::QUERY_SIZE as usize);
+            for ((pace, groups), pair) in learning.iter().zip(pairs) {
+                let [begun, ended]: [u64; 2] = bytemuck::pod_read_unaligned(pair);
+                let ticks = ended.saturating_sub(begun);
+                pace.learn(*groups, ticks as f64 * period_ms);
+            }
+        });
+        index
+    }
+}
