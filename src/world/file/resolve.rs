@@ -177,7 +177,7 @@ impl Reader<'_> {
         let mut names = Vec::new();
         for (name, noise) in &noises.0 {
             names.push(source.name(name, "noise", &names)?);
-            let frequency = source.one_or_three(&noise.frequency, "frequency")?;
+            let frequency = source.frequency(&noise.frequency, "frequency")?;
             let offset = or(&noise.offset, Vec3::ZERO, |v| source.point(v, "offset"))?;
             self.noises.push(NoiseField {
                 name: names.last().expect("one was just pushed").clone(),

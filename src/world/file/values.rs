@@ -16,6 +16,14 @@ pub type Read<T> = Result<T, Box<Problem>>;
 /// Coordinates lie within ± this many voxels.
 const FARTHEST: f64 = scenery::FARTHEST as f64;
 
+/// Shapes shrink to one of this many, or grow this many times: 63 scales in each other, the most that
+/// brackets allow, still leave the numbers of an f64.
+const GREATEST_SCALE: f64 = 1e4;
+
+/// Lattice cells of a noise along the edge of a voxel. From 1 on, neighbours have nothing in common; far
+/// above, an f32 no longer tells the places within a cell apart.
+const HIGHEST_FREQUENCY: f64 = 1e3;
+
 /// Most noises, kinds of features, presets, cameras or layouts of a world.
 const MAX_NAMES: usize = 1024;
 
@@ -79,6 +87,24 @@ impl Source {
             format!("`{key}` is {value}; it must be above 0"),
             help,
         ))
+    }
+
+    /// By how much a shape grows.
+    pub fn scale(&self, leaf: &Leaf, key: &str) -> Read<f32> {
+        self.positive(leaf, key)?;
+        Ok(self.number_in(leaf, key, 1.0 / GREATEST_SCALE..=GREATEST_SCALE)? as f32)
+    }
+
+    /// Cells of a noise per voxel, of all axes or one by one.
+    pub fn frequency(&self, value: &OneOrThree, key: &str) -> Read<DVec3> {
+        let one = |leaf| self.number_in(leaf, key, -HIGHEST_FREQUENCY..=HIGHEST_FREQUENCY);
+        Ok(match value {
+            OneOrThree::One(leaf) => DVec3::splat(one(leaf)?),
+            OneOrThree::Three(vector) => {
+                let [x, y, z] = vector.leaves();
+                DVec3::new(one(x)?, one(y)?, one(z)?)
+            }
+        })
     }
 
     /// A number of at least 0.
@@ -192,22 +218,6 @@ impl Source {
             self.length(&vector.1, key)?,
             self.length(&vector.2, key)?,
         ))
-    }
-
-    /// Three numbers of any size.
-    pub fn numbers(&self, vector: &Vector, key: &str) -> Read<DVec3> {
-        Ok(DVec3::new(
-            self.number(&vector.0, key)?,
-            self.number(&vector.1, key)?,
-            self.number(&vector.2, key)?,
-        ))
-    }
-
-    pub fn one_or_three(&self, value: &OneOrThree, key: &str) -> Read<DVec3> {
-        match value {
-            OneOrThree::One(leaf) => Ok(DVec3::splat(self.number(leaf, key)?)),
-            OneOrThree::Three(vector) => self.numbers(vector, key),
-        }
     }
 
     /// A voxel in world space.
