@@ -17,7 +17,7 @@ pub const EXIT_NO_GPU: u8 = 3;
 /// A comparison or regression gate failed.
 pub const EXIT_GATE: u8 = 4;
 
-/// Stopped by Ctrl-C before there was anything to write: what shells say of such a program.
+/// Stopped by Ctrl-C or SIGTERM before it was done: what shells say of such a program.
 pub const EXIT_INTERRUPTED: u8 = 130;
 
 /// One message for a person, and the exit code.
@@ -43,7 +43,7 @@ impl Failure {
         Self::new(EXIT_GATE, error)
     }
 
-    /// The user stopped it before there was anything to write.
+    /// The user stopped it before it was done; what is there by then is written.
     pub fn interrupted(error: impl fmt::Display) -> Self {
         Self::new(EXIT_INTERRUPTED, error)
     }

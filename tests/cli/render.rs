@@ -212,3 +212,30 @@ fn quiet_and_json_keep_the_streams_clean() {
         noted.stderr
     );
 }
+
+/// A command that keeps nothing ends at once, with the code that shells give to a program that Ctrl-C ended.
+#[test]
+#[cfg(unix)]
+fn a_signal_ends_it_with_130() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.png");
+    for signal in ["-INT", "-TERM"] {
+        let mut child = crate::grotto()
+            .args(["render", "worlds/cavern.ron", "--cpu", "--size", "4000x4000"])
+            .arg("-o")
+            .arg(&path)
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .expect("the binary starts");
+        std::thread::sleep(std::time::Duration::from_secs(2));
+        let sent = std::process::Command::new("kill")
+            .args([signal, &child.id().to_string()])
+            .status();
+        assert!(sent.expect("kill is there").success());
+        let status = child.wait().expect("it ends");
+        assert_eq!(status.code(), Some(130), "{signal}: {status}");
+        let left = std::fs::read_dir(folder.path()).expect("readable").count();
+        assert_eq!(left, 0);
+    }
+}
