@@ -8,6 +8,7 @@ use glam::{IVec3, UVec3, Vec3};
 use super::Overrides;
 use super::diagnostics::{Problem, Source};
 use super::leaf::Leaf;
+use super::printable::shown;
 use super::schema;
 use super::values::{Read, or};
 use crate::world::generate::FeatureBins;
@@ -99,7 +100,7 @@ pub(super) fn resolve(
     }
     let stem = Path::new(&source.name).file_stem();
     Ok(World {
-        name: stem.map_or_else(|| source.name.clone(), |s| s.to_string_lossy().into_owned()),
+        name: stem.map_or_else(|| source.name.clone(), |s| shown(&s.to_string_lossy())),
         title,
         size: reader.size,
         origin,

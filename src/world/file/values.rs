@@ -7,6 +7,7 @@ use glam::{DVec3, IVec3, Vec3};
 use super::diagnostics::{Problem, Source};
 use super::explain::suggest;
 use super::leaf::{Leaf, OneOrThree};
+use super::printable::is_obeyed;
 use super::schema::Vector;
 use crate::world::scenery;
 
@@ -157,13 +158,26 @@ impl Source {
     }
 
     pub fn text(&self, leaf: &Leaf, key: &str) -> Read<String> {
-        ron::from_str(leaf.ron()).map_err(|_| {
+        let text: String = ron::from_str(leaf.ron()).map_err(|_| {
             self.at(
                 leaf,
                 format!("`{key}` must be a text, not {}", quote(leaf)),
                 "write it between double quotes, as in \"moss\"",
             )
-        })
+        })?;
+        // One line in every table.
+        let text = text.replace(['\n', '\r', '\t'], " ");
+        match text.chars().find(|c| is_obeyed(*c)) {
+            None => Ok(text),
+            Some(c) => Err(self.at(
+                leaf,
+                format!(
+                    "this text has a character that terminals obey, {}",
+                    c.escape_unicode()
+                ),
+                "remove it: the text is printed to terminals",
+            )),
+        }
     }
 
     /// A text that later keys and the command line refer to.
