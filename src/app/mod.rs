@@ -90,12 +90,12 @@ pub enum AppError {
     Frame(#[from] FrameError),
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the window and returns when it is closed, with how many frames it has shown.
 ///
 /// # Errors
 /// [`AppError`] without a display or a usable adapter, when the adapter cannot hold the world, and
 /// when it fails on the way.
-pub fn run(options: Options) -> Result<(), AppError> {
+pub fn run(options: Options) -> Result<u32, AppError> {
     let no_window = |error: EventLoopError| AppError::NoWindow(without_place(&error.to_string()));
     let event_loop = EventLoop::new().map_err(no_window)?;
     let mut app = App {
@@ -104,7 +104,8 @@ pub fn run(options: Options) -> Result<(), AppError> {
         error: None,
     };
     event_loop.run_app(&mut app).map_err(no_window)?;
-    app.error.map_or(Ok(()), Err)
+    let presented = app.session.as_ref().map_or(0, Session::presented);
+    app.error.map_or(Ok(presented), Err)
 }
 
 /// An error of winit without the line of its own source that it begins with.
