@@ -10,6 +10,7 @@ mod lamps;
 mod leaf;
 mod matter;
 mod place;
+mod printable;
 mod resolve;
 mod response;
 mod scenery;
@@ -81,6 +82,15 @@ pub fn parse(
         text: text.into(),
     };
     Ok(read(&source, folder, overrides).map_err(|problem| *problem)?)
+}
+
+/// The text of a world file, whatever it says.
+///
+/// # Errors
+/// As [`load`], for what is no text.
+pub fn text(path: &Path) -> Result<String, Report> {
+    let source = source_file::read(path).map_err(|problem| *problem)?;
+    Ok(source.text.to_string())
 }
 
 /// Reads a world file and sums up what is in it.
