@@ -56,17 +56,8 @@ impl Reader<'_> {
             return Err(source.at(leaf, "a world without a folder has no models", help));
         };
         let inside = "keep models in the folder of the world file, or in folders within it";
-        let escapes = |path: &Path| {
-            let up = |part| {
-                !matches!(
-                    part,
-                    std::path::Component::Normal(_) | std::path::Component::CurDir
-                )
-            };
-            path.components().any(up)
-        };
         // Refused before the disk is asked, so that a world cannot even ask what lies elsewhere.
-        if escapes(Path::new(name)) {
+        if !is_inside(Path::new(name)) {
             let message = format!("`{name}` lies outside of the world's folder");
             return Err(source.at(leaf, message, inside));
         }
@@ -191,6 +182,13 @@ impl Reader<'_> {
         self.materials.push(material);
         Ok(u8::try_from(self.materials.len()).expect("there are at most 255 materials"))
     }
+}
+
+/// Whether a path stays in the folder that it begins in, links aside.
+pub(super) fn is_inside(path: &Path) -> bool {
+    use std::path::Component;
+    path.components()
+        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }
 
 /// From sRGB (IEC 61966-2-1) to linear.
