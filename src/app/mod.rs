@@ -13,6 +13,7 @@ mod clock;
 mod controls;
 mod frame_graph;
 mod messages;
+mod pace;
 mod panel;
 mod reload;
 mod screen;
@@ -23,10 +24,7 @@ mod truth;
 mod views;
 mod widgets;
 
-use std::{
-    path::PathBuf,
-    time::{Duration, Instant},
-};
+use std::{path::PathBuf, time::Instant};
 
 use winit::{
     application::ApplicationHandler,
@@ -44,9 +42,6 @@ use crate::{
     world::{Camera, World},
 };
 use session::Session;
-
-/// How often a window that nobody sees is looked after.
-const IDLE: Duration = Duration::from_millis(250);
 
 /// What a window begins with.
 pub struct Options {
@@ -102,6 +97,7 @@ pub fn run(options: Options) -> Result<u32, AppError> {
         options,
         session: None,
         error: None,
+        asked: Instant::now(),
     };
     event_loop.run_app(&mut app).map_err(no_window)?;
     let presented = app.session.as_ref().map_or(0, Session::presented);
@@ -121,6 +117,8 @@ struct App {
     options: Options,
     session: Option<Session>,
     error: Option<AppError>,
+    /// When the last frame of a window that waits between frames was asked for.
+    asked: Instant,
 }
 
 impl App {
@@ -172,16 +170,19 @@ impl ApplicationHandler for App {
         let Some(session) = &self.session else {
             return;
         };
-        event_loop.set_control_flow(if session.hidden() {
-            ControlFlow::WaitUntil(Instant::now() + IDLE)
-        } else {
-            session.request_frame();
-            ControlFlow::Poll
+        event_loop.set_control_flow(match session.pause() {
+            // The system may hold back a frame that was asked for: it is not asked for again at once.
+            Some(pause) => ControlFlow::WaitUntil(session.drawn().max(self.asked) + pause),
+            None => {
+                session.request_frame();
+                ControlFlow::Poll
+            }
         });
     }
 
     fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
         if let (Some(session), StartCause::ResumeTimeReached { .. }) = (&self.session, cause) {
+            self.asked = Instant::now();
             session.request_frame();
         }
     }
