@@ -1,12 +1,13 @@
 //! Arguments → a command → an exit code, nothing else.
 
-use std::{panic, process::ExitCode};
+use std::{env, panic, process::ExitCode};
 
 use clap::Parser as _;
 use grotto::commands::{self, Cli};
 use tracing_subscriber::EnvFilter;
 
 fn main() -> ExitCode {
+    silence_device_select();
     panic::set_hook(Box::new(|info| eprintln!("{}", commands::bug_report(info))));
     tracing_subscriber::fmt()
         .with_env_filter(EnvFilter::try_from_default_env().unwrap_or_else(|_| "error".into()))
@@ -21,5 +22,17 @@ fn main() -> ExitCode {
         }
         // The hook has said what happened.
         Err(_) => ExitCode::from(commands::EXIT_FAULT),
+    }
+}
+
+/// Mesa's layer that puts the desktop's GPU first asks a Wayland compositor for it. Without a session there is
+/// none, and its library complains on stderr as if something were wrong. grotto ranks the adapters itself.
+fn silence_device_select() {
+    let is_set = |name| env::var_os(name).is_some();
+    let is_wanted =
+        is_set("XDG_RUNTIME_DIR") || is_set("MESA_VK_DEVICE_SELECT") || is_set("DRI_PRIME");
+    if cfg!(target_os = "linux") && !is_wanted && !is_set("NODEVICE_SELECT") {
+        // SAFETY: no other thread runs yet that could read the environment.
+        unsafe { env::set_var("NODEVICE_SELECT", "1") };
     }
 }

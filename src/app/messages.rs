@@ -76,16 +76,24 @@ impl Messages {
     }
 }
 
+/// Room that a message leaves to the edges of the window, in points: its own frame, title and margins included.
+const AROUND: egui::Vec2 = egui::vec2(48.0, 96.0);
+/// Widest and highest text of a diagnostic, in points.
+const DIAGNOSTIC: egui::Vec2 = egui::vec2(720.0, 420.0);
+
 fn toasts(ui: &Ui, toasts: &[Toast]) {
+    let room = ui.ctx().content_rect().size() - AROUND;
     Area::new(Id::unique("toasts"))
         .anchor(Align2::CENTER_BOTTOM, [0.0, -24.0])
         .interactable(false)
         .show(ui.ctx(), |ui| {
+            ui.set_max_width(room.x.clamp(1.0, DIAGNOSTIC.x));
             ui.vertical_centered(|ui| {
                 for toast in toasts {
                     Frame::popup(ui.style()).show(ui, |ui| {
                         let text = RichText::new(&toast.text);
-                        ui.label(if toast.error { text.color(ERROR) } else { text });
+                        let text = if toast.error { text.color(ERROR) } else { text };
+                        ui.add(egui::Label::new(text).wrap());
                     });
                 }
             });
@@ -93,26 +101,104 @@ fn toasts(ui: &Ui, toasts: &[Toast]) {
 }
 
 /// A window with a text as a terminal would show it, until it is closed. It first appears at `height`
-/// of the way down.
+/// of the way down. Long lines wrap, and what does not fit scrolls: the window stays within its own.
 fn diagnostic(ui: &Ui, title: &str, height: f32, text: &mut Option<String>) {
     let Some(shown) = text else {
         return;
     };
     let window = ui.ctx().content_rect();
+    let room = (window.size() - AROUND).clamp(egui::Vec2::splat(1.0), DIAGNOSTIC);
     let mut open = true;
     Window::new(RichText::new(title).color(ERROR))
         .id(Id::unique(title))
         .open(&mut open)
         .pivot(Align2::CENTER_CENTER)
         .default_pos(window.lerp_inside(egui::vec2(0.5, height)))
-        .default_width(720.0)
+        .constrain(true)
+        .resizable(false)
         .show(ui.ctx(), |ui| {
-            ScrollArea::both().max_height(420.0).show(ui, |ui| {
-                let lines = RichText::new(shown.trim_end()).monospace();
-                ui.add(egui::Label::new(lines).extend());
-            });
+            ui.set_width(room.x);
+            ScrollArea::vertical()
+                .max_height(room.y)
+                .auto_shrink([false, true])
+                .show(ui, |ui| {
+                    let lines = RichText::new(shown.trim_end()).monospace();
+                    ui.add(egui::Label::new(lines).wrap());
+                });
         });
     if !open {
         *text = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rectangles of all shapes of a frame of this size that says this of the world file.
+    fn drawn(size: egui::Vec2, text: &str) -> (egui::Rect, usize) {
+        let context = egui::Context::default();
+        let mut messages = Messages {
+            world: Some(text.to_owned()),
+            ..Messages::default()
+        };
+        messages.toast_error(text.lines().next().unwrap_or_default());
+        let mut painted = (egui::Rect::NOTHING, 0);
+        // Windows find their size in the frames after the first.
+        for _ in 0..4 {
+            let input = egui::RawInput {
+                screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
+                ..Default::default()
+            };
+            let mut output = context.run_ui(input, |ui| messages.show(ui));
+            output.textures_delta.clear();
+            let shapes = output.shapes.iter();
+            let texts = shapes.filter_map(|shape| match &shape.shape {
+                egui::Shape::Text(text) => {
+                    Some((text.visual_bounding_rect(), text.galley.rows.len()))
+                }
+                _ => None,
+            });
+            painted = texts.fold((egui::Rect::NOTHING, 0), |(all, rows), (rect, more)| {
+                (all.union(rect), rows.max(more))
+            });
+        }
+        painted
+    }
+
+    #[test]
+    fn long_lines_wrap_in_windows_of_any_size() {
+        let text = "a message without an end ".repeat(40);
+        for size in [egui::vec2(320.0, 240.0), egui::vec2(1280.0, 720.0)] {
+            let (rect, rows) = drawn(size, &text);
+            assert!(
+                rect.left() >= 0.0 && rect.right() <= size.x,
+                "{rect:?} in {size:?}"
+            );
+            assert!(rows > 5, "{rows} rows");
+        }
+    }
+
+    #[test]
+    fn many_lines_scroll() {
+        let text = "line\n".repeat(400);
+        let size = egui::vec2(640.0, 480.0);
+        let context = egui::Context::default();
+        let mut messages = Messages {
+            world: Some(text),
+            ..Messages::default()
+        };
+        for _ in 0..4 {
+            let input = egui::RawInput {
+                screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
+                ..Default::default()
+            };
+            let mut output = context.run_ui(input, |ui| messages.show(ui));
+            output.textures_delta.clear();
+        }
+        let title = "The world file has an error; the last good world is shown";
+        let rect = context.memory(|memory| memory.area_rect(Id::unique(title)));
+        let rect = rect.expect("it is shown");
+        assert!(rect.top() >= 0.0 && rect.bottom() <= size.y, "{rect:?}");
     }
 }

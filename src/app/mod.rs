@@ -13,6 +13,7 @@ mod clock;
 mod controls;
 mod frame_graph;
 mod messages;
+mod pace;
 mod panel;
 mod reload;
 mod screen;
@@ -23,10 +24,7 @@ mod truth;
 mod views;
 mod widgets;
 
-use std::{
-    path::PathBuf,
-    time::{Duration, Instant},
-};
+use std::{path::PathBuf, time::Instant};
 
 use winit::{
     application::ApplicationHandler,
@@ -44,9 +42,6 @@ use crate::{
     world::{Camera, World},
 };
 use session::Session;
-
-/// How often a window that nobody sees is looked after.
-const IDLE: Duration = Duration::from_millis(250);
 
 /// What a window begins with.
 pub struct Options {
@@ -90,21 +85,23 @@ pub enum AppError {
     Frame(#[from] FrameError),
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens the window and returns when it is closed, with how many frames it has shown.
 ///
 /// # Errors
 /// [`AppError`] without a display or a usable adapter, when the adapter cannot hold the world, and
 /// when it fails on the way.
-pub fn run(options: Options) -> Result<(), AppError> {
+pub fn run(options: Options) -> Result<u32, AppError> {
     let no_window = |error: EventLoopError| AppError::NoWindow(without_place(&error.to_string()));
     let event_loop = EventLoop::new().map_err(no_window)?;
     let mut app = App {
         options,
         session: None,
         error: None,
+        asked: Instant::now(),
     };
     event_loop.run_app(&mut app).map_err(no_window)?;
-    app.error.map_or(Ok(()), Err)
+    let presented = app.session.as_ref().map_or(0, Session::presented);
+    app.error.map_or(Ok(presented), Err)
 }
 
 /// An error of winit without the line of its own source that it begins with.
@@ -120,6 +117,8 @@ struct App {
     options: Options,
     session: Option<Session>,
     error: Option<AppError>,
+    /// When the last frame of a window that waits between frames was asked for.
+    asked: Instant,
 }
 
 impl App {
@@ -171,16 +170,19 @@ impl ApplicationHandler for App {
         let Some(session) = &self.session else {
             return;
         };
-        event_loop.set_control_flow(if session.hidden() {
-            ControlFlow::WaitUntil(Instant::now() + IDLE)
-        } else {
-            session.request_frame();
-            ControlFlow::Poll
+        event_loop.set_control_flow(match session.pause() {
+            // The system may hold back a frame that was asked for: it is not asked for again at once.
+            Some(pause) => ControlFlow::WaitUntil(session.drawn().max(self.asked) + pause),
+            None => {
+                session.request_frame();
+                ControlFlow::Poll
+            }
         });
     }
 
     fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
         if let (Some(session), StartCause::ResumeTimeReached { .. }) = (&self.session, cause) {
+            self.asked = Instant::now();
             session.request_frame();
         }
     }

@@ -78,6 +78,22 @@ pub const SCALES: std::ops::RangeInclusive<f32> = 0.1..=1.0;
 const WIDTH: f32 = 320.0;
 const WARNING: Color32 = Color32::from_rgb(255, 190, 80);
 
+/// The states add up to the number that they follow.
+fn told(counts: &StateCounts) -> String {
+    let twins = match counts.twins {
+        0 => String::new(),
+        twins => format!(" with {twins} twins"),
+    };
+    format!(
+        "{}{twins}: {} alive, {} asleep, {} dead; {} due",
+        counts.total(),
+        counts.alive,
+        counts.sleeping,
+        counts.dead,
+        counts.due
+    )
+}
+
 /// Draws the panel at the left edge of the window.
 pub fn show(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<Action> {
     let fill = ui.style().visuals.panel_fill.gamma_multiply(0.93);
@@ -175,13 +191,9 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
     }
     let frame = facts.show.frame();
     let memory = frame.memory();
-    let probes = frame.field().volume().slots();
     let states = match facts.probes {
-        Some(counts) => format!(
-            "{probes}: {} alive, {} asleep, {} dead; {} due",
-            counts.alive, counts.sleeping, counts.dead, counts.due
-        ),
-        None => probes.to_string(),
+        Some(counts) => told(&counts),
+        None => frame.field().volume().slots().to_string(),
     };
     grid(ui, "figures", |ui| {
         let mut line = |what: &str, value: String| {
@@ -338,6 +350,7 @@ fn parameters(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
     let presets: Vec<&str> = presets.iter().map(|preset| &*preset.name).collect();
     let sections = [
         ("probes", "Probes", true),
+        ("source", "Probes: the source's method", false),
         ("lights", "Lights", true),
         ("picture", "Picture", true),
         ("textures", "Textures", true),
@@ -388,6 +401,7 @@ mod tests {
         // Those that `parameters` lists.
         let known = [
             "probes",
+            "source",
             "lights",
             "picture",
             "textures",

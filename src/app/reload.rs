@@ -6,15 +6,17 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
+use crate::world::file;
+
 /// Four looks a second.
 const INTERVAL: Duration = Duration::from_millis(250);
 
 /// When each file was written and how long it is, in the order of their names.
 type Stamp = Vec<(PathBuf, SystemTime, u64)>;
 
-/// Watches a file, or every file of a folder that a filter lets through.
+/// Watches some files, or every file of a folder that a filter lets through.
 pub struct Watch {
-    path: PathBuf,
+    paths: Vec<PathBuf>,
     extension: Option<&'static str>,
     /// What was last reported or there from the start.
     known: Stamp,
@@ -24,24 +26,51 @@ pub struct Watch {
 }
 
 impl Watch {
-    pub fn file(path: &Path) -> Self {
-        Self::new(path, None)
+    /// A world file with all that it includes.
+    pub fn world(path: &Path) -> Self {
+        let mut watch = Self::new(vec![path.to_owned()], None);
+        watch.follow_world();
+        watch
     }
 
     /// The files under `folder` that end in this extension (without a dot).
     pub fn folder(folder: &Path, extension: &'static str) -> Self {
-        Self::new(folder, Some(extension))
+        Self::new(vec![folder.to_owned()], Some(extension))
     }
 
-    fn new(path: &Path, extension: Option<&'static str>) -> Self {
-        let known = stamp(path, extension);
+    fn new(paths: Vec<PathBuf>, extension: Option<&'static str>) -> Self {
+        let known = stamp(&paths, extension);
         Self {
-            path: path.to_owned(),
+            paths,
             extension,
             seen: known.clone(),
             known,
             looked: Instant::now(),
         }
+    }
+
+    /// Watches what the world file includes by now, before it is read: an edit from then on is reported. While it
+    /// cannot be read, what it included before is watched.
+    pub fn follow_world(&mut self) {
+        let Some(included) = self.paths.first().and_then(|world| file::included(world)) else {
+            return;
+        };
+        let new: Vec<PathBuf> = included
+            .iter()
+            .filter(|path| !self.paths.contains(path))
+            .cloned()
+            .collect();
+        self.paths.truncate(1);
+        self.paths.extend(included);
+        self.paths[1..].sort();
+        self.paths.dedup();
+        // Of files that were watched before, what is known stays.
+        let (known, paths) = (&mut self.known, &self.paths);
+        known.retain(|(path, ..)| paths.contains(path));
+        known.extend(stamp(&new, None));
+        known.sort();
+        known.dedup();
+        self.seen.clone_from(known);
     }
 
     /// Whether an edit has been completed since the last time that this said so: two looks in a row
@@ -52,7 +81,7 @@ impl Watch {
             return false;
         }
         self.looked = now;
-        let stamp = stamp(&self.path, self.extension);
+        let stamp = stamp(&self.paths, self.extension);
         let settled = stamp == self.seen && !stamp.is_empty();
         self.seen = stamp;
         let changed = settled && self.seen != self.known;
@@ -64,9 +93,11 @@ impl Watch {
 }
 
 /// Of what can be read; the rest is not there.
-fn stamp(path: &Path, extension: Option<&str>) -> Stamp {
+fn stamp(paths: &[PathBuf], extension: Option<&str>) -> Stamp {
     let mut stamp = Stamp::new();
-    collect(path, extension, &mut stamp);
+    for path in paths {
+        collect(path, extension, &mut stamp);
+    }
     stamp.sort();
     stamp
 }
@@ -89,6 +120,55 @@ fn collect(path: &Path, extension: Option<&str>, stamp: &mut Stamp) {
 mod tests {
     use super::*;
 
+    /// A world file that includes these models.
+    fn with_models(names: &[&str]) -> String {
+        let models: String = names
+            .iter()
+            .map(|name| format!("(file: \"{name}\", at: (0, 0, 0)),"))
+            .collect();
+        format!("(title: \"\", size: (8, 8, 8), shape: Empty, models: [{models}])")
+    }
+
+    #[test]
+    fn a_world_is_watched_with_all_that_it_includes() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let file = |name: &str| folder.path().join(name);
+        fs::create_dir(file("models")).expect("writable");
+        fs::write(file("a.vox"), "one").expect("writable");
+        fs::write(file("b.vox"), "one").expect("writable");
+        fs::write(
+            file("world.ron"),
+            with_models(&["a.vox", "models/c.vox", "a.vox", "../a.vox"]),
+        )
+        .expect("writable");
+        let mut watch = Watch::world(&file("world.ron"));
+        let mut now = Instant::now();
+        assert_eq!(seen(&mut watch, &mut now), 0);
+        fs::write(file("a.vox"), "edited").expect("writable");
+        assert_eq!(seen(&mut watch, &mut now), 1);
+        fs::write(file("models/c.vox"), "it was missing").expect("writable");
+        assert_eq!(seen(&mut watch, &mut now), 1);
+        fs::write(file("b.vox"), "of no world").expect("writable");
+        assert_eq!(seen(&mut watch, &mut now), 0);
+
+        // Another world includes other files.
+        fs::write(file("world.ron"), with_models(&["b.vox"])).expect("writable");
+        assert_eq!(seen(&mut watch, &mut now), 1);
+        watch.follow_world();
+        assert_eq!(seen(&mut watch, &mut now), 0);
+        fs::write(file("a.vox"), "no longer of any").expect("writable");
+        assert_eq!(seen(&mut watch, &mut now), 0);
+        fs::write(file("b.vox"), "of this one").expect("writable");
+        assert_eq!(seen(&mut watch, &mut now), 1);
+
+        // While the world is broken, a model may be mended.
+        fs::write(file("world.ron"), "(title").expect("writable");
+        assert_eq!(seen(&mut watch, &mut now), 1);
+        watch.follow_world();
+        fs::write(file("b.vox"), "mended").expect("writable");
+        assert_eq!(seen(&mut watch, &mut now), 1);
+    }
+
     /// Looks often enough that an edit must be seen, at times that never pass.
     fn seen(watch: &mut Watch, now: &mut Instant) -> usize {
         let mut look = || {
@@ -103,7 +183,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("world.ron");
         fs::write(&path, "one").expect("writable");
-        let mut watch = Watch::file(&path);
+        let mut watch = Watch::world(&path);
         let mut now = Instant::now();
         assert_eq!(seen(&mut watch, &mut now), 0);
         fs::write(&path, "three").expect("writable");
@@ -119,7 +199,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("world.ron");
         fs::write(&path, "one").expect("writable");
-        let mut watch = Watch::file(&path);
+        let mut watch = Watch::world(&path);
         let start = Instant::now();
         fs::write(&path, "half of what is t").expect("writable");
         assert!(!watch.changed(start + INTERVAL), "seen for the first time");

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 
-use super::{Failure, output};
+use super::{Failure, options::OutputOptions, output};
 use crate::world;
 
 /// Validate world files
@@ -13,15 +14,47 @@ pub struct Arguments {
     /// World files (worlds/*.ron)
     #[arg(required = true, value_name = "WORLD")]
     worlds: Vec<PathBuf>,
+    #[command(flatten)]
+    output: OutputOptions,
+}
+
+/// The `--json` of all files.
+#[derive(Serialize)]
+struct Record {
+    worlds: Vec<Checked>,
+}
+
+#[derive(Serialize)]
+struct Checked {
+    file: String,
+    ok: bool,
+    /// What is in it, or what is wrong with it, as a person reads it.
+    text: String,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut failures = Vec::new();
+    let mut record = Record { worlds: Vec::new() };
     for path in &arguments.worlds {
-        match world::file::check(path) {
-            Ok(summary) => output::print(&format!("{}: ok. {summary}\n", path.display()))?,
-            Err(error) => failures.push(Failure::from(error)),
-        }
+        let file = path.display().to_string();
+        let (ok, text) = match world::file::check(path) {
+            Ok(summary) => {
+                if !arguments.output.json {
+                    output::print(&format!("{file}: ok. {summary}\n"))?;
+                }
+                (true, summary.to_string())
+            }
+            Err(error) => {
+                let failure = Failure::from(error);
+                let text = failure.reason().to_owned();
+                failures.push(failure);
+                (false, text)
+            }
+        };
+        record.worlds.push(Checked { file, ok, text });
+    }
+    if arguments.output.json {
+        output::print_json(&record)?;
     }
     let (bad, all) = (failures.len(), arguments.worlds.len());
     match failures.pop() {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{Failure, memory, output};
+use super::{Failure, memory, options::OutputOptions, output};
 use crate::{
     measure::{
         comparison::{Comparison, Shown, compare},
@@ -52,9 +52,8 @@ pub struct Arguments {
     /// abs_sum.mean, abs_sum.max, rel_mse, energy_ratio, energy_error (its distance from 1)
     #[arg(long, value_name = "METRIC=VALUE", value_parser = gate)]
     fail_over: Vec<Gate>,
-    /// Print one JSON object on stdout
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 /// A metric that must not be greater than a limit.
@@ -133,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .collect();
         picture_file::write_png(path, &heat_map(size, &values))?;
     }
-    if arguments.json {
+    if arguments.output.json {
         output::print_json(&comparison)?;
     } else {
         output::print(&table(&comparison))?;

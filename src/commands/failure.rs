@@ -1,9 +1,11 @@
 //! Why a command ended without its result, and the exit code that says whose fault it is.
 
-use std::fmt;
+use std::{fmt, io, path::Path};
 
 use crate::{
-    frame::FrameError, gpu::GpuError, measure::picture_file::PictureError,
+    frame::FrameError,
+    gpu::GpuError,
+    measure::{picture_file::PictureError, whole_file::FileError},
     parameters::ParameterError,
 };
 
@@ -17,7 +19,7 @@ pub const EXIT_NO_GPU: u8 = 3;
 /// A comparison or regression gate failed.
 pub const EXIT_GATE: u8 = 4;
 
-/// Stopped by Ctrl-C before there was anything to write: what shells say of such a program.
+/// Stopped by Ctrl-C or SIGTERM before it was done: what shells say of such a program.
 pub const EXIT_INTERRUPTED: u8 = 130;
 
 /// One message for a person, and the exit code.
@@ -43,7 +45,17 @@ impl Failure {
         Self::new(EXIT_GATE, error)
     }
 
-    /// The user stopped it before there was anything to write.
+    /// What kept a file or a folder from being written.
+    pub fn unwritten(path: &Path, reason: io::Error) -> Self {
+        FileError::writing(path, reason).into()
+    }
+
+    /// What kept a file from being read.
+    pub fn unread(path: &Path, reason: io::Error) -> Self {
+        FileError::reading(path, reason).into()
+    }
+
+    /// The user stopped it before it was done; what is there by then is written.
     pub fn interrupted(error: impl fmt::Display) -> Self {
         Self::new(EXIT_INTERRUPTED, error)
     }
@@ -86,18 +98,21 @@ impl From<GpuError> for Failure {
     }
 }
 
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        match error.is_fault() {
+            true => Self::fault(error),
+            false => Self::bad_input(error),
+        }
+    }
+}
+
 impl From<PictureError> for Failure {
     fn from(error: PictureError) -> Self {
         let exit_code = match error {
-            PictureError::DiskFull(_)
-            | PictureError::Io { .. }
-            | PictureError::Unstorable { .. } => EXIT_FAULT,
-            PictureError::UnknownExtension(_)
-            | PictureError::NoFolder { .. }
-            | PictureError::IsFolder(_)
-            | PictureError::NoFile(_)
-            | PictureError::Denied(_)
-            | PictureError::Malformed { .. } => EXIT_BAD_INPUT,
+            PictureError::File(error) => return error.into(),
+            PictureError::Unstorable { .. } => EXIT_FAULT,
+            PictureError::UnknownExtension(_) | PictureError::Malformed { .. } => EXIT_BAD_INPUT,
         };
         Self::new(exit_code, error)
     }

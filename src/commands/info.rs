@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, output};
+use super::{Failure, options::OutputOptions, output};
 use crate::{
     gpu::{AdapterReport, AdapterSummary, GpuError, adapters},
     parameters::KEYS,
@@ -17,14 +17,13 @@ pub struct Arguments {
     /// List every parameter of --set with its default, its range and what it costs
     #[arg(long)]
     keys: bool,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.keys {
-        return if arguments.json {
+        return if arguments.output.json {
             output::print_json(&KeyTable::new())
         } else {
             output::print(&key_table())
@@ -32,7 +31,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let found = adapters();
     let chosen = found.iter().position(|adapter| adapter.usable);
-    if arguments.json {
+    if arguments.output.json {
         output::print_json(&Report::new(&found, chosen))?;
     } else if !found.is_empty() {
         output::print(&description(&found, chosen))?;

@@ -16,6 +16,7 @@ use super::{
     part::{self, Part},
     reference, stress,
 };
+use crate::measure::whole_file;
 
 /// Join the parts that --shard I/N of stress, judge, reference or bench wrote
 ///
@@ -213,8 +214,7 @@ impl Draft {
     fn new(out: &Path) -> Result<Self, Failure> {
         let made_out = !out.exists();
         let folder = out.join(format!(".merging-{}", std::process::id()));
-        fs::create_dir_all(&folder)
-            .map_err(|error| Failure::bad_input(format!("{}: {error}", folder.display())))?;
+        whole_file::create_folder(&folder)?;
         Ok(Self {
             out: out.to_owned(),
             folder,
@@ -229,7 +229,7 @@ impl Draft {
     fn publish(mut self) -> Result<Vec<PathBuf>, Failure> {
         let mut files = Vec::new();
         files_under(&self.folder, Path::new(""), &mut files)
-            .map_err(|error| Failure::fault(format!("{}: {error}", self.folder.display())))?;
+            .map_err(|reason| Failure::unread(&self.folder, reason))?;
         files.sort();
         for file in &files {
             let place = self.out.join(file);
@@ -248,7 +248,7 @@ impl Draft {
                 .parent()
                 .map_or(Ok(()), fs::create_dir_all)
                 .and_then(|()| fs::rename(self.folder.join(file), &place));
-            moved.map_err(|error| Failure::fault(format!("{}: {error}", place.display())))?;
+            moved.map_err(|reason| Failure::unwritten(&place, reason))?;
             places.push(place);
         }
         self.made_out = false;

@@ -72,6 +72,7 @@ enum Command {
 /// # Errors
 /// Why it could not be done, with the exit code that says whose fault it is.
 pub fn run(cli: Cli) -> Result<(), Failure> {
+    stop::listen();
     match cli.command {
         None => output::print(GREETING),
         Some(Command::Play(arguments)) => play::run(arguments),

@@ -11,6 +11,17 @@ use crate::{
     world::{self, Camera, LampPreset, LayoutSpec, World, file::Overrides},
 };
 
+/// What every command takes: who reads its results.
+#[derive(Args, Clone, Copy)]
+pub struct OutputOptions {
+    /// Print one JSON object on stdout
+    #[arg(long)]
+    pub json: bool,
+    /// No progress, no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
 /// Options of everything that runs on an adapter.
 #[derive(Args)]
 pub struct RunOptions {

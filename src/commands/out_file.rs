@@ -9,6 +9,7 @@ use atomic_write_file::AtomicWriteFile;
 use serde::Serialize;
 
 use super::Failure;
+use crate::measure::whole_file;
 
 /// A result to be written when it is complete. Until then an older one stays; dropped, it leaves no
 /// trace.
@@ -24,9 +25,8 @@ impl OutFile {
     /// When the folder cannot be made or the file not be written, with the path.
     pub fn new(folder: &Path, name: &str) -> Result<Self, Failure> {
         let path = folder.join(name);
-        let unusable = |error| Failure::bad_input(format!("{}: {error}", path.display()));
-        std::fs::create_dir_all(folder).map_err(unusable)?;
-        let file = AtomicWriteFile::open(&path).map_err(unusable)?;
+        whole_file::create_folder(folder)?;
+        let file = whole_file::open(&path)?;
         Ok(Self { path, file })
     }
 
@@ -41,9 +41,9 @@ impl OutFile {
     /// # Errors
     /// As [`write_json`](Self::write_json).
     pub fn write(mut self, text: &str) -> Result<(), Failure> {
-        self.file
-            .write_all(text.as_bytes())
+        let written = self.file.write_all(text.as_bytes());
+        written
             .and_then(|()| self.file.commit())
-            .map_err(|error| Failure::fault(format!("{}: {error}", self.path.display())))
+            .map_err(|reason| Failure::unwritten(&self.path, reason))
     }
 }

@@ -13,6 +13,7 @@ use atomic_write_file::AtomicWriteFile;
 use serde::{Deserialize, Serialize};
 
 use super::{Failure, shard::Shard};
+use crate::measure::whole_file;
 
 /// Ends with the version of the format.
 const FIRST_LINE: &[u8] = b"grotto part 1\n";
@@ -82,8 +83,7 @@ impl PartFile {
     /// something else.
     pub fn new(folder: &Path, head: Head) -> Result<Self, Failure> {
         let path = folder.join(head.file_name());
-        let unusable = |error| Failure::bad_input(format!("{}: {error}", path.display()));
-        fs::create_dir_all(folder).map_err(unusable)?;
+        whole_file::create_folder(folder)?;
         if path.exists() {
             let other = |difference: &str| {
                 Failure::bad_input(format!(
@@ -98,7 +98,7 @@ impl PartFile {
                 )));
             }
         }
-        let file = AtomicWriteFile::open(&path).map_err(unusable)?;
+        let file = whole_file::open(&path)?;
         Ok(Self { path, file, head })
     }
 
@@ -115,7 +115,7 @@ impl PartFile {
         self.file
             .write_all(&bytes)
             .and_then(|()| self.file.commit())
-            .map_err(|error| Failure::fault(format!("{}: {error}", self.path.display())))?;
+            .map_err(|reason| Failure::unwritten(&self.path, reason))?;
         Ok(self.path)
     }
 }
@@ -125,7 +125,7 @@ impl Part {
     /// When it cannot be read, is damaged, or is another version's.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let bad = |reason: &str| Failure::bad_input(format!("{}: {reason}", path.display()));
-        let bytes = fs::read(path).map_err(|error| bad(&error.to_string()))?;
+        let bytes = fs::read(path).map_err(|reason| Failure::unread(path, reason))?;
         let (head, body) = decode(&bytes).map_err(bad)?;
         Ok(Self {
             path: path.to_owned(),
@@ -145,7 +145,7 @@ impl Part {
 /// # Errors
 /// When the folder cannot be read.
 pub fn files_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let unreadable = |error| Failure::bad_input(format!("{}: {error}", folder.display()));
+    let unreadable = |reason| Failure::unread(folder, reason);
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();

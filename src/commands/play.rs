@@ -3,15 +3,28 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::{
     Failure,
-    options::{InspectionOptions, PictureOptions, RunOptions, Scene, assignment, picture_size},
+    options::{
+        InspectionOptions, OutputOptions, PictureOptions, RunOptions, Scene, assignment,
+        picture_size,
+    },
+    output,
 };
 use crate::{
     app::{self, AppError},
     passes::view::ViewMode,
 };
+
+/// The `--json` of a window that was closed.
+#[derive(Serialize)]
+struct Record {
+    world: String,
+    /// Frames that it has shown.
+    frames: u32,
+}
 
 /// Fly through a world in a window
 #[derive(Args)]
@@ -51,6 +64,8 @@ pub struct Arguments {
     /// Read the shaders from this folder, and again whenever they are edited
     #[arg(long, value_name = "DIR")]
     shaders: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputOptions,
     /// Close the window after this many frames
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
@@ -72,8 +87,8 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
     let run = RunOptions {
         adapter: arguments.adapter,
         set: arguments.set,
-        json: false,
-        quiet: false,
+        json: arguments.output.json,
+        quiet: arguments.output.quiet,
     };
     let picture = PictureOptions {
         size: arguments.size,
@@ -85,7 +100,8 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         view: arguments.view,
     };
     let scene = Scene::load(&arguments.world, &run, &picture)?;
-    app::run(app::Options {
+    let world = scene.world.name.clone();
+    let frames = app::run(app::Options {
         world_path: arguments.world,
         world: scene.world,
         parameters: scene.parameters,
@@ -101,7 +117,10 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         frames: arguments.frames,
         lose_device_at: arguments.lose_device_at,
     })?;
-    Ok(())
+    match run.json {
+        true => output::print_json(&Record { world, frames }),
+        false => Ok(()),
+    }
 }
 
 impl From<AppError> for Failure {

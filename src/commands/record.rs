@@ -85,12 +85,15 @@ pub struct Rays<T> {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ProbeCounts {
+    /// All of the layout and their twins: those alive, sleeping and dead.
     pub total: u32,
     pub alive: u32,
     pub sleeping: u32,
     pub dead: u32,
     /// Updated in the last frame.
     pub due: u32,
+    /// How many of `total` are twins, which the layout does not count.
+    pub twins: u32,
 }
 
 impl ProbeCounts {
@@ -101,11 +104,12 @@ impl ProbeCounts {
     pub fn read(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
         let counts = field.state_counts(gpu)?;
         Ok(Self {
-            total: counts.alive + counts.sleeping + counts.dead,
+            total: counts.total(),
             alive: counts.alive,
             sleeping: counts.sleeping,
             dead: counts.dead,
             due: counts.due,
+            twins: counts.twins,
         })
     }
 }

@@ -18,3 +18,4 @@ pub mod statistics;
 pub mod thumbnail;
 pub mod tonemap;
 pub mod welch;
+pub mod whole_file;

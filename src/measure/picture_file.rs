@@ -4,10 +4,9 @@
 //! left, and an old picture survives a failure.
 
 use std::ffi::OsStr;
-use std::io::{self, Cursor, Write as _};
+use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
 
-use atomic_write_file::AtomicWriteFile;
 use exr::prelude::{ReadChannels as _, ReadLayers as _, WritableImage as _};
 use image::ImageEncoder as _;
 use image::codecs::png::PngEncoder;
@@ -15,24 +14,15 @@ use thiserror::Error;
 
 use super::picture::Picture;
 use super::tonemap;
+use super::whole_file::{self, FileError};
 
 /// Why a picture could not be written or read. Every message names the file and a remedy.
 #[derive(Debug, Error)]
 pub enum PictureError {
     #[error("{}: pictures are .png (tone-mapped, 8 bits) or .exr (linear, 32-bit float); name one of them", .0.display())]
     UnknownExtension(PathBuf),
-    #[error("{}: the folder {} does not exist; create it first", path.display(), folder.display())]
-    NoFolder { path: PathBuf, folder: PathBuf },
-    #[error("{}: is a folder; name a file in it", .0.display())]
-    IsFolder(PathBuf),
-    #[error("{}: no such file", .0.display())]
-    NoFile(PathBuf),
-    #[error("{}: permission denied; choose a place that you may use", .0.display())]
-    Denied(PathBuf),
-    #[error("{}: the disk is full; free some space or choose another disk", .0.display())]
-    DiskFull(PathBuf),
-    #[error("{}: {reason}", path.display())]
-    Io { path: PathBuf, reason: io::Error },
+    #[error(transparent)]
+    File(#[from] FileError),
     #[error("{}: not a picture that can be read: {reason}", path.display())]
     Malformed { path: PathBuf, reason: String },
     #[error("{}: a picture of {width}×{height} cannot be stored: {reason}", path.display())]
@@ -86,9 +76,9 @@ pub enum Encoding {
 /// As [`write()`], as far as can be known before.
 pub fn check_writable(path: &Path) -> Result<PictureFormat, PictureError> {
     let format = PictureFormat::of(path)?;
-    open(path)?
+    whole_file::open(path)?
         .discard()
-        .map_err(|reason| write_error(path, reason))?;
+        .map_err(|reason| FileError::writing(path, reason))?;
     Ok(format)
 }
 
@@ -162,7 +152,7 @@ pub fn write_exr(path: &Path, linear: &Picture) -> Result<(), PictureError> {
 /// [`PictureError`] for an unknown extension, a missing file, and what is not a picture.
 pub fn read(path: &Path) -> Result<(Picture, Encoding), PictureError> {
     let format = PictureFormat::of(path)?;
-    let bytes = std::fs::read(path).map_err(|reason| read_error(path, reason))?;
+    let bytes = std::fs::read(path).map_err(|reason| FileError::reading(path, reason))?;
     match format {
         PictureFormat::Png => Ok((decode_png(path, &bytes)?, Encoding::Display)),
         PictureFormat::Exr => Ok((decode_exr(path, &bytes)?, Encoding::Linear)),
@@ -217,50 +207,9 @@ pub(super) fn quantised(value: f32) -> u8 {
 }
 
 fn save(path: &Path, bytes: &[u8]) -> Result<(), PictureError> {
-    let mut file = open(path)?;
-    file.write_all(bytes)
-        .and_then(|()| file.commit())
-        .map_err(|reason| write_error(path, reason))
-}
-
-fn open(path: &Path) -> Result<AtomicWriteFile, PictureError> {
-    if path.is_dir() {
-        return Err(PictureError::IsFolder(path.to_owned()));
-    }
-    AtomicWriteFile::open(path).map_err(|reason| write_error(path, reason))
-}
-
-fn write_error(path: &Path, reason: io::Error) -> PictureError {
-    match reason.kind() {
-        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => PictureError::NoFolder {
-            path: path.to_owned(),
-            folder: path.parent().unwrap_or(Path::new(".")).to_owned(),
-        },
-        _ => io_error(path, reason),
-    }
-}
-
-fn read_error(path: &Path, reason: io::Error) -> PictureError {
-    match reason.kind() {
-        io::ErrorKind::NotFound => PictureError::NoFile(path.to_owned()),
-        io::ErrorKind::IsADirectory => PictureError::IsFolder(path.to_owned()),
-        _ => io_error(path, reason),
-    }
-}
-
-fn io_error(path: &Path, reason: io::Error) -> PictureError {
-    match reason.kind() {
-        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-            PictureError::Denied(path.to_owned())
-        }
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            PictureError::DiskFull(path.to_owned())
-        }
-        _ => PictureError::Io {
-            path: path.to_owned(),
-            reason,
-        },
-    }
+    let mut file = whole_file::open(path)?;
+    let written = file.write_all(bytes).and_then(|()| file.commit());
+    Ok(written.map_err(|reason| FileError::writing(path, reason))?)
 }
 
 fn malformed(path: &Path, error: impl ToString) -> PictureError {
@@ -351,31 +300,19 @@ mod tests {
     }
 
     #[test]
-    fn places_that_cannot_be_written_say_why() {
+    fn places_that_cannot_be_written_are_refused_when_asked() {
         let folder = tempdir().expect("a temporary folder");
         let missing = folder.path().join("no/such/a.png");
         assert!(matches!(
             check_writable(&missing),
-            Err(PictureError::NoFolder { .. })
-        ));
-        let file = folder.path().join("file");
-        std::fs::write(&file, "x").expect("writable");
-        assert!(matches!(
-            check_writable(&file.join("a.png")),
-            Err(PictureError::NoFolder { .. })
+            Err(PictureError::File(FileError::NoFolder { .. }))
         ));
         let inside = folder.path().join("folder.png");
         std::fs::create_dir(&inside).expect("writable");
         assert!(matches!(
             write(&inside, &gradient(), 0.0),
-            Err(PictureError::IsFolder(_))
+            Err(PictureError::File(FileError::IsFolder(_)))
         ));
-        let message =
-            write_error(Path::new("a.png"), io::ErrorKind::StorageFull.into()).to_string();
-        assert!(message.contains("disk is full"), "{message}");
-        let message =
-            write_error(Path::new("a.png"), io::ErrorKind::PermissionDenied.into()).to_string();
-        assert!(message.contains("permission"), "{message}");
     }
 
     #[test]
@@ -397,7 +334,10 @@ mod tests {
         let folder = tempdir().expect("a temporary folder");
         for name in ["a.png", "a.exr"] {
             let path = folder.path().join(name);
-            assert!(matches!(read(&path), Err(PictureError::NoFile(_))));
+            assert!(matches!(
+                read(&path),
+                Err(PictureError::File(FileError::NoFile(_)))
+            ));
             std::fs::write(&path, "not a picture").expect("writable");
             assert!(matches!(read(&path), Err(PictureError::Malformed { .. })));
             std::fs::write(&path, "").expect("writable");

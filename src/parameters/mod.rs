@@ -477,21 +477,15 @@ mod tests {
             ("probes.hysteresis=1", ["number from 0 to 0.999", "`1`"]),
             (
                 "probes.visibility=some",
-                ["none, chebyshev, exact", "`some`"],
+                ["chebyshev, exact, auto", "`some`"],
             ),
             ("probes.states=maybe", ["off, on", "`maybe`"]),
             (
-                "probes.fed_interval=0",
-                ["whole number from 1 to 1000", "`0`"],
+                "probes.alive_frames=0",
+                ["whole number from 1 to 100000", "`0`"],
             ),
-            (
-                "probes.stone_hysteresis=NaN",
-                ["number from 0 to 0.999", "`NaN`"],
-            ),
-            (
-                "probes.weights=even",
-                ["continuous, adjusted, lattice", "`even`"],
-            ),
+            ("probes.method=theirs", ["grotto, source", "`theirs`"]),
+            ("source.weights=even", ["trilinear, direction", "`even`"]),
             ("lights.animate=maybe", ["on or off", "`maybe`"]),
             ("world.size=0x1x1", ["from 1 to 4096", "`0x1x1`"]),
             ("world.size=64x64", ["WIDTHxHEIGHTxDEPTH", "`64x64`"]),

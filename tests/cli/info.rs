@@ -93,3 +93,17 @@ fn without_a_gpu_the_remedy_is_named() {
     );
     assert!(listing(folder.path()).is_empty());
 }
+
+/// Without a desktop the GPU's loader has nothing to complain about.
+#[test]
+fn nothing_else_speaks_on_stderr() {
+    let ended = crate::end(
+        crate::grotto()
+            .args(["info", "--json"])
+            .env_remove("XDG_RUNTIME_DIR")
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("DISPLAY"),
+    );
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert_eq!(ended.stderr, "");
+}

@@ -141,6 +141,63 @@ fn help_lists_what_there_is_and_nothing_else() {
     }
 }
 
+/// The commands of a help text, but for `help` itself.
+fn commands_of(help: &str) -> Vec<String> {
+    let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let names = lines
+        .take_while(|line| !line.is_empty())
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next());
+    names
+        .filter(|name| *name != "help")
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn every_command_takes_json_and_quiet() {
+    let commands = commands_of(&run(&["--help"]).stdout);
+    assert!(
+        COMMANDS
+            .iter()
+            .all(|name| commands.iter().any(|c| c == name))
+    );
+    let mut seen = 0;
+    for command in &commands {
+        let help = run(&[command, "--help"]).stdout;
+        let suites = commands_of(&help);
+        let helps = match &suites[..] {
+            [] => vec![help],
+            suites => suites
+                .iter()
+                .map(|suite| run(&[command, suite, "--help"]).stdout)
+                .collect(),
+        };
+        for help in helps {
+            let takes = |flag: &str| {
+                help.lines()
+                    .any(|line| line.trim() == flag || line.trim().starts_with(&format!("{flag} ")))
+            };
+            assert!(takes("--json") && takes("--quiet"), "{command}: {help}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 20, "{seen}");
+}
+
+#[test]
+fn check_says_in_json_what_it_says_in_words() {
+    let ended = run(&["check", MINIMAL, "worlds/none.ron", "--json", "--quiet"]);
+    assert_eq!(ended.code, 2);
+    let worlds = &ended.json()["worlds"];
+    assert_eq!(worlds[0]["ok"], true);
+    assert_eq!(worlds[0]["file"], MINIMAL);
+    assert_eq!(worlds[1]["ok"], false);
+    let text = worlds[1]["text"].as_str().expect("a text");
+    assert!(text.contains("does not exist"), "{text}");
+    assert!(ended.stderr.contains("1 of 2 files"), "{}", ended.stderr);
+}
+
 fn world_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }

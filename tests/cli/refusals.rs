@@ -150,6 +150,9 @@ fn outputs_that_cannot_be_written_are_refused_before_any_work() {
         ("file/a.png", "file"),
         ("a.jpg", ".png"),
         ("a", ".exr"),
+        (&format!("{}.png", "a".repeat(300)), "name is too long"),
+        // Its last bytes are added when it is complete.
+        (&format!("{}.png", "a".repeat(250)), "name is too long"),
     ] {
         let output = folder.path().join(name);
         refused(
@@ -216,4 +219,70 @@ fn bad_world_files_are_refused_with_their_name() {
         &["colour_of_money"],
     );
     assert_eq!(listing(folder.path()), before, "something was left behind");
+}
+
+/// A full disk is told in the same words by whoever writes, with the place and what to do.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_told_in_our_words() {
+    for arguments in [
+        &["check", MINIMAL][..],
+        &["info", "--keys"],
+        &["info", "--keys", "--json"],
+    ] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full");
+        let output = grotto()
+            .args(arguments)
+            .stdout(full.expect("it is there"))
+            .output()
+            .expect("the binary starts");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert_eq!(
+            stderr,
+            "error: stdout: the disk is full; free some space or choose another disk\n"
+        );
+    }
+}
+
+#[test]
+fn names_that_are_too_long_are_refused_before_any_work() {
+    let folder = folder();
+    let long = folder.path().join("a".repeat(300));
+    let long = long.to_str().expect("UTF-8");
+    let world = format!("{long}.ron");
+    let picture = format!("{long}.png");
+    for arguments in [
+        &["check", &world][..],
+        &["render", &world, "-o", "a.png"],
+        &["render", MINIMAL, "--cpu", "-o", &picture],
+        &["reference", MINIMAL, "-o", &picture],
+        &["compare", &picture, &picture],
+        &["judge", MINIMAL, "--out", long],
+        &[
+            "judge",
+            &world,
+            "--out",
+            folder.path().to_str().expect("UTF-8"),
+        ],
+        &["stress", "--scenes", "1", "--out", long],
+        &[
+            "stress",
+            "--world",
+            &world,
+            "--out",
+            folder.path().to_str().expect("UTF-8"),
+        ],
+        &["bench", "layouts", MINIMAL, "--out", long],
+        &["bench", "traversal", &world],
+        &["bench", "diff", long, long],
+        &["merge", long, "--out", long],
+    ] {
+        refused(
+            grotto().args(arguments),
+            2,
+            &["name is too long", "shorter"],
+        );
+    }
+    assert!(listing(folder.path()).is_empty());
 }

@@ -73,6 +73,17 @@ fn a_picture_from_the_gpu_with_its_record() {
         rest = &rest[at.unwrap_or_else(|| panic!("{field} is out of order in {}", ended.stdout))..];
     }
     assert_eq!(fields.len(), expected.len());
+    let probes = &record["probes"];
+    let [total, alive, sleeping, dead, twins] = ["total", "alive", "sleeping", "dead", "twins"]
+        .map(|key| probes[key].as_u64().expect("a count"));
+    assert_eq!(alive + sleeping + dead, total, "{probes}");
+    let cave = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(CAVE);
+    let cave = grotto::world::file::load(&cave, &Default::default()).expect("sound");
+    let mut layouts = cave.layouts.iter();
+    let layout = layouts.find(|layout| layout.name == "layout1");
+    let of_layout = layout.map_or(0, |layout| u64::from(layout.counts.element_product()));
+    assert_eq!(total - twins, of_layout, "{probes}");
+    assert!(twins > 0, "{probes}");
     assert_eq!(record["world"], "cave");
     assert_eq!(record["layout"], "layout1");
     assert_eq!(record["view"], "full");
@@ -216,4 +227,37 @@ fn quiet_and_json_keep_the_streams_clean() {
         "{}",
         noted.stderr
     );
+}
+
+/// A command that keeps nothing ends at once, with the code that shells give to a program that Ctrl-C ended.
+#[test]
+#[cfg(unix)]
+fn a_signal_ends_it_with_130() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.png");
+    for signal in ["-INT", "-TERM"] {
+        let mut child = crate::grotto()
+            .args([
+                "render",
+                "worlds/cavern.ron",
+                "--cpu",
+                "--size",
+                "4000x4000",
+            ])
+            .arg("-o")
+            .arg(&path)
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .expect("the binary starts");
+        std::thread::sleep(std::time::Duration::from_secs(2));
+        let sent = std::process::Command::new("kill")
+            .args([signal, &child.id().to_string()])
+            .status();
+        assert!(sent.expect("kill is there").success());
+        let status = child.wait().expect("it ends");
+        assert_eq!(status.code(), Some(130), "{signal}: {status}");
+        let left = std::fs::read_dir(folder.path()).expect("readable").count();
+        assert_eq!(left, 0);
+    }
 }

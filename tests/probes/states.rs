@@ -236,6 +236,7 @@ fn stone_is_dead_open_air_sleeps_and_what_is_before_a_wall_is_alive() {
         sleeping: 27,
         dead: 18,
         due: slab.counts().due,
+        twins: 0,
     };
     assert_eq!(slab.counts(), expected);
 }

@@ -61,3 +61,18 @@ fn the_example_is_sound() {
     let world = sound(example.expect("it opens with an example"));
     assert_eq!(world.title, "A ball of rock.");
 }
+
+#[test]
+fn what_can_only_be_guessed_from_a_picture_is_written_down() {
+    let readme = README.split_whitespace().collect::<Vec<_>>().join(" ");
+    let ground_edge = grotto::lights::sky::GROUND_EDGE;
+    for part in [
+        "(1 − (1 − y)³)".to_owned(),
+        format!("min(−y / {ground_edge}, 1)"),
+        "t = (cos angle − cos outer) / (cos inner − cos outer)".to_owned(),
+        "(x, y, z) there is (x, z, −y) here".to_owned(),
+        "in a solid voxel is dark".to_owned(),
+    ] {
+        assert!(readme.contains(&part), "worlds/README.md lacks {part}");
+    }
+}

@@ -12,6 +12,10 @@ fn load(path: &Path) -> Result<World, miette::Report> {
     file::load(path, &Overrides::default())
 }
 
+fn utf16(text: &str, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
+    text.encode_utf16().flat_map(bytes).collect()
+}
+
 #[test]
 fn files_that_are_no_worlds_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -39,6 +43,35 @@ fn files_that_are_no_worlds_are_refused() {
             file("latin.ron", b"(\ntitle: \"caf\xe9\")"),
             "line 2",
             "UTF-8",
+        ),
+        (
+            file(
+                "marked.ron",
+                &utf16(&format!("\u{feff}{FULL}"), u16::to_le_bytes),
+            ),
+            "is UTF-16 text (little-endian)",
+            "save it as UTF-8",
+        ),
+        (
+            file(
+                "big.ron",
+                &utf16(&format!("\u{feff}{FULL}"), u16::to_be_bytes),
+            ),
+            "is UTF-16 text (big-endian)",
+            "save it as UTF-8",
+        ),
+        (
+            file(
+                "unmarked.ron",
+                &utf16("// 洞窟, a cave\n(title: \"\")", u16::to_le_bytes),
+            ),
+            "is UTF-16 text (little-endian)",
+            "save it as UTF-8",
+        ),
+        (
+            folder.path().join("a".repeat(300)),
+            "name is too long",
+            "shorter name",
         ),
         (large, "has 100.0 MB", "minimal.ron"),
         (folder.path().to_owned(), "is a folder", "good.ron"),

@@ -38,6 +38,11 @@ fn mistakes_are_shown_where_they_stand() {
         ["octaves: 3, lacunarity", "octaves: 99, lacunarity", "99", "between 1 and 24", "whole"],
         ["frequency: 0.05", "frequency: (1, 2)", "", "(x, y, z)", "README"],
         ["frequency: 0.05", "frequency: \"high\"", "\"high\"", "must be a number", "number"],
+        ["frequency: 0.05", "frequency: 1e18", "1e18", "between -1000 and 1000", "between -1000"],
+        ["frequency: (0.1, 0.05, 0.1)", "frequency: (0.1, -1e30, 0.1)", "-1e30", "between", "between -1000"],
+        ["by: 2,", "by: 1e-40,", "1e-40", "between 0.0001", "between 0.0001"],
+        ["by: 2,", "by: 1e30,", "1e30", "between 0.0001", "and 10000"],
+        ["scale: (0.5, 1.2)", "scale: (1e-40, 1.2)", "1e-40", "between 0.0001", "between 0.0001"],
         ["\"ridges\":", "\"floor\":", "\"floor\"", "two noises called `floor`", "rename"],
         ["\"dots\":", "\"rock\":", "\"rock\"", "two materials called `rock`", "rename"],
         ["HeightField(noise: \"floor\"", "HeightField(noise: \"flor\"", "\"flor\"", "no noise", "did you mean `floor`"],
@@ -228,4 +233,37 @@ fn features_that_crowd_the_cells_are_refused() {
     );
     let problem = refused(read(&text));
     assert!(problem.to_string().contains("overlap"), "{problem}");
+}
+
+/// Whatever a file says, its escape sequences do not reach the terminal: neither from a sound world, which has none,
+/// nor from a message about an unsound one.
+#[test]
+fn what_terminals_obey_is_refused_and_written_out() {
+    let sequences = ["\u{1b}[31m", "\u{9b}31m", "\u{202e}", "\u{7}"];
+    for sequence in sequences {
+        let escaped: String = sequence.chars().flat_map(char::escape_unicode).collect();
+        for (old, new) in [
+            ("Everything at once.", format!("Everything {sequence}")),
+            ("Everything at once.", format!("Everything {escaped}")),
+            ("name: \"entrance\"", format!("name: \"{escaped}\"")),
+            ("name: \"fine\"", format!("name: \"{sequence}\"")),
+            ("name: \"many\"", format!("name: \"{sequence}\"")),
+            (
+                "HeightField(noise: \"floor\"",
+                format!("HeightField(noise: \"{sequence}\""),
+            ),
+            ("titl", format!("{sequence}titl")),
+            ("octaves: 4,", format!("octaves: {sequence},")),
+            ("octaves: 4,", format!("/*{sequence}*/ octaves: 99,")),
+        ] {
+            let report = read(&with(old, &new)).expect_err("must be refused");
+            let rendered = format!("{report:?}{report}");
+            let obeyed = |c: &char| c.is_control() && *c != '\n' || *c == '\u{202e}';
+            // The report's own colours, where it has any, are not the file's.
+            let found: Vec<char> = rendered.chars().filter(obeyed).collect();
+            assert!(found.is_empty(), "{new:?}: {found:?} {rendered}");
+        }
+    }
+    let folded = read(&with("Everything at once.", "Two\nlines.")).expect("sound");
+    assert_eq!(folded.title, "Two lines.");
 }

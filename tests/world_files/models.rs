@@ -74,6 +74,38 @@ fn models_become_boxes_and_materials() {
 }
 
 #[test]
+fn equal_colours_of_models_share_a_material() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("three.vox"), model(Vec::new())).expect("written");
+    // Under another name the colours are no others.
+    fs::write(folder.path().join("copy.vox"), model(Vec::new())).expect("written");
+    let copies: String = (0..100)
+        .map(|i| {
+            format!(
+                "(file: \"three.vox\", at: ({i}, 0, 0)), (file: \"copy.vox\", at: ({i}, 8, 0)),"
+            )
+        })
+        .collect();
+    let text = format!(
+        "(title: \"\", size: (128, 32, 32), shape: Empty,
+        materials: {{\"red\": (a: Flat(1, 0, 0)), \"stone\": (a: Flat(0.5, 0.5, 0.5))}},
+        models: [{copies}])"
+    );
+    let world = file::parse(&text, "t.ron", Some(folder.path()), &Overrides::default());
+    let world = world.unwrap_or_else(|report| panic!("{report:?}"));
+    let names: Vec<&str> = world.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["red", "stone", "three.vox 3", "three.vox 2"]);
+    assert_eq!(
+        at(&world, [0, 0, 0]).map(|(colour, _)| colour),
+        Some(Colour::Flat(Vec3::X))
+    );
+    assert_eq!(
+        at(&world, [99, 10, 0]).map(|(colour, _)| colour),
+        Some(Colour::Flat(Vec3::Z))
+    );
+}
+
+#[test]
 fn scenes_turn_and_repeat_models() {
     use dot_vox::{Frame, SceneNode, ShapeModel};
     let transform = |child, entries: &[(&str, &str)]| SceneNode::Transform {

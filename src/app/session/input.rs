@@ -41,9 +41,18 @@ impl Session {
         }
         match event {
             WindowEvent::Resized(size) => self.screen.resize([size.width, size.height]),
-            WindowEvent::Focused(false) => {
-                self.controls.release_all();
-                self.release_mouse();
+            WindowEvent::Focused(focused) => {
+                self.focused = *focused;
+                // Frames at another pace are no figures of these.
+                self.rate.clear();
+                if !focused {
+                    self.controls.release_all();
+                    self.release_mouse();
+                }
+            }
+            WindowEvent::Occluded(occluded) => {
+                self.occluded = *occluded;
+                self.hidden = *occluded;
             }
             WindowEvent::KeyboardInput { event, .. } => self.key(event),
             WindowEvent::MouseInput {

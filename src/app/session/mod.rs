@@ -10,7 +10,7 @@ mod views;
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
-    time::{Instant, SystemTime},
+    time::{Duration, Instant, SystemTime},
 };
 
 use winit::{event_loop::ActiveEventLoop, window::Window};
@@ -24,6 +24,7 @@ use super::{
     clock::{FrameRate, WorldClock},
     controls::Controls,
     messages::Messages,
+    pace::Attention,
     panel::{PassMeans, Settings},
     reload::Watch,
     screen::{self, Acquired, Screen},
@@ -64,9 +65,16 @@ pub struct Session {
     rate: FrameRate,
     passes: PassMeans,
     probes: Option<crate::passes::probes::StateCounts>,
+    /// When the last frame began, and when it was drawn.
     last_frame: Instant,
+    drawn: Instant,
     presented: u32,
     hidden: bool,
+    /// Whether other windows cover all of it, where the system says so.
+    occluded: bool,
+    focused: bool,
+    /// It closes after some frames.
+    counted: bool,
     world_watch: Watch,
     shaders: Option<(PathBuf, Watch)>,
     screenshot_wanted: bool,
@@ -142,9 +150,14 @@ impl Session {
             passes: PassMeans::default(),
             probes: None,
             last_frame: Instant::now(),
+            drawn: Instant::now(),
             presented: 0,
             hidden: false,
-            world_watch: Watch::file(&options.world_path),
+            occluded: false,
+            // Systems tell of focus when it changes; some never do.
+            focused: true,
+            counted: options.frames.is_some(),
+            world_watch: Watch::world(&options.world_path),
             shaders: options
                 .shaders
                 .clone()
@@ -164,9 +177,19 @@ impl Session {
         self.window.request_redraw();
     }
 
-    /// Nobody sees the window: there is no hurry.
-    pub fn hidden(&self) -> bool {
-        self.hidden
+    /// How long to wait after the last frame; none where there is a hurry.
+    pub fn pause(&self) -> Option<Duration> {
+        let attention = Attention {
+            focused: self.focused,
+            hidden: self.hidden,
+            measured: self.counted || self.benchmarks.running.is_some(),
+        };
+        attention.pause(self.drawn.saturating_duration_since(self.last_frame))
+    }
+
+    /// When the last frame was drawn.
+    pub fn drawn(&self) -> Instant {
+        self.drawn
     }
 
     /// Frames shown so far.
@@ -182,7 +205,9 @@ impl Session {
         if self.faults.is_lost() {
             self.replace_device(event_loop)?;
         }
-        match self.draw_frame(event_loop) {
+        let drawn = self.draw_frame(event_loop);
+        self.drawn = Instant::now();
+        match drawn {
             // The next frame has another device.
             Err(_) if self.faults.is_lost() => Ok(()),
             drawn => drawn,
@@ -207,7 +232,7 @@ impl Session {
         self.inspect_probes();
 
         // X11 hands out textures for a minimised window too.
-        let acquired = if self.window.is_minimized() == Some(true) {
+        let acquired = if self.occluded || self.window.is_minimized() == Some(true) {
             Acquired::Hidden
         } else {
             self.screen.acquire(&self.show.gpu)?
@@ -311,6 +336,7 @@ impl Session {
             self.remade();
         }
         if world {
+            self.world_watch.follow_world();
             self.messages.world = match self.show.reload_world() {
                 Ok(()) => {
                     self.messages.toast("world read again");

@@ -1,7 +1,7 @@
 //! What `grotto bench` writes: one report, versioned, read again by `diff`, `history` and `merge`.
 //! `docs/bench.md` documents every key.
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{collections::BTreeMap, fs, io, path::Path};
 
 use serde::{Deserialize, Serialize};
 
@@ -250,10 +250,11 @@ impl Report {
             path.to_owned()
         };
         let shown = file.display();
-        let text = fs::read_to_string(&file).map_err(|error| {
-            Failure::bad_input(format!(
-                "{shown}: {error}; name a folder that `grotto bench` wrote, or its {FILE}"
-            ))
+        let text = fs::read_to_string(&file).map_err(|reason| match reason.kind() {
+            io::ErrorKind::NotFound => Failure::bad_input(format!(
+                "{shown}: no such file; name a folder that `grotto bench` wrote, or its {FILE}"
+            )),
+            _ => Failure::unread(&file, reason),
         })?;
         let value: serde_json::Value = serde_json::from_str(&text).map_err(|error| {
             Failure::bad_input(format!(

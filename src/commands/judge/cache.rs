@@ -14,7 +14,7 @@ use std::{
 use atomic_write_file::AtomicWriteFile;
 use directories::ProjectDirs;
 
-use crate::measure::picture::Picture;
+use crate::measure::{picture::Picture, whole_file::FileError};
 
 const FIRST_LINE: &[u8] = b"grotto reference\n";
 
@@ -82,7 +82,9 @@ impl Cache {
         let bytes = match fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Nothing,
-            Err(error) => return Found::Unusable(format!("{}: {error}", path.display())),
+            Err(reason) => {
+                return Found::Unusable(FileError::reading(&path, reason).to_string());
+            }
         };
         match decode(&bytes, key) {
             Ok(truth) => Found::Truth(Box::new(truth)),
@@ -104,7 +106,7 @@ impl Cache {
             file.write_all(&encode(truth, &key.version))?;
             file.commit()
         };
-        write().map_err(|error: io::Error| format!("{}: {error}", path.display()))
+        write().map_err(|reason| FileError::writing(&path, reason).to_string())
     }
 }
 

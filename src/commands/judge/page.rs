@@ -17,6 +17,7 @@ use crate::{
         picture::Picture,
         picture_file,
         thumbnail::{jpeg, reduced, reduced_map},
+        whole_file,
     },
     world::{Camera, World},
 };
@@ -85,8 +86,7 @@ impl Page {
     pub fn new(out: &Path, width: u32, full_size: bool) -> Result<Self, Failure> {
         let folder = full_size.then(|| out.join(PICTURES));
         if let Some(folder) = &folder {
-            std::fs::create_dir_all(folder)
-                .map_err(|error| Failure::bad_input(format!("{}: {error}", folder.display())))?;
+            whole_file::create_folder(folder)?;
         }
         Ok(Self {
             fragments: Vec::new(),

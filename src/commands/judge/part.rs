@@ -26,6 +26,7 @@ use super::{
 };
 use crate::{
     gpu::{AdapterSummary, Gpu},
+    measure::whole_file,
     parameters::Key,
 };
 
@@ -142,8 +143,7 @@ pub fn write(judge: &Judge<'_>, file: PartFile, worlds: usize) -> Result<(), Fai
     let folder = judge.arguments.out.join(PICTURES);
     let checksum = |name: &String| {
         let path = folder.join(name);
-        let bytes = fs::read(&path)
-            .map_err(|error| Failure::fault(format!("{}: {error}", path.display())))?;
+        let bytes = fs::read(&path).map_err(|reason| Failure::unread(&path, reason))?;
         Ok((name.clone(), crc32fast::hash(&bytes)))
     };
     let names = fragments.iter().flat_map(|fragment| &fragment.files);
@@ -231,8 +231,7 @@ pub fn merge(parts: &[Part], out: &Path) -> Result<Result<(), Failure>, Failure>
     let shown: BTreeSet<&String> = all.fragments.iter().flat_map(|f| &f.files).collect();
     for name in all.checksums.keys().filter(|name| !shown.contains(name)) {
         let path = out.join(PICTURES).join(name);
-        fs::remove_file(&path)
-            .map_err(|error| Failure::fault(format!("{}: {error}", path.display())))?;
+        fs::remove_file(&path).map_err(|reason| Failure::unwritten(&path, reason))?;
     }
     let rows: Vec<Row> = all.rows.into_iter().map(|stored| stored.row).collect();
     let failures: Vec<Missed> = all
@@ -330,8 +329,9 @@ fn copy_pictures(part: &Part, stored: &Stored, out: &Path) -> Result<(), Failure
                 "its picture {PICTURES}/{name} is missing or damaged; run the part again"
             )));
         };
-        let copied = fs::create_dir_all(&to).and_then(|()| fs::write(to.join(name), bytes));
-        copied.map_err(|error| Failure::fault(format!("{}: {error}", to.display())))?;
+        whole_file::create_folder(&to)?;
+        let copy = to.join(name);
+        fs::write(&copy, bytes).map_err(|reason| Failure::unwritten(&copy, reason))?;
     }
     Ok(())
 }

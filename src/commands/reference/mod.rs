@@ -29,7 +29,7 @@ use crate::{
     reference::View,
 };
 
-/// Path-trace a picture on the GPU, as ground truth; Ctrl-C writes what there is
+/// Path-trace a picture on the GPU, as ground truth; Ctrl-C writes what there is and exits with 130
 #[derive(Args)]
 pub struct Arguments {
     /// World file (worlds/*.ron)
@@ -183,27 +183,35 @@ impl Job<'_> {
         )?;
         let record = self.record(traced.spp, None, seconds);
         if run.json {
-            return output::print_json(&record);
-        }
-        let stopped = if record.spp < record.spp_wanted {
-            format!(", stopped of {} wanted", record.spp_wanted)
+            output::print_json(&record)?;
         } else {
-            String::new()
-        };
+            self.tell(&record, format);
+        }
+        if record.spp < record.spp_wanted {
+            return Err(Failure::interrupted(format!(
+                "stopped: {} holds {} of {} samples a pixel",
+                arguments.output.display(),
+                record.spp,
+                record.spp_wanted
+            )));
+        }
+        Ok(())
+    }
+
+    fn tell(&self, record: &Record, format: PictureFormat) {
         let linear = match format {
             PictureFormat::Png => "tone-mapped",
             PictureFormat::Exr => "linear",
         };
         output::note(
-            run,
+            &self.arguments.run,
             &format!(
-                "{} ({linear}): {} samples a pixel{stopped}, {}",
-                arguments.output.display(),
+                "{} ({linear}): {} samples a pixel, {}",
+                self.arguments.output.display(),
                 record.spp,
                 record.speed()
             ),
         );
-        Ok(())
     }
 
     /// `spp`: the samples that were traced.

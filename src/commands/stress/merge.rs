@@ -81,8 +81,8 @@ pub fn join(parts: &[PathBuf], out: &Path) -> Result<(), Failure> {
     for (path, report) in parts.iter().zip(&reports) {
         for file in report.failures.iter().filter_map(|row| row.file.as_ref()) {
             let from = path.join(file);
-            let text = fs::read_to_string(&from)
-                .map_err(|error| Failure::bad_input(format!("{}: {error}", from.display())))?;
+            let text =
+                fs::read_to_string(&from).map_err(|reason| Failure::unread(&from, reason))?;
             let name = file.strip_prefix(&format!("{FAILURES}/")).unwrap_or(file);
             OutFile::new(&out.join(FAILURES), name)?.write(&text)?;
         }

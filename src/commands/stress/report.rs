@@ -240,7 +240,7 @@ impl Report {
         let unusable = |error: &dyn std::fmt::Display| {
             Failure::bad_input(format!("{}: {error}", path.display()))
         };
-        let text = fs::read_to_string(&path).map_err(|error| unusable(&error))?;
+        let text = fs::read_to_string(&path).map_err(|reason| Failure::unread(&path, reason))?;
         let value: serde_json::Value = serde_json::from_str(&text)
             .map_err(|error| unusable(&format!("no report of grotto stress: {error}")))?;
         if value["kind"] != KIND {

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::world::{
     World,
-    file::{Overrides, parse},
+    file::{self, Overrides, parse},
 };
 
 /// What is examined.
@@ -47,14 +47,13 @@ impl Scene {
     /// # Errors
     /// When the file cannot be read.
     pub fn of_file(path: &Path, seed: u32, set: &[String]) -> Result<Self, Failure> {
-        let unreadable = |error| Failure::bad_input(format!("{}: {error}", path.display()));
         let stem = path
             .file_stem()
             .map(|stem| stem.to_string_lossy().into_owned());
         Ok(Self {
             name: stem.unwrap_or_else(|| "world".to_owned()),
             seed,
-            text: std::fs::read_to_string(path).map_err(unreadable)?,
+            text: file::text(path)?,
             set: set.to_vec(),
             folder: path.parent().map(Path::to_path_buf),
             tree: None,

@@ -2,7 +2,6 @@
 
 use std::{
     collections::BTreeMap,
-    fs,
     path::{Path, PathBuf},
     sync::{
         Mutex, PoisonError,
@@ -310,7 +309,6 @@ impl Run<'_> {
             shrunk.message.replace('\n', "\n// "),
             shrunk.scene.text
         );
-        fs::create_dir_all(self.out).map_err(Failure::fault)?;
         OutFile::new(&self.out.join(FAILURES), &name)?.write(&text)?;
         Ok(Row {
             index: piece as u32,

@@ -28,7 +28,7 @@ pub struct GpuUpdateSchedule {
     pub padding: u32,
 }
 
-/// How many probes are in each state, as pass `probes/schedule` last judged them.
+/// How many probes are in each state, as pass `probes/schedule` last judged them: those of the lattice and their twins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StateCounts {
     /// Updated in every frame, or now and then because the rays of others need them.
@@ -39,6 +39,15 @@ pub struct StateCounts {
     pub dead: u32,
     /// Updated in the last frame.
     pub due: u32,
+    /// How many of those that are not dead are twins: beyond the probes of the lattice.
+    pub twins: u32,
+}
+
+impl StateCounts {
+    /// Each probe is in one state.
+    pub fn total(&self) -> u32 {
+        self.alive + self.sleeping + self.dead
+    }
 }
 
 /// Frames between updates of a probe that only the rays of other probes ask for.
@@ -189,12 +198,15 @@ impl UpdateSchedule {
         let states: Vec<[u32; 4]> = gpu.read_buffer(states)?;
         for (slot, [.., flags]) in (0..self.slots).zip(&states) {
             // As `CLASS_BITS` and the classes of `shaders/probes/update_schedule.wesl`.
-            match flags & 3 {
+            let class = flags & 3;
+            let is_twin = slot >= lattice;
+            match class {
                 0 | 1 => counts.alive += 1,
                 2 => counts.sleeping += 1,
                 // A slot that no twin has taken is no probe.
-                _ => counts.dead += u32::from(slot < lattice),
+                _ => counts.dead += u32::from(!is_twin),
             }
+            counts.twins += u32::from(is_twin && class != 3);
         }
         Ok(counts)
     }

@@ -8,6 +8,7 @@ use ron::error::{Position, SpannedError};
 
 use super::explain::explain;
 use super::leaf::{Leaf, block_comment_length};
+use super::printable::{masked, shown};
 use super::schema::Vector;
 
 /// Lines longer than this are quoted in part, in the message, and not shown as a whole.
@@ -41,8 +42,8 @@ impl Problem {
     /// A problem of a file as a whole.
     pub fn of_file(message: impl Into<String>, help: impl Into<String>) -> Box<Self> {
         Box::new(Self {
-            message: message.into(),
-            help: help.into(),
+            message: shown(&message.into()),
+            help: shown(&help.into()),
             place: None,
         })
     }
@@ -149,10 +150,10 @@ impl Source {
             .find('\n')
             .map_or(self.text.len(), |length| offset + length);
         Box::new(Problem {
-            message: message.into(),
-            help: help.into(),
+            message: shown(&message.into()),
+            help: shown(&help.into()),
             place: Some(Place {
-                source: NamedSource::new(&self.name, self.text.clone()),
+                source: NamedSource::new(shown(&self.name), masked(&self.text).into()),
                 offset,
                 length,
                 line: 1 + before.matches('\n').count(),

@@ -10,6 +10,7 @@ mod lamps;
 mod leaf;
 mod matter;
 mod place;
+mod printable;
 mod resolve;
 mod response;
 mod scenery;
@@ -20,7 +21,7 @@ mod summary;
 mod values;
 mod vox;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{UVec3, Vec3};
 use miette::Report;
@@ -83,6 +84,27 @@ pub fn parse(
     Ok(read(&source, folder, overrides).map_err(|problem| *problem)?)
 }
 
+/// The text of a world file, whatever it says.
+///
+/// # Errors
+/// As [`load`], for what is no text.
+pub fn text(path: &Path) -> Result<String, Report> {
+    let source = source_file::read(path).map_err(|problem| *problem)?;
+    Ok(source.text.to_string())
+}
+
+/// The files that a world file includes, whether or not they exist; `None` where it cannot be read so far that it
+/// names them.
+pub fn included(path: &Path) -> Option<Vec<PathBuf>> {
+    let source = source_file::read(path).ok()?;
+    let file = parsed(&source).ok()?;
+    let names = file.models.iter().filter_map(|model| {
+        let name = source.text(&model.file, "file").ok()?;
+        vox::is_inside(Path::new(&name)).then_some(name)
+    });
+    Some(names.map(|name| folder_of(path).join(name)).collect())
+}
+
 /// Reads a world file and sums up what is in it.
 ///
 /// # Errors
@@ -94,20 +116,27 @@ pub fn check(path: &Path) -> Result<Summary, Report> {
 
 fn load_plain(path: &Path, overrides: &Overrides) -> Read<World> {
     let source = source_file::read(path)?;
+    read(&source, Some(folder_of(path)), overrides)
+}
+
+fn folder_of(path: &Path) -> &Path {
     let folder = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
-    read(&source, Some(folder.unwrap_or(Path::new("."))), overrides)
+    folder.unwrap_or(Path::new("."))
 }
 
 fn read(source: &Source, folder: Option<&Path>, overrides: &Overrides) -> Read<World> {
+    resolve::resolve(source, folder, &parsed(source)?, overrides)
+}
+
+fn parsed(source: &Source) -> Read<schema::World> {
     source.check_nesting()?;
     let options = ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         // Brackets are counted already; the parser counts several levels to a bracket.
         .with_recursion_limit(8 * MAX_NESTING);
-    let file: schema::World = options
+    options
         .from_str(&source.text)
-        .map_err(|error| source.of_parser(error))?;
-    resolve::resolve(source, folder, &file, overrides)
+        .map_err(|error| source.of_parser(error))
 }

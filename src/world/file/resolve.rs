@@ -8,6 +8,7 @@ use glam::{IVec3, UVec3, Vec3};
 use super::Overrides;
 use super::diagnostics::{Problem, Source};
 use super::leaf::Leaf;
+use super::printable::shown;
 use super::schema;
 use super::values::{Read, or};
 use crate::world::generate::FeatureBins;
@@ -99,7 +100,7 @@ pub(super) fn resolve(
     }
     let stem = Path::new(&source.name).file_stem();
     Ok(World {
-        name: stem.map_or_else(|| source.name.clone(), |s| s.to_string_lossy().into_owned()),
+        name: stem.map_or_else(|| source.name.clone(), |s| shown(&s.to_string_lossy())),
         title,
         size: reader.size,
         origin,
@@ -177,7 +178,7 @@ impl Reader<'_> {
         let mut names = Vec::new();
         for (name, noise) in &noises.0 {
             names.push(source.name(name, "noise", &names)?);
-            let frequency = source.one_or_three(&noise.frequency, "frequency")?;
+            let frequency = source.frequency(&noise.frequency, "frequency")?;
             let offset = or(&noise.offset, Vec3::ZERO, |v| source.point(v, "offset"))?;
             self.noises.push(NoiseField {
                 name: names.last().expect("one was just pushed").clone(),

@@ -79,7 +79,7 @@ impl Reader<'_> {
                 of: self.boxed(of)?,
             },
             Shape::Scale { by, of } => Sdf::Scale {
-                by: source.positive(by, "by")?,
+                by: source.scale(by, "by")?,
                 of: self.boxed(of)?,
             },
             Shape::Repeat { period, of } => {
@@ -148,8 +148,8 @@ impl Reader<'_> {
     }
 
     fn scale_range(&self, (low, high): &(Leaf, Leaf)) -> Read<(f32, f32)> {
-        let smallest = self.source.positive(low, "scale")?;
-        let greatest = self.source.positive(high, "scale")?;
+        let smallest = self.source.scale(low, "scale")?;
+        let greatest = self.source.scale(high, "scale")?;
         if greatest < smallest {
             return Err(self.source.at(
                 high,

@@ -24,7 +24,11 @@ pub fn read(path: &Path) -> Read<Source> {
         ));
     }
     let bytes = read_bytes(path, MAX_BYTES).map_err(|message| {
-        let help = if path.exists() {
+        let is_too_long = fs::symlink_metadata(path)
+            .is_err_and(|error| error.kind() == ErrorKind::InvalidFilename);
+        let help = if is_too_long {
+            "give the file a shorter name".into()
+        } else if path.exists() {
             "a world file is a short text; worlds/minimal.ron is the smallest to copy".into()
         } else {
             siblings(folder, "ron")
@@ -38,6 +42,9 @@ pub fn read(path: &Path) -> Read<Source> {
 pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     let cannot = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => "does not exist".to_owned(),
+        ErrorKind::InvalidFilename => {
+            "cannot be read: this name is too long for the file system".to_owned()
+        }
         ErrorKind::PermissionDenied => "cannot be read: permission denied".to_owned(),
         _ => format!("cannot be read: {error}"),
     };
@@ -71,6 +78,12 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
 /// Text of bytes that may be anything.
 fn text(name: &str, bytes: Vec<u8>) -> Read<Source> {
     let copy = "worlds/minimal.ron is the smallest world to copy";
+    if let Some(order) = utf16(&bytes) {
+        return Err(Problem::of_file(
+            format!("{name} is UTF-16 text ({order})"),
+            "save it as UTF-8 in the text editor",
+        ));
+    }
     let kind = match &bytes[..] {
         [0x89, b'P', b'N', b'G', ..] => Some("a PNG picture"),
         [0xff, 0xd8, 0xff, ..] => Some("a JPEG picture"),
@@ -106,6 +119,33 @@ fn text(name: &str, bytes: Vec<u8>) -> Read<Source> {
         name: name.to_owned(),
         text: text.into(),
     })
+}
+
+/// Whether these are the bytes of a UTF-16 text, and which byte of a character comes first. Without a byte order
+/// mark the zeros beside the ASCII characters of its beginning show it.
+fn utf16(bytes: &[u8]) -> Option<&'static str> {
+    const LITTLE: &str = "little-endian";
+    const BIG: &str = "big-endian";
+    match bytes {
+        // UTF-32 begins with the mark of UTF-16.
+        [0xff, 0xfe, 0, 0, ..] => return None,
+        [0xff, 0xfe, ..] => return Some(LITTLE),
+        [0xfe, 0xff, ..] => return Some(BIG),
+        _ => {}
+    }
+    let (pairs, _) = bytes[..bytes.len().min(64)].as_chunks::<2>();
+    let is_text = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    let mostly = |is_ascii: &dyn Fn(&[u8; 2]) -> bool| {
+        let count = pairs.iter().filter(|pair| is_ascii(pair)).count();
+        pairs.len() >= 2 && 4 * count >= 3 * pairs.len()
+    };
+    if mostly(&|[low, high]| is_text(*low) && *high == 0) {
+        Some(LITTLE)
+    } else if mostly(&|[high, low]| is_text(*low) && *high == 0) {
+        Some(BIG)
+    } else {
+        None
+    }
 }
 
 /// What files of this extension a folder has, as a remedy.

@@ -7,6 +7,7 @@ use glam::{DVec3, IVec3, Vec3};
 use super::diagnostics::{Problem, Source};
 use super::explain::suggest;
 use super::leaf::{Leaf, OneOrThree};
+use super::printable::is_obeyed;
 use super::schema::Vector;
 use crate::world::scenery;
 
@@ -15,6 +16,14 @@ pub type Read<T> = Result<T, Box<Problem>>;
 
 /// Coordinates lie within ± this many voxels.
 const FARTHEST: f64 = scenery::FARTHEST as f64;
+
+/// Shapes shrink to one of this many, or grow this many times: 63 scales in each other, the most that
+/// brackets allow, still leave the numbers of an f64.
+const GREATEST_SCALE: f64 = 1e4;
+
+/// Lattice cells of a noise along the edge of a voxel. From 1 on, neighbours have nothing in common; far
+/// above, an f32 no longer tells the places within a cell apart.
+const HIGHEST_FREQUENCY: f64 = 1e3;
 
 /// Most noises, kinds of features, presets, cameras or layouts of a world.
 const MAX_NAMES: usize = 1024;
@@ -81,6 +90,24 @@ impl Source {
         ))
     }
 
+    /// By how much a shape grows.
+    pub fn scale(&self, leaf: &Leaf, key: &str) -> Read<f32> {
+        self.positive(leaf, key)?;
+        Ok(self.number_in(leaf, key, 1.0 / GREATEST_SCALE..=GREATEST_SCALE)? as f32)
+    }
+
+    /// Cells of a noise per voxel, of all axes or one by one.
+    pub fn frequency(&self, value: &OneOrThree, key: &str) -> Read<DVec3> {
+        let one = |leaf| self.number_in(leaf, key, -HIGHEST_FREQUENCY..=HIGHEST_FREQUENCY);
+        Ok(match value {
+            OneOrThree::One(leaf) => DVec3::splat(one(leaf)?),
+            OneOrThree::Three(vector) => {
+                let [x, y, z] = vector.leaves();
+                DVec3::new(one(x)?, one(y)?, one(z)?)
+            }
+        })
+    }
+
     /// A number of at least 0.
     pub fn not_negative(&self, leaf: &Leaf, key: &str) -> Read<f32> {
         let value = self.number(leaf, key)? as f32;
@@ -131,13 +158,26 @@ impl Source {
     }
 
     pub fn text(&self, leaf: &Leaf, key: &str) -> Read<String> {
-        ron::from_str(leaf.ron()).map_err(|_| {
+        let text: String = ron::from_str(leaf.ron()).map_err(|_| {
             self.at(
                 leaf,
                 format!("`{key}` must be a text, not {}", quote(leaf)),
                 "write it between double quotes, as in \"moss\"",
             )
-        })
+        })?;
+        // One line in every table.
+        let text = text.replace(['\n', '\r', '\t'], " ");
+        match text.chars().find(|c| is_obeyed(*c)) {
+            None => Ok(text),
+            Some(c) => Err(self.at(
+                leaf,
+                format!(
+                    "this text has a character that terminals obey, {}",
+                    c.escape_unicode()
+                ),
+                "remove it: the text is printed to terminals",
+            )),
+        }
     }
 
     /// A text that later keys and the command line refer to.
@@ -192,22 +232,6 @@ impl Source {
             self.length(&vector.1, key)?,
             self.length(&vector.2, key)?,
         ))
-    }
-
-    /// Three numbers of any size.
-    pub fn numbers(&self, vector: &Vector, key: &str) -> Read<DVec3> {
-        Ok(DVec3::new(
-            self.number(&vector.0, key)?,
-            self.number(&vector.1, key)?,
-            self.number(&vector.2, key)?,
-        ))
-    }
-
-    pub fn one_or_three(&self, value: &OneOrThree, key: &str) -> Read<DVec3> {
-        match value {
-            OneOrThree::One(leaf) => Ok(DVec3::splat(self.number(leaf, key)?)),
-            OneOrThree::Three(vector) => self.numbers(vector, key),
-        }
     }
 
     /// A voxel in world space.

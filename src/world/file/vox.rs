@@ -56,17 +56,8 @@ impl Reader<'_> {
             return Err(source.at(leaf, "a world without a folder has no models", help));
         };
         let inside = "keep models in the folder of the world file, or in folders within it";
-        let escapes = |path: &Path| {
-            let up = |part| {
-                !matches!(
-                    part,
-                    std::path::Component::Normal(_) | std::path::Component::CurDir
-                )
-            };
-            path.components().any(up)
-        };
         // Refused before the disk is asked, so that a world cannot even ask what lies elsewhere.
-        if escapes(Path::new(name)) {
+        if !is_inside(Path::new(name)) {
             let message = format!("`{name}` lies outside of the world's folder");
             return Err(source.at(leaf, message, inside));
         }
@@ -128,7 +119,7 @@ impl Reader<'_> {
         self.check_parts(features.len(), leaf)
     }
 
-    /// A new material of a palette colour. An emitting one radiates colour · `_emit` · 10^`_flux`.
+    /// The material of a palette colour: one that looks the same, or a new one. An emitting one radiates colour · `_emit` · 10^`_flux`.
     fn model_material(
         &mut self,
         leaf: &Leaf,
@@ -136,15 +127,6 @@ impl Reader<'_> {
         data: &DotVoxData,
         index: u8,
     ) -> Read<u8> {
-        if self.materials.len() >= MAX_MATERIALS {
-            return Err(self.source.at(
-                leaf,
-                format!(
-                    "with the colours of `{name}` there are more than {MAX_MATERIALS} materials"
-                ),
-                "use fewer colours in the model, or fewer materials in the world",
-            ));
-        }
         let colour = data.palette.get(usize::from(index));
         let colour = colour.map_or(Vec3::ONE, |c| Vec3::from([c.r, c.g, c.b].map(linear)));
         let number = u32::from(index) + 1;
@@ -161,15 +143,52 @@ impl Reader<'_> {
         } else {
             0.0
         };
-        self.materials.push(Material {
+        let material = Material {
             name: format!("{name} {number}"),
             a: Colour::Flat(colour),
             b: Colour::Flat(colour),
             pattern: Pattern::Plain,
             emission: colour * strength,
-        });
+        };
+        let looks_the_same = |known: &Material| {
+            let Material {
+                name: _,
+                a,
+                b,
+                pattern,
+                emission,
+            } = known;
+            (a, b, pattern, emission)
+                == (
+                    &material.a,
+                    &material.b,
+                    &material.pattern,
+                    &material.emission,
+                )
+        };
+        if let Some(index) = self.materials.iter().position(looks_the_same) {
+            return Ok(u8::try_from(index + 1).expect("there are at most 255 materials"));
+        }
+        if self.materials.len() >= MAX_MATERIALS {
+            return Err(self.source.at(
+                leaf,
+                format!(
+                    "with the colours of `{name}` there are more than {MAX_MATERIALS} materials"
+                ),
+                "use fewer colours in the model, or fewer materials in the world; equal colours \
+                 share one",
+            ));
+        }
+        self.materials.push(material);
         Ok(u8::try_from(self.materials.len()).expect("there are at most 255 materials"))
     }
+}
+
+/// Whether a path stays in the folder that it begins in, links aside.
+pub(super) fn is_inside(path: &Path) -> bool {
+    use std::path::Component;
+    path.components()
+        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }
 
 /// From sRGB (IEC 61966-2-1) to linear.

@@ -1,11 +1,11 @@
 //! Materials as bytes for the GPU: the storage buffer of `shaders/scene/materials.wesl`.
 //!
-//! Every hit reads a material, from places that differ from ray to ray, so it is packed small: a
-//! colour is four words, its channels as 16-bit floats (relative error 2⁻¹¹).
+//! Every hit reads a material, from places that differ from ray to ray, so it is packed small: a colour that is
+//! always the same is four words, and the others have more among the details. Albedos keep all bits: an error
+//! grows with every bounce.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
-use half::f16;
 
 use super::{Colour, MaterialSet};
 
@@ -24,8 +24,8 @@ const KIND_BANDS: u32 = 3;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuMaterial {
-    /// A packed [`Colour`]: low.r low.g, low.b high.r, high.g high.b as pairs of 16-bit floats (the
-    /// first in the lower half), then the kind in two bits and above it an index into the details.
+    /// A packed [`Colour`]: red, green and blue of its lower end as f32, then the kind in two bits and above it an
+    /// index into the details.
     pub a: [u32; 4],
     pub b: [u32; 4],
     pub emission: [f32; 3],
@@ -35,8 +35,8 @@ pub struct GpuMaterial {
     pub _pad: [u32; 3],
 }
 
-/// What does not fit into a packed colour. Of a dither: (from, to, 0, 0). Of bands: (number of
-/// stops, 0, 0, 0), then the stops (height, r, g, b).
+/// What does not fit into a packed colour. Of a hash: its upper end (r, g, b, 0). Of a dither: (from, to, 0, 0),
+/// then its upper end. Of bands: (number of stops, 0, 0, 0), then the stops (height, r, g, b).
 type Detail = [f32; 4];
 
 impl MaterialSet {
@@ -64,9 +64,13 @@ impl MaterialSet {
 
 fn packed(colour: &Colour, details: &mut Vec<Detail>) -> [u32; 4] {
     let index = details.len() as u32;
-    let (kind, low, high) = match colour {
-        Colour::Flat(colour) => (KIND_FLAT, *colour, *colour),
-        Colour::Hash(low, high) => (KIND_HASH, *low, *high),
+    let upper_end = |colour: &Vec3| colour.extend(0.0).to_array();
+    let (kind, low) = match colour {
+        Colour::Flat(colour) => (KIND_FLAT, colour),
+        Colour::Hash(low, high) => {
+            details.push(upper_end(high));
+            (KIND_HASH, low)
+        }
         Colour::DitherX {
             from,
             to,
@@ -74,7 +78,8 @@ fn packed(colour: &Colour, details: &mut Vec<Detail>) -> [u32; 4] {
             high,
         } => {
             details.push([*from, *to, 0.0, 0.0]);
-            (KIND_DITHER_X, *low, *high)
+            details.push(upper_end(high));
+            (KIND_DITHER_X, low)
         }
         Colour::Bands { below, above } => {
             details.push([below.len() as f32, 0.0, 0.0, 0.0]);
@@ -83,20 +88,9 @@ fn packed(colour: &Colour, details: &mut Vec<Detail>) -> [u32; 4] {
                     .iter()
                     .map(|(height, colour)| [*height, colour.x, colour.y, colour.z]),
             );
-            (KIND_BANDS, *above, *above)
+            (KIND_BANDS, above)
         }
     };
-    let [a, b, c] = pairs(low, high);
-    [a, b, c, kind | index << 2]
-}
-
-fn pairs(low: Vec3, high: Vec3) -> [u32; 3] {
-    let pair = |x: f32, y: f32| {
-        u32::from(f16::from_f32(x).to_bits()) | u32::from(f16::from_f32(y).to_bits()) << 16
-    };
-    [
-        pair(low.x, low.y),
-        pair(low.z, high.x),
-        pair(high.y, high.z),
-    ]
+    let [r, g, b] = low.to_array().map(f32::to_bits);
+    [r, g, b, kind | index << 2]
 }

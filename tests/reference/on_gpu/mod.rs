@@ -81,9 +81,8 @@ impl Tracer for OnGpu {
         traced.picture
     }
 
-    /// Albedos are 16-bit floats there.
     fn rounding(&self) -> f64 {
-        6e-4
+        1e-4
     }
 
     fn haste(&self) -> u32 {

@@ -10,6 +10,7 @@ use atomic_write_file::AtomicWriteFile;
 use flate2::{Compression, GzBuilder, read::MultiGzDecoder, write::GzEncoder};
 
 use super::{super::super::Failure, rows_csv::quoted};
+use crate::measure::whole_file;
 
 /// Its name in the folder of a report.
 pub const FRAMES: &str = "frames.csv.gz";
@@ -39,8 +40,7 @@ impl FrameLog {
     /// # Errors
     /// When the file cannot be written, with its path.
     pub(super) fn new(path: &Path, about: &str) -> Result<Self, Failure> {
-        let file = AtomicWriteFile::open(path)
-            .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
+        let file = whole_file::open(path)?;
         // The comment of a gzip file ends at its first zero byte.
         let comment = about.replace('\0', " ");
         let encoder = GzBuilder::new()
@@ -83,7 +83,7 @@ impl FrameLog {
     fn append(&mut self, text: &str) -> Result<(), Failure> {
         let encoder = self.encoder.as_mut().expect("open until it is dropped");
         let written = encoder.write_all(text.as_bytes());
-        written.map_err(|error| unwritten(&self.path, &error))
+        written.map_err(|reason| Failure::unwritten(&self.path, reason))
     }
 
     fn close(&mut self) -> Result<(), Failure> {
@@ -94,7 +94,7 @@ impl FrameLog {
             .finish()
             .and_then(|buffer| buffer.into_inner().map_err(io::Error::from))
             .and_then(AtomicWriteFile::commit);
-        closed.map_err(|error| unwritten(&self.path, &error))
+        closed.map_err(|reason| Failure::unwritten(&self.path, reason))
     }
 }
 
@@ -103,10 +103,6 @@ impl Drop for FrameLog {
         // Whoever wants to know of a full disk calls `finish`.
         let _ = self.close();
     }
-}
-
-fn unwritten(path: &Path, error: &io::Error) -> Failure {
-    Failure::fault(format!("{}: {error}", path.display()))
 }
 
 /// Copies the frames of several logs into one, in this order. Each comes with what to append to the ids of its
@@ -123,8 +119,7 @@ pub fn join_logs(logs: &[(PathBuf, String)], out: &Path, about: &str) -> Result<
                 path.display()
             ))
         };
-        let file = File::open(path)
-            .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
+        let file = File::open(path).map_err(|reason| Failure::unread(path, reason))?;
         let mut lines = BufReader::new(MultiGzDecoder::new(file)).lines();
         let header = lines.next().transpose().map_err(|error| damaged(&error))?;
         if header.as_deref() != Some(HEADER) {

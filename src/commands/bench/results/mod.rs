@@ -78,7 +78,7 @@ fn refuse_results(folder: &Path) -> Result<(), Failure> {
     let shown = folder.display();
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(Failure::bad_input(format!("{shown}: {error}"))),
+        Err(error) => return Err(Failure::unread(folder, error)),
         Ok(entries) => entries,
     };
     let remedy = "name another folder, or add --overwrite";
