@@ -1,24 +1,22 @@
 //! Functions of the noise fields.
 
 use super::super::NoiseId;
-use super::{Writer, number, push, vector};
-use crate::world::noise::{Basis, Fractal, RIDGE_ATTENUATION};
+use super::{Module, number, push, vector};
+use crate::world::noise::{Basis, Fractal, NoiseBank, RIDGE_ATTENUATION};
 
-impl Writer<'_> {
-    pub(super) fn call_noise(&mut self, id: NoiseId, p: &str) -> String {
-        self.noises.insert(id);
-        format!("noise_{id}({p})")
-    }
-
-    pub(super) fn noise(&mut self, id: NoiseId) {
-        let field = self.bank.field(id);
+impl Module {
+    /// Declares the function of a noise field.
+    pub(super) fn noise(&mut self, id: NoiseId, bank: &NoiseBank) {
+        self.imports
+            .insert("package::sdf::noise::{perlin3, open_simplex3, worley3, value3}");
+        let field = bank.field(id);
         let basis = match field.basis {
             Basis::Perlin => "perlin3",
             Basis::OpenSimplex => "open_simplex3",
             Basis::Worley => "worley3",
             Basis::Value => "value3",
         };
-        let table = self.bank.first_table(id);
+        let table = bank.first_table(id);
         let (frequency, offset) = (vector(field.frequency), vector(field.offset));
         let sample = format!("{basis}(q, {table}u + octave)");
         // What comes before the loop, what makes an octave's signal, and the first amplitude.
@@ -82,7 +80,7 @@ impl Writer<'_> {
             }
         };
         push(
-            &mut self.module,
+            &mut self.fields,
             format_args!("\nfn noise_{id}(p: vec3f) -> f32 {{\n{body}}}\n"),
         );
     }
