@@ -2,6 +2,7 @@
 
 mod damage;
 mod documentation;
+mod examples;
 mod files;
 mod mistakes;
 mod models;
