@@ -230,15 +230,6 @@ impl Source {
         ))
     }
 
-    /// Three numbers above 0.
-    pub fn positive3(&self, vector: &Vector, key: &str) -> Read<Vec3> {
-        Ok(Vec3::new(
-            self.positive(&vector.0, key)?,
-            self.positive(&vector.1, key)?,
-            self.positive(&vector.2, key)?,
-        ))
-    }
-
     /// Three shares of reflected light, linear Rec. 709.
     pub fn albedo(&self, [r, g, b]: [&Leaf; 3], key: &str) -> Read<Vec3> {
         let share = |leaf| -> Read<f32> { Ok(self.number_in(leaf, key, 0.0..=1.0)? as f32) };
