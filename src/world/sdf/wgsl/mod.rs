@@ -32,7 +32,8 @@ const ROUNDING_MARGIN: f64 = 0.01;
 /// - `const SHAPE_CELL_VARIATION: f32` and `SHAPE_BLOCK_VARIATION`: where |shape(centre)| exceeds
 ///   them, the 8³ (4³) voxels around a centre are all stone or all air.
 ///
-/// It reads `noise_tables`, which [`packed_tables`](crate::world::noise::NoiseBank::packed_tables) of the same noise fields fills.
+/// It reads `noise_tables`, which [`packed_tables`](crate::world::noise::NoiseBank::packed_tables) of
+/// the same noise fields fills.
 pub fn shape_module(world: &World) -> String {
     let shape = Shape::new(&world.shape, &world.noises);
     let rules = RuleSet::new(&world.rules, &shape);
