@@ -71,7 +71,10 @@ mod tests {
     fn what_is_said_in_place_of_old_keys_is_a_key() {
         for (removed, instead) in REMOVED {
             assert!(KEYS.iter().all(|key| key.name != removed), "{removed}");
-            for word in instead.split([' ', '=', ',']).filter(|word| word.contains('.')) {
+            for word in instead
+                .split([' ', '=', ','])
+                .filter(|word| word.contains('.'))
+            {
                 assert!(KEYS.iter().any(|key| key.name == word), "{removed}: {word}");
             }
         }

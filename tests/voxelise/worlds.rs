@@ -3,7 +3,11 @@
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::world::materials::Condition;
 use grotto::world::noise::{Basis, Fractal, NoiseField};
-use grotto::world::sdf::Sdf;
+use grotto::world::sdf::{
+    Capsule, Cuboid, Cylinder, Displace, Empty, HeightField, Intersection, Plane, Repeat, Rotate,
+    RoundedBox, Scale, Scatter, Sdf, SmoothIntersection, SmoothSubtraction, SmoothUnion, Sphere,
+    Subtraction, Torus, Translate, Union, Warp,
+};
 use grotto::world::{FeaturePart, ResponseSpec, Rule, Sky, World};
 
 pub fn noises() -> Vec<NoiseField> {
@@ -78,123 +82,123 @@ pub fn world(size: UVec3, shape: Sdf, rules: Vec<Rule>, features: Vec<FeaturePar
     }
 }
 
-pub fn moved(by: [f32; 3], of: Sdf) -> Sdf {
-    Sdf::Translate {
+pub fn moved(by: [f64; 3], of: Sdf) -> Sdf {
+    Sdf::from(Translate {
         by: by.into(),
         of: Box::new(of),
-    }
+    })
 }
 
-pub fn sphere(radius: f32) -> Sdf {
-    Sdf::Sphere { radius }
+pub fn sphere(radius: f64) -> Sdf {
+    Sdf::from(Sphere { radius })
 }
 
 /// Rock with caves, pillars and a stepped floor: every node kind once.
 pub fn everything() -> Sdf {
-    let scattered = Sdf::Scatter {
-        min: Vec3::new(-20.0, -12.0, -24.0),
-        max: Vec3::new(20.0, 14.0, 24.0),
+    let scattered = Sdf::from(Scatter {
+        min: DVec3::new(-20.0, -12.0, -24.0),
+        max: DVec3::new(20.0, 14.0, 24.0),
         cell: 9.0,
         probability: 0.5,
         jitter: 0.3,
         scale: (0.6, 1.4),
         reach: 4.2,
         seed: 77,
-        of: Box::new(Sdf::SmoothUnion {
+        of: Box::new(Sdf::from(SmoothUnion {
             k: 1.0,
             of: vec![
                 sphere(2.0),
-                Sdf::Capsule {
-                    from: Vec3::ZERO,
-                    to: Vec3::new(0.0, 3.0, 1.0),
+                Sdf::from(Capsule {
+                    from: DVec3::ZERO,
+                    to: DVec3::new(0.0, 3.0, 1.0),
                     radius: 1.0,
-                },
+                }),
             ],
-        }),
-    };
-    let tiles = Sdf::Repeat {
-        period: Vec3::new(13.0, 0.0, 11.0),
-        of: Box::new(Sdf::Rotate {
-            degrees: Vec3::new(20.0, 30.0, 40.0),
-            of: Box::new(Sdf::RoundedBox {
-                half: Vec3::new(1.5, 3.0, 1.0),
+        })),
+    });
+    let tiles = Sdf::from(Repeat {
+        period: DVec3::new(13.0, 0.0, 11.0),
+        of: Box::new(Sdf::from(Rotate {
+            degrees: DVec3::new(20.0, 30.0, 40.0),
+            of: Box::new(Sdf::from(RoundedBox {
+                half: DVec3::new(1.5, 3.0, 1.0),
                 radius: 0.5,
-            }),
-        }),
-    };
-    let rock = Sdf::Subtraction(vec![
-        Sdf::Plane {
-            normal: Vec3::new(0.1, 1.0, 0.0),
+            })),
+        })),
+    });
+    let rock = Sdf::from(Subtraction(vec![
+        Sdf::from(Plane {
+            normal: DVec3::new(0.1, 1.0, 0.0),
             offset: 6.0,
-        },
-        Sdf::Displace {
+        }),
+        Sdf::from(Displace {
             noise: 0,
             amplitude: 4.0,
             of: Box::new(sphere(11.0)),
-        },
+        }),
         moved(
             [-9.0, 2.0, 8.0],
-            Sdf::Warp {
+            Sdf::from(Warp {
                 noise: 2,
                 amplitude: 2.0,
-                of: Box::new(Sdf::Torus {
+                of: Box::new(Sdf::from(Torus {
                     major: 8.0,
                     minor: 3.0,
-                }),
-            },
+                })),
+            }),
         ),
         moved(
             [10.0, 4.0, -12.0],
-            Sdf::Displace {
+            Sdf::from(Displace {
                 noise: 4,
                 amplitude: 2.0,
-                of: Box::new(Sdf::Cylinder {
+                of: Box::new(Sdf::from(Cylinder {
                     radius: 5.0,
                     half_height: 6.0,
-                }),
-            },
+                })),
+            }),
         ),
-    ]);
-    Sdf::Union(vec![
-        Sdf::SmoothSubtraction {
+    ]));
+    Sdf::from(Union(vec![
+        Sdf::from(SmoothSubtraction {
             k: 2.0,
             of: vec![
                 rock,
                 moved(
                     [0.0, 8.0, 0.0],
-                    Sdf::Scale {
+                    Sdf::from(Scale {
                         by: 2.0,
-                        of: Box::new(Sdf::Box {
-                            half: Vec3::new(3.0, 2.0, 4.0),
-                        }),
-                    },
+                        of: Box::new(Sdf::from(Cuboid {
+                            half: DVec3::new(3.0, 2.0, 4.0),
+                        })),
+                    }),
                 ),
             ],
-        },
-        Sdf::HeightField {
+        }),
+        Sdf::from(HeightField {
             noise: 1,
             base: -6.0,
             amplitude: 3.0,
             step: 0.0,
-        },
-        Sdf::Intersection(vec![
-            Sdf::HeightField {
+        }),
+        Sdf::from(Intersection(vec![
+            Sdf::from(HeightField {
                 noise: 3,
                 base: -4.0,
                 amplitude: 3.0,
                 step: 1.0,
-            },
-            Sdf::Box {
-                half: Vec3::new(9.0, 30.0, 9.0),
-            },
-        ]),
-        Sdf::SmoothIntersection {
+            }),
+            Sdf::from(Cuboid {
+                half: DVec3::new(9.0, 30.0, 9.0),
+            }),
+        ])),
+        Sdf::from(SmoothIntersection {
             k: 1.5,
             of: vec![scattered, moved([0.0, 3.0, 0.0], sphere(22.0))],
-        },
+        }),
         moved([0.0, 12.0, 0.0], tiles),
-        Sdf::Empty,
-    ])
+        Sdf::from(Empty),
+    ]))
 }
 
 pub fn rules() -> Vec<Rule> {

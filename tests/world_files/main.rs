@@ -2,12 +2,14 @@
 
 mod damage;
 mod documentation;
+mod examples;
 mod files;
 mod mistakes;
 mod models;
 
 use glam::{UVec3, Vec3};
 use grotto::world::file::{self, Overrides, Problem};
+use grotto::world::sdf::SmoothUnion;
 use grotto::world::{Colour, ResponseSpec, Sdf, World};
 
 /// A world that uses every part of the schema.
@@ -45,7 +47,7 @@ fn every_part_of_the_schema_is_read() {
     assert_eq!(world.name, "test");
     assert_eq!(world.title, "Everything at once.");
     assert_eq!(world.size.to_array(), [64, 48, 64]);
-    assert!(matches!(&world.shape, Sdf::SmoothUnion { of, .. } if of.len() == 7));
+    assert!(matches!(&world.shape, Sdf::SmoothUnion(SmoothUnion { of, .. }) if of.len() == 7));
     assert_eq!(world.noises.len(), 4);
     assert_eq!(world.noises[0].seed, 7, "the world's");
     assert_eq!(world.noises[1].seed, 4);

@@ -55,7 +55,7 @@ fn mistakes_are_shown_where_they_stand() {
         ["DitherX(from: -1", "DitherX(from: 8", "6", "from 8 to 6", "less than"],
         ["squares: 2", "squares: 0", "0", "squares is 0", "between 1 and 64"],
         ["reach: 4", "reach: 11", "11", "more than the cell", "make the cell larger"],
-        ["period: (16, 0, 16)", "period: (1, 0, 16)", "1", "sub-tree spans", "make the period larger"],
+        ["period: (16, 0, 16)", "period: (1, 0, 16)", "1, 0, 16", "sub-tree spans", "make the period larger"],
         ["scale: (0.5, 1.2)", "scale: (1.5, 1.2)", "1.2", "from 1.5 down to 1.2", "smaller factor first"],
         ["without_corners: true", "without_corners: 1", "1", "true or false", "true"],
         ["min: (0, -3, 0)", "min: (0, 3, 0)", "0, 0, 0", "empty", "at most"],

@@ -7,7 +7,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use ron::error::{Position, SpannedError};
 
 use super::explain::explain;
-use super::leaf::{Leaf, block_comment_length};
+use super::leaf::{Leaf, Located, block_comment_length};
 use super::printable::{masked, shown};
 use super::schema::Vector;
 
@@ -127,12 +127,9 @@ impl Source {
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> Box<Problem> {
-        let places = (vector.0.place_in(&self.text), vector.2.place_in(&self.text));
-        match places {
-            (Some((start, _)), Some((last, length))) => {
-                self.at_bytes(start, last + length - start, message, help)
-            }
-            _ => self.at(&vector.0, message, help),
+        match vector.place_in(&self.text) {
+            Some((offset, length)) => self.at_bytes(offset, length, message, help),
+            None => self.at(&vector.0, message, help),
         }
     }
 

@@ -5,6 +5,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
 use super::schema::Vector;
+use crate::world::sdf::WrittenSdf;
 
 /// One value of the file, kept as text together with the place where it stands.
 ///
@@ -58,6 +59,58 @@ impl Leaf {
             None => rest.len(),
         };
         (start, start + end)
+    }
+}
+
+/// A value of the file, or several together, whose place is known.
+pub trait Located {
+    /// Byte offset and length in `source`, the text that it was parsed from; `None` where nothing is
+    /// written, or where a message had better point at a part.
+    fn place_in(&self, source: &str) -> Option<(usize, usize)>;
+}
+
+impl Located for Leaf {
+    fn place_in(&self, source: &str) -> Option<(usize, usize)> {
+        self.place_in(source)
+    }
+}
+
+impl Located for Vector {
+    fn place_in(&self, source: &str) -> Option<(usize, usize)> {
+        (&self.0, &self.2).place_in(source)
+    }
+}
+
+impl Located for (Leaf, Leaf) {
+    fn place_in(&self, source: &str) -> Option<(usize, usize)> {
+        (&self.0, &self.1).place_in(source)
+    }
+}
+
+/// From the first to the last.
+impl Located for (&Leaf, &Leaf) {
+    fn place_in(&self, source: &str) -> Option<(usize, usize)> {
+        let (start, _) = self.0.place_in(source)?;
+        let (last, length) = self.1.place_in(source)?;
+        Some((start, last + length - start))
+    }
+}
+
+impl<T: Located> Located for Option<T> {
+    fn place_in(&self, source: &str) -> Option<(usize, usize)> {
+        self.as_ref()?.place_in(source)
+    }
+}
+
+impl Located for Box<WrittenSdf> {
+    fn place_in(&self, _source: &str) -> Option<(usize, usize)> {
+        None
+    }
+}
+
+impl Located for Vec<WrittenSdf> {
+    fn place_in(&self, _source: &str) -> Option<(usize, usize)> {
+        None
     }
 }
 

@@ -19,6 +19,7 @@ mod shape;
 mod source_file;
 mod summary;
 mod values;
+mod variant;
 mod vox;
 
 use std::path::{Path, PathBuf};
@@ -29,8 +30,12 @@ use ron::extensions::Extensions;
 
 pub use self::diagnostics::Problem;
 use self::diagnostics::{MAX_NESTING, Source};
+pub(super) use self::leaf::{Leaf, Located};
+pub(super) use self::resolve::Reader;
+pub(super) use self::schema::Vector;
 pub use self::summary::Summary;
-use self::values::Read;
+pub(super) use self::values::{GREATEST_SCALE, Read, or};
+pub(super) use self::variant::VariantKeys;
 use super::World;
 use crate::parameters::Parameters;
 

@@ -168,8 +168,8 @@ fn column(shape: &Shape, x: i32, z: i32, low: i32, high: i32) -> Vec<(i32, bool)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::Sdf;
     use crate::world::noise::{Basis, Fractal, NoiseField};
+    use crate::world::sdf::{Cuboid, Cylinder, Displace, Empty, Sdf, Subtraction, Union};
 
     const WORLD: (IVec3, IVec3) = (IVec3::splat(-32), IVec3::splat(32));
 
@@ -183,24 +183,24 @@ mod tests {
             offset: DVec3::ZERO,
             seed: 5,
         };
-        let air = Sdf::Displace {
+        let air = Sdf::from(Displace {
             noise: 0,
             amplitude: 4.0,
-            of: Box::new(Sdf::Box {
-                half: Vec3::new(26.0, 12.0, 26.0),
+            of: Box::new(Sdf::from(Cuboid {
+                half: DVec3::new(26.0, 12.0, 26.0),
+            })),
+        });
+        let rock = Sdf::from(Subtraction(vec![
+            Sdf::from(Cuboid {
+                half: DVec3::splat(40.0),
             }),
-        };
-        let rock = Sdf::Subtraction(vec![
-            Sdf::Box {
-                half: Vec3::splat(40.0),
-            },
             air,
-        ]);
-        let pillar = Sdf::Cylinder {
+        ]));
+        let pillar = Sdf::from(Cylinder {
             radius: 3.0,
             half_height: 40.0,
-        };
-        Shape::new(&Sdf::Union(vec![rock, pillar]), &[noise])
+        });
+        Shape::new(&Sdf::from(Union(vec![rock, pillar])), &[noise])
     }
 
     fn is_solid(shape: &Shape, voxel: IVec3) -> bool {
@@ -270,13 +270,13 @@ mod tests {
         let crowded = crowded.places(&shape, WORLD);
         assert!((100..400).contains(&crowded.len()), "{}", crowded.len());
         let solid = Shape::new(
-            &Sdf::Box {
-                half: Vec3::splat(99.0),
-            },
+            &Sdf::from(Cuboid {
+                half: DVec3::splat(99.0),
+            }),
             &[],
         );
         assert!(ask(Ground::Floor).places(&solid, WORLD).is_empty());
-        let empty = Shape::new(&Sdf::Empty, &[]);
+        let empty = Shape::new(&Sdf::from(Empty), &[]);
         assert!(ask(Ground::Floor).places(&empty, WORLD).is_empty());
     }
 }

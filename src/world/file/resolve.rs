@@ -24,7 +24,7 @@ pub const MAX_VOXELS: u64 = 1 << 32;
 
 /// What has been read so far; the parts of the file are read in an order in which names are known
 /// before they are referred to.
-pub(super) struct Reader<'a> {
+pub struct Reader<'a> {
     pub source: &'a Source,
     /// Where models are looked for; without it they are refused.
     pub folder: Option<&'a Path>,
@@ -150,18 +150,18 @@ fn size(source: &Source, file: &schema::World, overrides: &Overrides) -> Read<UV
 
 impl Reader<'_> {
     /// Lowest and highest corner in world space.
-    pub(super) fn world_box(&self) -> (Vec3, Vec3) {
+    pub(in crate::world) fn world_box(&self) -> (Vec3, Vec3) {
         let low = self.origin.as_vec3();
         (low, low + self.size.as_vec3())
     }
 
     /// A seed for a scatter that names none: another for each, all from the world's.
-    pub(super) fn next_seed(&mut self) -> u32 {
+    pub(in crate::world) fn next_seed(&mut self) -> u32 {
         self.seeds_given += 1;
         hash(self.seed ^ hash(self.seeds_given))
     }
 
-    pub(super) fn noise(&self, leaf: &Leaf) -> Read<NoiseId> {
+    pub(in crate::world) fn noise(&self, leaf: &Leaf) -> Read<NoiseId> {
         let names = self.noises.iter().map(|noise| noise.name.as_str());
         self.source.find(leaf, "noise", names)
     }

@@ -16,6 +16,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
 use super::leaf::{Leaf, OneOrThree};
+use crate::world::sdf::WrittenSdf as Shape;
 
 /// Three numbers: `(x, y, z)`, or `(r, g, b)` in linear Rec. 709.
 #[derive(Clone, Debug, Deserialize)]
@@ -147,102 +148,6 @@ pub enum Fractal {
         octaves: Leaf,
         lacunarity: Option<Leaf>,
         persistence: Option<Leaf>,
-    },
-}
-
-/// A signed distance function; [`crate::world::Sdf`] says what each form means.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Shape {
-    Empty,
-    Sphere {
-        radius: Leaf,
-    },
-    Box {
-        half: Vector,
-    },
-    RoundedBox {
-        half: Vector,
-        radius: Leaf,
-    },
-    Capsule {
-        from: Vector,
-        to: Vector,
-        radius: Leaf,
-    },
-    Cylinder {
-        radius: Leaf,
-        half_height: Leaf,
-    },
-    Torus {
-        major: Leaf,
-        minor: Leaf,
-    },
-    Plane {
-        normal: Vector,
-        offset: Leaf,
-    },
-    /// `step` default 0: smooth.
-    HeightField {
-        noise: Leaf,
-        base: Leaf,
-        amplitude: Leaf,
-        step: Option<Leaf>,
-    },
-    Union(Vec<Shape>),
-    Intersection(Vec<Shape>),
-    /// The first without all the others.
-    Subtraction(Vec<Shape>),
-    SmoothUnion {
-        k: Leaf,
-        of: Vec<Shape>,
-    },
-    SmoothIntersection {
-        k: Leaf,
-        of: Vec<Shape>,
-    },
-    SmoothSubtraction {
-        k: Leaf,
-        of: Vec<Shape>,
-    },
-    Translate {
-        by: Vector,
-        of: Box<Shape>,
-    },
-    Rotate {
-        degrees: Vector,
-        of: Box<Shape>,
-    },
-    Scale {
-        by: Leaf,
-        of: Box<Shape>,
-    },
-    Repeat {
-        period: Vector,
-        of: Box<Shape>,
-    },
-    Displace {
-        noise: Leaf,
-        amplitude: Leaf,
-        of: Box<Shape>,
-    },
-    Warp {
-        noise: Leaf,
-        amplitude: Leaf,
-        of: Box<Shape>,
-    },
-    /// `min` and `max` default to the world's box, probability to 1, jitter to 0, scale to (1, 1),
-    /// seed to the world's.
-    Scatter {
-        min: Option<Vector>,
-        max: Option<Vector>,
-        cell: Leaf,
-        probability: Option<Leaf>,
-        jitter: Option<Leaf>,
-        scale: Option<(Leaf, Leaf)>,
-        reach: Leaf,
-        seed: Option<Leaf>,
-        of: Box<Shape>,
     },
 }
 

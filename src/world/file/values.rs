@@ -19,7 +19,7 @@ const FARTHEST: f64 = scenery::FARTHEST as f64;
 
 /// Shapes shrink to one of this many, or grow this many times: 63 scales in each other, the most that
 /// brackets allow, still leave the numbers of an f64.
-const GREATEST_SCALE: f64 = 1e4;
+pub(in crate::world) const GREATEST_SCALE: f64 = 1e4;
 
 /// Lattice cells of a noise along the edge of a voxel. From 1 on, neighbours have nothing in common; far
 /// above, an f32 no longer tells the places within a cell apart.
@@ -251,15 +251,6 @@ impl Source {
             self.not_negative(&vector.0, key)?,
             self.not_negative(&vector.1, key)?,
             self.not_negative(&vector.2, key)?,
-        ))
-    }
-
-    /// Three numbers above 0.
-    pub fn positive3(&self, vector: &Vector, key: &str) -> Read<Vec3> {
-        Ok(Vec3::new(
-            self.positive(&vector.0, key)?,
-            self.positive(&vector.1, key)?,
-            self.positive(&vector.2, key)?,
         ))
     }
 

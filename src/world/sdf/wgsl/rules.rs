@@ -1,9 +1,10 @@
 //! The function of the material rules.
 
-use super::{Writer, number, push, vector};
+use super::{Module, number, push, vector};
 use crate::world::rules::{RuleSet, Test};
 
-impl Writer<'_> {
+impl Module {
+    /// Declares the function of the material rules.
     pub(super) fn rules(&mut self, rules: &RuleSet) {
         let mut body = String::new();
         let (mut last, mut needs) = (0, 0);
@@ -17,7 +18,7 @@ impl Writer<'_> {
             );
         }
         push(
-            &mut self.module,
+            &mut self.functions,
             format_args!(
                 "
 const RULE_NEEDS: u32 = {needs}u;
@@ -31,7 +32,7 @@ fn material_by(p: vec3f, values: vec3f) -> u32 {{
     }
 
     /// A boolean expression of the point `p` and the `values` at, above and below it.
-    pub(super) fn condition(&mut self, test: &Test) -> String {
+    fn condition(&mut self, test: &Test) -> String {
         let mut joined = |of: &[Test], operator: &str, none: &str| {
             let parts: Vec<String> = of.iter().map(|test| self.condition(test)).collect();
             if parts.is_empty() {
