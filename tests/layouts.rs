@@ -15,6 +15,7 @@ use grotto::{
         surface_cache::{GpuSurfaceCacheInfo, SurfaceCache},
         view::{GpuView, atlas_view::GpuAtlasJob, probe_draw::GpuDrawing},
     },
+    shared,
     world::materials::table::{CAPACITY, GpuMaterial},
 };
 
@@ -79,6 +80,20 @@ macro_rules! rust_layout {
             stride: size_of::<$ty>(),
         }
     };
+}
+
+/// Of every struct that Rust declares for the shaders.
+#[test]
+fn shared_structs_are_laid_out_alike() {
+    let declared = shared::declarations();
+    let structs = declared
+        .iter()
+        .filter_map(|declared| Some((declared, declared.layout?())));
+    for (declared, layout) in structs {
+        let module = format!("generated::{}", declared.module);
+        let own = shader_layout(&module, declared.name);
+        assert_eq!(own, layout, "{}", declared.name);
+    }
 }
 
 #[test]

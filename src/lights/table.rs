@@ -7,8 +7,12 @@ use super::lamp::MIN_SPOT_EDGE;
 use super::{LampShape, LampState, Lights};
 use crate::world::scenery::MAX_LAMPS;
 
-/// Lamps in the uniform: those of the largest preset, and the sun.
-pub const CAPACITY: usize = MAX_LAMPS + 1;
+crate::shared! {
+    in lights;
+
+    /// Lamps in the uniform: those of the largest preset, and the sun.
+    pub const CAPACITY as LAMPS: usize = MAX_LAMPS + 1;
+}
 
 /// One lamp: `Lamp` in `shaders/scene/lights.wesl`. The spot's edge is folded into a ramp,
 /// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are no spots.

@@ -43,6 +43,16 @@ pub struct GpuProbeInfo {
     pub pad: u32,
 }
 
+crate::shared! {
+    in probes;
+
+    /// All probes are thought to see all of their cages.
+    const VISIBILITY_NONE: u32 = 0;
+
+    /// What probes see is guessed from the distances that they know.
+    const VISIBILITY_CHEBYSHEV: u32 = 1;
+}
+
 /// Share of its history that a probe keeps at most. When nothing has changed for long there is nothing to follow.
 fn hysteresis(parameters: &ProbeParameters, stillness: f32) -> f32 {
     let still = parameters.still_hysteresis.max(parameters.hysteresis);
@@ -77,9 +87,11 @@ impl GpuProbeInfo {
             wrap_offset: parameters.wrap_offset,
             crush: parameters.crush,
             visibility: match parameters.visibility {
-                Visibility::None => 0,
+                Visibility::None => VISIBILITY_NONE,
                 // Where it is not exact, or cannot be.
-                Visibility::Chebyshev | Visibility::Exact | Visibility::Auto => 1,
+                Visibility::Chebyshev | Visibility::Exact | Visibility::Auto => {
+                    VISIBILITY_CHEBYSHEV
+                }
             },
             chebyshev_power: parameters.chebyshev_power,
             chebyshev_floor: parameters.chebyshev_floor,

@@ -7,8 +7,12 @@ use crate::{
     probes::{Level, Motion, Sight, Volume, volume::MAX_LEVELS},
 };
 
-/// Room for the levels of a volume.
-pub const LEVELS: usize = MAX_LEVELS as usize;
+crate::shared! {
+    in probes;
+
+    /// Room for the levels of a volume.
+    pub const LEVELS: usize = MAX_LEVELS as usize;
+}
 
 /// `ProbeLevel` of `shaders/probes/field.wesl`.
 #[repr(C)]

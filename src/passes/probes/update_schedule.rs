@@ -47,14 +47,61 @@ pub struct StateCounts {
     pub due: u32,
 }
 
-/// Threads of a workgroup of pass `probes/trace`.
-const RAY_GROUP: u32 = 64;
-/// Words in front of the list, as `LIST` of `shaders/probes/update_schedule.wesl`.
-const LIST: u64 = 4;
+/// How often a probe is updated.
+#[derive(Clone, Copy)]
+enum ProbeClass {
+    /// In every frame.
+    Alive,
+    /// Now and then: it lights what the rays of those alive hit.
+    Fed,
+    Asleep,
+    /// Never: it lies in stone.
+    Dead,
+}
+
+crate::shared! {
+    in probes;
+
+    /// Threads of a workgroup of pass `probes/trace`.
+    const RAY_GROUP: u32 = 64;
+
+    /// Words of `probe_work` in front of the list.
+    const LIST: u32 = 4;
+
+    /// In the list: the rays of the probe ask for others.
+    const ASKING: u32 = 1 << 31;
+
+    enum ProbeClass as CLASS { Alive, Fed, Asleep, Dead }
+
+    /// Bits of a probe's flags that are its class.
+    const CLASS_BITS: u32 = 3;
+
+    /// Probes outside of stone are updated in every frame.
+    const STATES_OFF: u32 = 0;
+
+    /// Those without surfaces in their cages sleep.
+    const STATES_NEAR: u32 = 1;
+
+    /// Those that nobody asks for sleep too.
+    const STATES_ASKED: u32 = 2;
+
+    enum Weights as WEIGHTS { Continuous, Adjusted, Lattice }
+
+    enum Relocation as RELOCATION { Off, Exact, Statistical }
+}
+
 /// Alerts above this are of a lamp that is switched, or of an edit, and not of one that wanders.
 const SUDDEN: f32 = 0.5;
 /// Farther than any world reaches (voxels).
 const EVERYWHERE: f32 = 1e9;
+
+impl ProbeClass {
+    /// The class of a probe with these flags.
+    fn of(flags: u32) -> Self {
+        let all = [Self::Alive, Self::Fed, Self::Asleep, Self::Dead];
+        all[(flags & CLASS_BITS) as usize]
+    }
+}
 
 /// Buffers of the plan of one probe field.
 pub(super) struct UpdateSchedule {
@@ -80,8 +127,8 @@ impl UpdateSchedule {
             probe_rows: rectangle(slots)[1],
             changed: Some((Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE))),
             uniform: gpu.uniform_buffer("probe_plan", &GpuUpdateSchedule::default()),
-            work: gpu.storage_buffer("probe_work", (LIST + 3 * all) * 4)?,
-            face_requests: gpu.storage_buffer("face_requests", (LIST + 3 * all) * 4)?,
+            work: gpu.storage_buffer("probe_work", (u64::from(LIST) + 3 * all) * 4)?,
+            face_requests: gpu.storage_buffer("face_requests", (u64::from(LIST) + 3 * all) * 4)?,
             dispatch: gpu.storage_buffer("probe_dispatch", 48)?,
             walks: gpu.storage_buffer("probe_walks", all * 8)?,
         })
@@ -107,9 +154,9 @@ impl UpdateSchedule {
             frame: frame as u32,
             changed_high_gs: high.to_array(),
             states: match (parameters.states, parameters.asking) {
-                (ProbeStates::Off, _) => 0,
-                (ProbeStates::On, false) => 1,
-                (ProbeStates::On, true) => 2,
+                (ProbeStates::Off, _) => STATES_OFF,
+                (ProbeStates::On, false) => STATES_NEAR,
+                (ProbeStates::On, true) => STATES_ASKED,
             },
             alive_frames: parameters.alive_frames,
             // Where light changes at once, what feeds the picture is wanted at once.
@@ -121,16 +168,8 @@ impl UpdateSchedule {
             asleep_interval: parameters.asleep_interval,
             rays_rows: self.rays_rows,
             probe_rows: self.probe_rows,
-            weights: match parameters.weights {
-                Weights::Continuous => 0,
-                Weights::Adjusted => 1,
-                Weights::Lattice => 2,
-            },
-            relocation: match parameters.relocation {
-                Relocation::Off => 0,
-                Relocation::Exact => 1,
-                Relocation::Statistical => 2,
-            },
+            weights: parameters.weights as u32,
+            relocation: parameters.relocation as u32,
             stone_hysteresis: parameters.stone_hysteresis,
             stone_threshold: parameters.stone_threshold,
             clearance: parameters.clearance,
@@ -198,8 +237,7 @@ impl UpdateSchedule {
     pub fn due(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
         let words: Vec<u32> = gpu.read_buffer(&self.work)?;
         let list = words[LIST as usize..].iter().take(words[0] as usize);
-        // The highest bit says whether its rays ask.
-        Ok(list.map(|word| word & (u32::MAX >> 1)).collect())
+        Ok(list.map(|word| word & !ASKING).collect())
     }
 
     /// Of the probes with these `probe_states`.
@@ -216,12 +254,11 @@ impl UpdateSchedule {
         };
         let states: Vec<[u32; 4]> = gpu.read_buffer(states)?;
         for (slot, [.., flags]) in (0..self.slots).zip(&states) {
-            // As `CLASS_BITS` and the classes of `shaders/probes/update_schedule.wesl`.
-            match flags & 3 {
-                0 | 1 => counts.alive += 1,
-                2 => counts.sleeping += 1,
+            match ProbeClass::of(*flags) {
+                ProbeClass::Alive | ProbeClass::Fed => counts.alive += 1,
+                ProbeClass::Asleep => counts.sleeping += 1,
                 // A slot that no twin has taken is no probe.
-                _ => counts.dead += u32::from(slot < lattice),
+                ProbeClass::Dead => counts.dead += u32::from(slot < lattice),
             }
         }
         Ok(counts)

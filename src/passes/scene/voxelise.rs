@@ -50,8 +50,14 @@ pub struct GpuVoxeliseCounters {
     pub bricks: u32,
 }
 
-/// Bytes of a stone record: its cell and sixteen mask words.
-const RECORD_BYTES: u64 = 17 * 4;
+crate::shared! {
+    in scene;
+
+    /// Words of a stone record: its cell and sixteen words of its mask.
+    const RECORD_WORDS: u32 = 17;
+}
+
+const RECORD_BYTES: u64 = 4 * RECORD_WORDS as u64;
 
 /// Bytes of an entry of `fill`.
 const ENTRY_BYTES: u64 = 8;

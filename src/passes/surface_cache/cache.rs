@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
+    lights::emitters::FACINGS,
     parameters::{FinalGather, ProbeParameters},
     probes::Changes,
 };
@@ -32,24 +33,42 @@ pub struct GpuSurfaceCacheInfo {
     pub padding: u32,
 }
 
+crate::shared! {
+    in surface_cache;
+
+    /// Words of an entry of the table.
+    const ENTRY_WORDS: u32 = 12;
+
+    /// Rays of a quarter of a face in a batch; those of a batch lie one quarter after the other.
+    const QUARTER_RAYS: u32 = 8;
+
+    /// Rays of a batch.
+    const FACE_RAYS: u32 = 4 * QUARTER_RAYS;
+
+    /// Threads of a workgroup of pass `surface_cache/trace`.
+    const RAYS_A_GROUP: u32 = 64;
+
+    /// Faces of a workgroup of pass `surface_cache/resolve`.
+    const FACES_A_GROUP: u32 = 16;
+
+    /// Room for faces that rays ask for: twice as many as may, for they do so by chance.
+    pub(super) const ASKED_ROOM: u32 = 4096;
+
+    /// Of those the faces of a workgroup.
+    pub(super) const ASKED_A_GROUP: u32 = 64;
+}
+
 /// Faces that look the same way and have a place in the table.
 const BUCKETS: u32 = 1 << 16;
-/// Ways that faces look.
-const FACINGS: u32 = 6;
 /// Batches of rays that faces can send in a frame.
 const MOST_BATCHES: u32 = 1 << 17;
-/// `FACE_RAYS` of the same, and bytes of each.
-const FACE_RAYS: u32 = 32;
+/// Of what a ray brings.
 const RAY_BYTES: u64 = 8;
 /// Pixels of the picture for each batch of a frame, where that gives more than the least: in software, where each ray
 /// is waited for, a small picture is not to cost as much as a large one.
 const PIXELS_A_BATCH: u32 = 8;
 const LEAST_BATCHES: u32 = 1 << 15;
 const LEAST_IN_SOFTWARE: u32 = 1 << 12;
-/// Threads of a workgroup of pass `surface_cache/trace`.
-const RAYS_A_GROUP: u32 = 64;
-/// Faces of a workgroup of pass `surface_cache/resolve`.
-const FACES_A_GROUP: u32 = 16;
 /// Frames that probes take to settle after their warm-up.
 const SETTLING_FRAMES: u32 = 24;
 /// Rays that a quarter's light is the mean of until then, and while light changes: at full alert this many,
@@ -100,11 +119,10 @@ impl SurfaceCache {
     pub const LISTED_BYTES: u64 = 24;
     /// Bytes of `FaceHistory` of `shaders/surface_cache/lists.wesl`.
     pub const HISTORY_BYTES: u64 = 144;
-    /// Bytes of the `ENTRY_WORDS` of `shaders/surface_cache/table.wesl`.
-    pub const ENTRY_BYTES: u64 = 48;
-    /// `ASKED_ROOM` of the same, and bytes of its `AskedList`.
-    pub const ASKED_ROOM: u32 = 4096;
-    pub const ASKED_LIST_BYTES: u64 = 4 + 8 * Self::ASKED_ROOM as u64;
+    /// Bytes of an entry of the table.
+    pub const ENTRY_BYTES: u64 = 4 * ENTRY_WORDS as u64;
+    /// Bytes of an `AskedList`.
+    pub const ASKED_LIST_BYTES: u64 = 4 + 8 * ASKED_ROOM as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/trace`.
     pub const RAYS_OFFSET: u64 = 0;
     /// Byte in [`Self::dispatch`] of those of pass `surface_cache/resolve`.
@@ -116,7 +134,7 @@ impl SurfaceCache {
     /// [`GpuError`] when the adapter cannot hold it.
     pub fn new(gpu: &Gpu, parameters: &ProbeParameters) -> Result<Self, GpuError> {
         let is_used = parameters.final_gather == FinalGather::On;
-        let entries = FACINGS * if is_used { BUCKETS } else { 1 };
+        let entries = FACINGS as u32 * if is_used { BUCKETS } else { 1 };
         let all = u64::from(entries);
         let most_batches = entries.min(MOST_BATCHES);
         let batches = u64::from(most_batches);
@@ -202,7 +220,7 @@ impl SurfaceCache {
             frame: self.frame,
             edited_high_gs: high.to_array(),
             edited_frame,
-            bucket_mask: self.entries / FACINGS - 1,
+            bucket_mask: self.entries / FACINGS as u32 - 1,
             most_batches: self.batches_of(size),
             rays_rows: self.rays_most(size)[1],
             blend_rows: self.blend_most(size)[1],
@@ -236,7 +254,7 @@ impl SurfaceCache {
     /// for other faces.
     pub fn blend_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         let seen = width.div_ceil(2) * height.div_ceil(2);
-        let listed = self.entries.min(seen + Self::ASKED_ROOM);
+        let listed = self.entries.min(seen + ASKED_ROOM);
         rectangle(listed.div_ceil(FACES_A_GROUP))
     }
 

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{AtlasLayer, AtlasMap};
+use super::AtlasLayer;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 
 /// `AtlasJob` of `shaders/view/atlas_view.wesl`.
@@ -42,10 +42,7 @@ impl AtlasView {
         )?;
         let job = GpuAtlasJob {
             layer: shown.layer,
-            map: match shown.map {
-                AtlasMap::Irradiance => 0,
-                AtlasMap::Distance => 1,
-            },
+            map: shown.map as u32,
             extent,
         };
         let job = gpu.uniform_buffer("atlas_job", &job);

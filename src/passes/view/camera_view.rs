@@ -32,6 +32,17 @@ pub enum ViewMode {
     States,
 }
 
+crate::shared! {
+    in frame;
+
+    enum ViewMode as VIEW {
+        Full, Direct, Indirect, Irradiance, Albedo, Normal, Depth, Steps, Cage, TexturesOff, States,
+    }
+
+    /// Voxels over which the view of depth loses half its light.
+    const DEPTH_HALF: f32 = 32.0;
+}
+
 impl ViewMode {
     /// Views of data are not light: no exposure and no tone mapping.
     pub fn is_data(self) -> bool {
@@ -39,10 +50,9 @@ impl ViewMode {
         matches!(self, Albedo | Normal | Depth | Steps | Cage | States)
     }
 
-    /// What the view of depth shows of a surface so many voxels away; `shaders/view/shade.wesl`
-    /// does the same.
+    /// What the view of depth shows of a surface so many voxels away.
     pub fn depth_shown(distance: f32) -> f32 {
-        (-distance / 32.0).exp2()
+        (-distance / DEPTH_HALF).exp2()
     }
 }
 

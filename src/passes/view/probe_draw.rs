@@ -16,6 +16,16 @@ pub struct GpuDrawing {
     pub _pad: u32,
 }
 
+crate::shared! {
+    in view;
+
+    /// Splatting finds the nearest distance.
+    const STAGE_NEAREST: u32 = 0;
+
+    /// And then who is that near.
+    const STAGE_OWNER: u32 = 1;
+}
+
 pub struct ProbeDraw {
     clear: (Kernel, Bindings),
     splat: Kernel,
@@ -48,7 +58,7 @@ impl ProbeDraw {
         let size = [hdr.width(), hdr.height()];
         let marks = gpu.storage_buffer("marks", Self::bytes(size))?;
         let hdr = hdr.create_view(&Default::default());
-        let drawings = [0, 1].map(|stage| {
+        let drawings = [STAGE_NEAREST, STAGE_OWNER].map(|stage| {
             let lines = matches!(colour, ProbeColour::State | ProbeColour::Offset);
             let drawing = GpuDrawing {
                 colour: colour as u32,
