@@ -1,6 +1,5 @@
 //! The faces of emissive voxels that light can leave, as a list to choose from at random.
 
-use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
@@ -22,30 +21,26 @@ crate::shared! {
 
     /// Ways that faces look, numbered −x, +x, −y, +y, −z, +z.
     pub const FACINGS: usize = 6;
-}
 
-/// `Facing` of `shaders/scene/emitters.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuFacing {
-    /// Of all faces that look this way together.
-    pub weight: f32,
-    /// Of its groups, and one past the last.
-    pub first: u32,
-    pub end: u32,
-}
+    /// What shaders know as `Facing`.
+    pub struct GpuFacing as Facing {
+        /// Of all faces that look this way together.
+        pub weight: f32,
+        /// Of its groups, and one past the last.
+        pub first: u32,
+        pub end: u32,
+    }
 
-/// `EmitterGroup` of `shaders/scene/emitters.wesl`: faces that look the same way, of one material.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuEmitterGroup {
-    /// Into [`Emitters::faces`].
-    pub first: u32,
-    pub count: u32,
-    /// 1-based.
-    pub material: u32,
-    /// Of all its faces together.
-    pub weight: f32,
+    /// Faces that look the same way, of one material.
+    pub struct GpuEmitterGroup as EmitterGroup {
+        /// Into [`Emitters::faces`].
+        pub first: u32,
+        pub count: u32,
+        /// 1-based.
+        pub material: u32,
+        /// Of all its faces together.
+        pub weight: f32,
+    }
 }
 
 /// Every face of an emissive voxel that air touches, by the way that it looks and by material. The

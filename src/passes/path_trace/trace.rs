@@ -1,25 +1,30 @@
 //! Pass `path_trace/trace`: an unbiased picture of the world, sample by sample. Knows no probes.
 
-use bytemuck::{Pod, Zeroable};
-
 use super::Slice;
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
     measure::picture::Picture,
 };
 
-/// `TraceJob` of `shaders/path_trace/trace.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuTraceJob {
-    pub first_tile: u32,
-    pub end_tile: u32,
-    pub tiles_across: u32,
-    pub tiles: u32,
-    pub first_sample: u32,
-    pub end_sample: u32,
-    pub scatter_bits: u32,
-    pub antialias: u32,
+crate::shared! {
+    in path_trace;
+
+    /// What a dispatch is to do. Declared in src/passes/path_trace/trace.rs; a test compares every offset.
+    pub struct GpuTraceJob as TraceJob {
+        /// Tiles of this dispatch, in the order of `tile_of`.
+        pub first_tile: u32,
+        pub end_tile: u32,
+        /// Tiles along a row of the picture, and in all.
+        pub tiles_across: u32,
+        pub tiles: u32,
+        /// Samples of this dispatch.
+        pub first_sample: u32,
+        pub end_sample: u32,
+        /// log2 of the places that scattered tiles are counted in; 0: they are counted row by row.
+        pub scatter_bits: u32,
+        /// 1: samples spread over the pixel; 0: all of them look through its centre.
+        pub antialias: u32,
+    }
 }
 
 /// Edge of a tile in pixels.

@@ -1,7 +1,6 @@
 //! Faces of voxels that have light of their own: what passes `surface_cache/allocate`, `surface_cache/trace`, `surface_cache/resolve` and `view/shade`
 //! share.
 
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::{
@@ -11,30 +10,39 @@ use crate::{
     probes::Changes,
 };
 
-/// `FaceInfo` of `shaders/surface_cache/table.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuSurfaceCacheInfo {
-    pub edited_low_gs: [f32; 3],
-    pub frame: u32,
-    pub edited_high_gs: [f32; 3],
-    pub edited_frame: u32,
-    pub bucket_mask: u32,
-    pub most_batches: u32,
-    pub rays_rows: u32,
-    pub blend_rows: u32,
-    pub most_samples: f32,
-    pub widest_pixel: f32,
-    pub seed: u32,
-    pub alert: f32,
-    pub stillness: f32,
-    pub near: f32,
-    pub changed_frame: u32,
-    pub padding: u32,
-}
-
 crate::shared! {
     in surface_cache;
+
+    /// What shaders know as `FaceInfo`.
+    pub struct GpuSurfaceCacheInfo as FaceInfo {
+        /// Corners of the box of voxels whose light an edit has changed most (grid space).
+        pub edited_low_gs: [f32; 3],
+        /// Since the table was made, from 1.
+        pub frame: u32,
+        pub edited_high_gs: [f32; 3],
+        /// The frame of that edit; 0: none yet.
+        pub edited_frame: u32,
+        /// Places for faces that look the same way, less 1: a power of two less 1.
+        pub bucket_mask: u32,
+        /// Most batches of rays that faces send in a frame, and rows of workgroups of the passes over them.
+        pub most_batches: u32,
+        pub rays_rows: u32,
+        pub blend_rows: u32,
+        /// Rays that the light of a quarter of a face is at most the mean of.
+        pub most_samples: f32,
+        /// Width of a pixel (voxels) from which faces are too small to be lit on their own.
+        pub widest_pixel: f32,
+        pub seed: u32,
+        /// How sure it is that light changes now, from 0 to 1.
+        pub alert: f32,
+        /// How sure it is that light has not changed for long, from 0 to 1.
+        pub stillness: f32,
+        /// Rays that hit something nearer than this look on (voxels).
+        pub near: f32,
+        /// The last frame in which light was not still: what was known before it is out of date.
+        pub changed_frame: u32,
+        pub _pad: u32,
+    }
 
     /// Words of an entry of the table.
     const ENTRY_WORDS: u32 = 12;
@@ -56,8 +64,68 @@ crate::shared! {
 
     /// Of those the faces of a workgroup.
     pub(super) const ASKED_A_GROUP: u32 = 64;
+
+    /// A face of the list of a frame.
+    pub struct GpuListedFace as ListedFace {
+        /// In the table.
+        pub entry: u32,
+        pub key: u32,
+        /// Its batches of rays, which lie one after the other: none in most frames.
+        pub first_batch: u32,
+        pub batches: u32,
+        /// What is known of its light counts as the mean of so many rays at most; 0 for a new face.
+        pub known: f32,
+        /// Whether a pixel sees it (1) or rays of other faces have asked for it (0).
+        pub is_seen: u32,
+    }
+
+    /// Rays that a face sends side by side: `QUARTER_RAYS` of each quarter.
+    pub struct GpuFaceBatch as FaceBatch {
+        pub entry: u32,
+        pub key: u32,
+        /// Number of the first of each quarter.
+        pub first_ray: u32,
+        /// Whether those that hit near surfaces look on (1) or all ask the probes at once (0).
+        pub may_look_on: u32,
+    }
+
+    /// A quarter of a face.
+    pub struct GpuFaceQuarter as FaceQuarter {
+        /// Mean radiance, weighted by the cosine: irradiance over π (linear RGB).
+        pub light: [f32; 3],
+        /// Rays that it is the mean of.
+        pub samples: f32,
+        /// What the probes believed of it, as a mean over the same frames.
+        pub believed: [f32; 3],
+        /// Mean square of by how much their belief departs from that mean, relative to it: their noise.
+        pub noise: f32,
+    }
+
+    /// What the rays of a face have found so far.
+    pub struct GpuFaceHistory as FaceHistory {
+        /// See package::surface_cache::quadrant.
+        pub quarters: [GpuFaceQuarter; 4],
+        pub key: u32,
+        /// Rays that each quarter has had in all.
+        pub drawn: u32,
+        /// The frame in which it last had any.
+        pub updated: u32,
+        /// Variance of what one ray finds, relative to the face's light.
+        pub spread: f32,
+    }
+
+    /// A face that a ray has hit.
+    pub struct GpuAskedFace as AskedFace {
+        pub key: u32,
+        pub face: u32,
+    }
 }
 
+const LISTED_BYTES: u64 = size_of::<GpuListedFace>() as u64;
+const BATCH_BYTES: u64 = size_of::<GpuFaceBatch>() as u64;
+const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
+/// A count, and then the faces.
+const ASKED_LIST_BYTES: u64 = 4 + (ASKED_ROOM as usize * size_of::<GpuAskedFace>()) as u64;
 /// Faces that look the same way and have a place in the table.
 const BUCKETS: u32 = 1 << 16;
 /// Batches of rays that faces can send in a frame.
@@ -113,16 +181,8 @@ pub struct SurfaceCache {
 }
 
 impl SurfaceCache {
-    /// Bytes of `FaceBatch` of the same.
-    pub const BATCH_BYTES: u64 = 16;
-    /// Bytes of `ListedFace` of the same.
-    pub const LISTED_BYTES: u64 = 24;
-    /// Bytes of `FaceHistory` of `shaders/surface_cache/lists.wesl`.
-    pub const HISTORY_BYTES: u64 = 144;
     /// Bytes of an entry of the table.
     pub const ENTRY_BYTES: u64 = 4 * ENTRY_WORDS as u64;
-    /// Bytes of an `AskedList`.
-    pub const ASKED_LIST_BYTES: u64 = 4 + 8 * ASKED_ROOM as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/trace`.
     pub const RAYS_OFFSET: u64 = 0;
     /// Byte in [`Self::dispatch`] of those of pass `surface_cache/resolve`.
@@ -138,9 +198,9 @@ impl SurfaceCache {
         let all = u64::from(entries);
         let most_batches = entries.min(MOST_BATCHES);
         let batches = u64::from(most_batches);
-        let bytes = all * (Self::ENTRY_BYTES + Self::LISTED_BYTES + Self::HISTORY_BYTES)
-            + batches * (Self::BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
-            + Self::ASKED_LIST_BYTES;
+        let bytes = all * (Self::ENTRY_BYTES + LISTED_BYTES + HISTORY_BYTES)
+            + batches * (BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
+            + ASKED_LIST_BYTES;
         let what = "the faces of the final gather (probes.final_gather)";
         gpu.making(what, bytes, || {
             Ok(Self {
@@ -158,12 +218,12 @@ impl SurfaceCache {
                 table: gpu.storage_buffer("face_table", all * Self::ENTRY_BYTES)?,
                 counts: gpu.storage_buffer("face_counts", 16)?,
                 // Lists begin with a count.
-                list: gpu.storage_buffer("face_list", (1 + all) * Self::LISTED_BYTES)?,
-                batches: gpu.storage_buffer("face_batches", (1 + batches) * Self::BATCH_BYTES)?,
+                list: gpu.storage_buffer("face_list", (1 + all) * LISTED_BYTES)?,
+                batches: gpu.storage_buffer("face_batches", (1 + batches) * BATCH_BYTES)?,
                 rays: gpu
                     .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
-                asked: gpu.storage_buffer("asked_faces", Self::ASKED_LIST_BYTES)?,
-                histories: gpu.storage_buffer("face_histories", all * Self::HISTORY_BYTES)?,
+                asked: gpu.storage_buffer("asked_faces", ASKED_LIST_BYTES)?,
+                histories: gpu.storage_buffer("face_histories", all * HISTORY_BYTES)?,
                 dispatch: gpu.storage_buffer("face_dispatch", 32)?,
             })
         })
@@ -231,7 +291,7 @@ impl SurfaceCache {
             stillness: changes.stillness(),
             near: parameters.near_hits * next.spacing,
             changed_frame,
-            padding: 0,
+            ..Default::default()
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
@@ -321,7 +381,7 @@ impl SurfaceCache {
         Ok(u64::from(count[0]) * u64::from(FACE_RAYS))
     }
 
-    /// The `FaceHistory` of every entry: [`Self::HISTORY_BYTES`] each.
+    /// The [`GpuFaceHistory`] of every entry.
     pub fn histories(&self) -> &wgpu::Buffer {
         &self.histories
     }

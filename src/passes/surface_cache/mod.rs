@@ -5,4 +5,4 @@ mod cache;
 pub mod resolve;
 pub mod trace;
 
-pub use cache::{GpuSurfaceCacheInfo, NextFrame, SurfaceCache};
+pub use cache::{GpuFaceHistory, GpuFaceQuarter, GpuSurfaceCacheInfo, NextFrame, SurfaceCache};
