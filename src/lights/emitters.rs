@@ -22,7 +22,7 @@ crate::shared! {
     /// Ways that faces look, numbered −x, +x, −y, +y, −z, +z.
     pub const FACINGS: usize = 6;
 
-    /// What shaders know as `Facing`.
+    /// Faces that look the same way.
     pub struct GpuFacing as Facing {
         /// Of all faces that look this way together.
         pub weight: f32,

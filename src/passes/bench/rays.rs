@@ -84,7 +84,7 @@ impl RayKind {
 crate::shared! {
     in bench;
 
-    /// What shaders know as `RayBench`.
+    /// The rays of a kernel.
     struct GpuRayBench as RayBench {
         /// Where shadow rays go: towards a point in grid space (towards_lamp 1), or along a direction.
         target_gs: [f32; 3],

@@ -1,7 +1,6 @@
 //! When probes are updated and who asks for them: what passes `probes/schedule`, `probes/classify`,
 //! `probes/trace` and `probes/blend` share.
 
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::{
@@ -10,28 +9,44 @@ use crate::{
     probes::Changes,
 };
 
-/// `UpdateSchedule` of `shaders/probes/update_schedule.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuUpdateSchedule {
-    pub changed_low_gs: [f32; 3],
-    pub frame: u32,
-    pub changed_high_gs: [f32; 3],
-    pub states: u32,
-    pub alive_frames: u32,
-    pub fed_interval: u32,
-    pub asleep_interval: u32,
-    pub rays_rows: u32,
-    pub probe_rows: u32,
-    pub weights: u32,
-    pub relocation: u32,
-    pub stone_hysteresis: f32,
-    pub stone_threshold: f32,
-    pub clearance: f32,
-    pub restless: f32,
-    pub budget: u32,
-    pub still_interval: u32,
-    pub padding: [u32; 3],
+crate::shared! {
+    in probes;
+
+    /// When each probe is updated, and who asks for it.
+    pub struct GpuUpdateSchedule as ProbePlan {
+        /// Box of voxels that changed since pass `probes/classify` last ran (grid space).
+        pub changed_low_gs: [f32; 3],
+        /// Frames since the probes were made.
+        pub frame: u32,
+        pub changed_high_gs: [f32; 3],
+        /// One of the STATES_ constants.
+        pub states: u32,
+        /// Frames that a probe stays as it is asked for after it was last asked for.
+        pub alive_frames: u32,
+        /// Frames from update to update of a probe that only the rays of other probes ask for.
+        pub fed_interval: u32,
+        /// Of a probe that nobody asks for.
+        pub asleep_interval: u32,
+        /// Rows of workgroups of pass `probes/trace`, and of those with a workgroup a probe.
+        pub rays_rows: u32,
+        pub probe_rows: u32,
+        /// One of the WEIGHTS_ constants.
+        pub weights: u32,
+        /// One of the RELOCATION_ constants.
+        pub relocation: u32,
+        /// Statistical relocation: share of what is known of a probe that is kept per update, what is known
+        /// of one that must move (1: in stone for ever), and how far it should be from surfaces (voxels).
+        pub stone_hysteresis: f32,
+        pub stone_threshold: f32,
+        pub clearance: f32,
+        /// Unrest from which a probe is updated in every frame, whoever asks.
+        pub restless: f32,
+        /// Most probes to update in a frame; 0: no limit.
+        pub budget: u32,
+        /// Frames from update to update of a probe that is asked for and whose light is still.
+        pub still_interval: u32,
+        pub _pad: [u32; 3],
+    }
 }
 
 /// How many probes are in each state, as pass `probes/schedule` last judged them.
@@ -179,7 +194,7 @@ impl UpdateSchedule {
                 rays => (rays / parameters.rays).max(1),
             },
             still_interval,
-            padding: [0; 3],
+            ..Default::default()
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&plan));

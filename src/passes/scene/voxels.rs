@@ -10,7 +10,7 @@ use crate::{
 crate::shared! {
     in scene;
 
-    /// What shaders know as `GridInfo`.
+    /// The extent of the grid, and where it lies.
     pub struct GpuGridInfo as GridInfo {
         /// World-space coordinates of the grid's corner.
         pub origin_ws: [f32; 3],

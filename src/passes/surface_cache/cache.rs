@@ -13,7 +13,7 @@ use crate::{
 crate::shared! {
     in surface_cache;
 
-    /// What shaders know as `FaceInfo`.
+    /// What passes know of the table and of the frame.
     pub struct GpuSurfaceCacheInfo as FaceInfo {
         /// Corners of the box of voxels whose light an edit has changed most (grid space).
         pub edited_low_gs: [f32; 3],

@@ -6,7 +6,7 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 crate::shared! {
     in view;
 
-    /// What shaders know as `AtlasJob`.
+    /// What is shown of an atlas.
     pub struct GpuAtlasJob as AtlasJob {
         pub layer: u32,
         /// One of the MAP_ constants.

@@ -14,7 +14,7 @@ crate::shared! {
         owner: u32 => "atomic<u32>",
     }
 
-    /// What shaders know as `Drawing`.
+    /// What is drawn of the probes.
     pub struct GpuDrawing as Drawing {
         /// One of the COLOUR_ constants.
         pub colour: u32,
