@@ -28,11 +28,11 @@ const DISTANCE_HISTORY_BYTES: u64 = 8;
 /// Radiance and distance of one ray (f32).
 const RAY_BYTES: u64 = 16;
 /// Updates so far, the mean luminance, unrest, and flags.
-const STATE_BYTES: u64 = 16;
+pub const STATE_BYTES: u64 = 16;
 /// Means by which changes are told from noise, and what they have in common.
 const TREND_BYTES: u64 = TREND_VECTORS * 16;
 /// Where it stands, and whether it gives light.
-const PLACE_BYTES: u64 = 16;
+pub const PLACE_BYTES: u64 = 16;
 /// Irradiance along six axes (f16), and whether there is any.
 const CUBE_BYTES: u64 = CUBE_VECTORS * 16;
 /// The list of the due and who asked when, twice (pass `surface_cache/trace` has its own), and how far it has walked.

@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 
+use super::state::{GpuProbeState, ProbeClass};
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
     parameters::{ProbeParameters, ProbeStates, Relocation, Weights},
@@ -62,34 +63,36 @@ pub struct StateCounts {
     pub due: u32,
 }
 
-/// How often a probe is updated.
-#[derive(Clone, Copy)]
-enum ProbeClass {
-    /// In every frame.
-    Alive,
-    /// Now and then: it lights what the rays of those alive hit.
-    Fed,
-    Asleep,
-    /// Never: it lies in stone.
-    Dead,
-}
-
 crate::shared! {
     in probes;
 
     /// Threads of a workgroup of pass `probes/trace`.
     const RAY_GROUP: u32 = 64;
 
-    /// Words of `probe_work` in front of the list.
-    const LIST: u32 = 4;
+    /// What `probe_work` begins with: how many probes are due, and by how much the budget stretches the intervals
+    /// of those that are restless, still, and not alive (0: not yet known).
+    struct GpuWorkHead as WorkHead {
+        due: u32,
+        stretch_restless: u32,
+        stretch_still: u32,
+        stretch_rest: u32,
+    }
+
+    /// Workgroups that the due probes take.
+    pub(super) struct GpuProbeDispatch as ProbeDispatch {
+        /// Of pass `probes/trace`.
+        pub(super) ray_groups: [u32; 3],
+        /// Counts while the list grows.
+        pub(super) due: u32 => "atomic<u32>",
+        /// Of passes with one for each probe.
+        pub(super) probe_groups: [u32; 3],
+        /// How many probes there are to update: alive and restless, alive and still, fed, asleep.
+        pub(super) wanted: [u32; 4] => "array<atomic<u32>, 4>",
+        pub(super) _pad: u32,
+    }
 
     /// In the list: the rays of the probe ask for others.
     const ASKING: u32 = 1 << 31;
-
-    enum ProbeClass as CLASS { Alive, Fed, Asleep, Dead }
-
-    /// Bits of a probe's flags that are its class.
-    const CLASS_BITS: u32 = 3;
 
     /// Probes outside of stone are updated in every frame.
     const STATES_OFF: u32 = 0;
@@ -105,18 +108,11 @@ crate::shared! {
     enum Relocation as RELOCATION { Off, Exact, Statistical }
 }
 
+const HEAD_BYTES: u64 = size_of::<GpuWorkHead>() as u64;
 /// Alerts above this are of a lamp that is switched, or of an edit, and not of one that wanders.
 const SUDDEN: f32 = 0.5;
 /// Farther than any world reaches (voxels).
 const EVERYWHERE: f32 = 1e9;
-
-impl ProbeClass {
-    /// The class of a probe with these flags.
-    fn of(flags: u32) -> Self {
-        let all = [Self::Alive, Self::Fed, Self::Asleep, Self::Dead];
-        all[(flags & CLASS_BITS) as usize]
-    }
-}
 
 /// Buffers of the plan of one probe field.
 pub(super) struct UpdateSchedule {
@@ -142,9 +138,9 @@ impl UpdateSchedule {
             probe_rows: rectangle(slots)[1],
             changed: Some((Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE))),
             uniform: gpu.uniform_buffer("probe_plan", &GpuUpdateSchedule::default()),
-            work: gpu.storage_buffer("probe_work", (u64::from(LIST) + 3 * all) * 4)?,
-            face_requests: gpu.storage_buffer("face_requests", (u64::from(LIST) + 3 * all) * 4)?,
-            dispatch: gpu.storage_buffer("probe_dispatch", 48)?,
+            work: gpu.storage_buffer("probe_work", HEAD_BYTES + 3 * all * 4)?,
+            face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + 3 * all * 4)?,
+            dispatch: gpu.storage_buffer("probe_dispatch", size_of::<GpuProbeDispatch>() as u64)?,
             walks: gpu.storage_buffer("probe_walks", all * 8)?,
         })
     }
@@ -200,10 +196,9 @@ impl UpdateSchedule {
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&plan));
         if frame == 0 {
             // The probes begin anew, and nobody has asked for them yet.
-            let none = vec![0u32; LIST as usize + 3 * self.slots as usize];
+            let none = vec![0; self.work.size() as usize];
             for requests in [&self.work, &self.face_requests] {
-                gpu.queue
-                    .write_buffer(requests, 0, bytemuck::cast_slice(&none));
+                gpu.queue.write_buffer(requests, 0, &none);
             }
         }
     }
@@ -250,9 +245,14 @@ impl UpdateSchedule {
 
     /// Slots of the probes that were due, in no particular order.
     pub fn due(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        let words: Vec<u32> = gpu.read_buffer(&self.work)?;
-        let list = words[LIST as usize..].iter().take(words[0] as usize);
-        Ok(list.map(|word| word & !ASKING).collect())
+        let due = self.head(gpu)?.due as usize;
+        let list: Vec<u32> =
+            gpu.read_buffer_range(&self.work, HEAD_BYTES, u64::from(self.slots) * 4)?;
+        Ok(list[..due].iter().map(|word| word & !ASKING).collect())
+    }
+
+    fn head(&self, gpu: &Gpu) -> Result<GpuWorkHead, GpuError> {
+        Ok(gpu.read_buffer_range(&self.work, 0, HEAD_BYTES)?[0])
     }
 
     /// Of the probes with these `probe_states`.
@@ -262,14 +262,13 @@ impl UpdateSchedule {
         states: &wgpu::Buffer,
         lattice: u32,
     ) -> Result<StateCounts, GpuError> {
-        let due: Vec<u32> = gpu.read_buffer_range(&self.work, 0, 4)?;
         let mut counts = StateCounts {
-            due: due[0],
+            due: self.head(gpu)?.due,
             ..Default::default()
         };
-        let states: Vec<[u32; 4]> = gpu.read_buffer(states)?;
-        for (slot, [.., flags]) in (0..self.slots).zip(&states) {
-            match ProbeClass::of(*flags) {
+        let states: Vec<GpuProbeState> = gpu.read_buffer(states)?;
+        for (slot, state) in (0..self.slots).zip(&states) {
+            match state.class() {
                 ProbeClass::Alive | ProbeClass::Fed => counts.alive += 1,
                 ProbeClass::Asleep => counts.sleeping += 1,
                 // A slot that no twin has taken is no probe.

@@ -1,6 +1,8 @@
 //! Faces of voxels that have light of their own: what passes `surface_cache/allocate`, `surface_cache/trace`, `surface_cache/resolve` and `view/shade`
 //! share.
 
+use std::mem::offset_of;
+
 use glam::Vec3;
 
 use crate::{
@@ -58,6 +60,29 @@ crate::shared! {
 
     /// Faces of a workgroup of pass `surface_cache/resolve`.
     const FACES_A_GROUP: u32 = 16;
+
+    /// What is counted while faces are listed, and what follows from it for the next frame.
+    struct GpuFaceCounts as FaceCounts {
+        /// Faces on the list.
+        listed: u32 => "atomic<u32>",
+        /// Batches of rays that they ask for.
+        batches: u32 => "atomic<u32>",
+        /// By how much the intervals between these are stretched, so that those of a frame fit their buffer; 0: not yet
+        /// known.
+        stretch: u32 => "atomic<u32>",
+        /// The interval of faces that have settled.
+        calm: u32 => "atomic<u32>",
+    }
+
+    /// Workgroups that the listed faces take.
+    struct GpuFaceDispatch as FaceDispatch {
+        /// Of pass `surface_cache/trace`.
+        ray_groups: [u32; 3],
+        _pad0: u32,
+        /// Of pass `surface_cache/resolve`.
+        resolve_groups: [u32; 3],
+        _pad1: u32,
+    }
 
     /// Room for faces that rays ask for: twice as many as may, for they do so by chance.
     pub(super) const ASKED_ROOM: u32 = 4096;
@@ -184,9 +209,9 @@ impl SurfaceCache {
     /// Bytes of an entry of the table.
     pub const ENTRY_BYTES: u64 = 4 * ENTRY_WORDS as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/trace`.
-    pub const RAYS_OFFSET: u64 = 0;
+    pub const RAYS_OFFSET: u64 = offset_of!(GpuFaceDispatch, ray_groups) as u64;
     /// Byte in [`Self::dispatch`] of those of pass `surface_cache/resolve`.
-    pub const BLEND_OFFSET: u64 = 16;
+    pub const BLEND_OFFSET: u64 = offset_of!(GpuFaceDispatch, resolve_groups) as u64;
 
     /// An empty table; where there is no final gather, one that takes next to no memory.
     ///
@@ -216,7 +241,7 @@ impl SurfaceCache {
                 edited: None,
                 info: gpu.uniform_buffer("face_info", &GpuSurfaceCacheInfo::default()),
                 table: gpu.storage_buffer("face_table", all * Self::ENTRY_BYTES)?,
-                counts: gpu.storage_buffer("face_counts", 16)?,
+                counts: gpu.storage_buffer("face_counts", size_of::<GpuFaceCounts>() as u64)?,
                 // Lists begin with a count.
                 list: gpu.storage_buffer("face_list", (1 + all) * LISTED_BYTES)?,
                 batches: gpu.storage_buffer("face_batches", (1 + batches) * BATCH_BYTES)?,
@@ -224,7 +249,8 @@ impl SurfaceCache {
                     .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
                 asked: gpu.storage_buffer("asked_faces", ASKED_LIST_BYTES)?,
                 histories: gpu.storage_buffer("face_histories", all * HISTORY_BYTES)?,
-                dispatch: gpu.storage_buffer("face_dispatch", 32)?,
+                dispatch: gpu
+                    .storage_buffer("face_dispatch", size_of::<GpuFaceDispatch>() as u64)?,
             })
         })
     }
@@ -296,7 +322,8 @@ impl SurfaceCache {
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
         // Nothing is on either list.
-        gpu.queue.write_buffer(&self.counts, 0, &[0; 8]);
+        let none = [0; offset_of!(GpuFaceCounts, stretch)];
+        gpu.queue.write_buffer(&self.counts, 0, &none);
     }
 
     /// Most batches of rays in a frame of `size` pixels.
@@ -368,8 +395,8 @@ impl SurfaceCache {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn listed(&self, gpu: &Gpu) -> Result<u32, GpuError> {
-        let count: Vec<u32> = gpu.read_buffer_range(&self.counts, 0, 4)?;
-        Ok(count[0])
+        let counts: Vec<GpuFaceCounts> = gpu.read_buffer(&self.counts)?;
+        Ok(counts[0].listed)
     }
 
     /// How many rays faces have sent in the last frame.
