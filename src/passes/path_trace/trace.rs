@@ -9,7 +9,7 @@ use crate::{
 crate::shared! {
     in path_trace;
 
-    /// What a dispatch is to do. Declared in src/passes/path_trace/trace.rs; a test compares every offset.
+    /// What a dispatch is to do.
     pub struct GpuTraceJob as TraceJob {
         /// Tiles of this dispatch, in the order of `tile_of`.
         pub first_tile: u32,
@@ -27,8 +27,12 @@ crate::shared! {
     }
 }
 
-/// Edge of a tile in pixels.
-const TILE: u32 = 8;
+crate::shared! {
+    in path_trace;
+
+    /// Edge of a tile in pixels, and of a workgroup in threads.
+    const TILE: u32 = 8;
+}
 
 /// The kernels, and what they add up.
 pub struct PathTrace {

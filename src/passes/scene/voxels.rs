@@ -57,8 +57,8 @@ pub struct GpuVoxels {
 }
 
 /// Bytes of a brick's masks and of its materials.
-pub const MASK_BYTES: u64 = 64;
-pub const MATERIAL_BYTES: u64 = 512;
+pub const MASK_BYTES: u64 = size_of::<[u32; 16]>() as u64;
+pub const MATERIAL_BYTES: u64 = size_of::<Brick>() as u64;
 
 impl GpuVoxels {
     /// Uploads the CPU's copy.

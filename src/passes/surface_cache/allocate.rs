@@ -2,7 +2,7 @@
 
 use super::{
     SurfaceCache,
-    cache::{ASKED_A_GROUP, ASKED_ROOM},
+    shared::{ASKED_A_GROUP, ASKED_ROOM},
 };
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 

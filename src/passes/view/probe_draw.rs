@@ -22,7 +22,8 @@ crate::shared! {
         pub stage: u32,
         /// 1: with lines.
         pub lines: u32,
-        pub _pad: u32,
+        /// A uniform's size is a multiple of 16 bytes.
+        pub unused: u32,
     }
 
     /// Splatting finds the nearest distance.
