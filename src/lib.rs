@@ -7,7 +7,8 @@
 //! world, lights, probes, gpu ← passes ← frame ← commands, app
 //! ```
 //!
-//! `parameters` is a leaf that everyone may read. `measure` sees pictures, never a world.
+//! `parameters` and `shared` (what shaders know too) are leaves that everyone may read. `measure` sees pictures, never
+//! a world.
 
 pub mod app;
 pub mod commands;
@@ -19,4 +20,5 @@ pub mod parameters;
 pub mod passes;
 pub mod probes;
 pub mod reference;
+pub mod shared;
 pub mod world;

@@ -74,7 +74,8 @@ impl Table {
 }
 
 const PLACES: &str = "
-import package::surface_cache::table::{face_info, ENTRY_WORDS, NO_ENTRY};
+import package::generated::surface_cache::ENTRY_WORDS;
+import package::surface_cache::table::{face_info, NO_ENTRY};
 import package::surface_cache::places::{marked_table, place_for, LISTED_WORD, LIT_WORD, SEEN_WORD};
 @group(3) @binding(8) var<storage, read> seen: array<vec2u>;
 @group(3) @binding(9) var<storage, read_write> entries: array<u32>;

@@ -6,26 +6,12 @@ use std::mem::{offset_of, size_of};
 use grotto::{
     gpu::ShaderLibrary,
     lights::{
-        emitters::{GpuEmitterGroup, GpuFacing},
-        table::{self as lights, GpuLamp, GpuLightsHeader, GpuSky},
+        emitters::GpuFacing,
+        table::{self as lights, GpuLightsHeader, GpuSky},
     },
-    passes::{
-        path_trace::trace::GpuTraceJob,
-        scene::voxelise::{GpuVoxeliseCounters, GpuVoxeliseJob},
-        surface_cache::{GpuSurfaceCacheInfo, SurfaceCache},
-        view::{GpuView, atlas_view::GpuAtlasJob, probe_draw::GpuDrawing},
-    },
+    shared::{self, Layout},
     world::materials::table::{CAPACITY, GpuMaterial},
 };
-
-/// A struct as a shader lays it out.
-#[derive(Debug, PartialEq, Eq)]
-struct Layout {
-    /// Offset of each member by name.
-    members: BTreeMap<String, usize>,
-    /// Bytes from one array element to the next.
-    stride: usize,
-}
 
 /// The layout of `name` in the shader module `path` (as `scene::lights`).
 fn shader_layout(path: &str, name: &str) -> Layout {
@@ -81,28 +67,22 @@ macro_rules! rust_layout {
     };
 }
 
+/// Of every struct that Rust declares for the shaders.
 #[test]
-fn lamps_and_sky() {
-    assert_eq!(
-        shader_layout("scene::lights", "Lamp"),
-        rust_layout!(GpuLamp {
-            position_ws,
-            radius,
-            direction_ws,
-            directional,
-            intensity,
-            spot_scale,
-            spot_offset,
-        })
-    );
-    assert_eq!(
-        shader_layout("scene::lights", "Sky"),
-        rust_layout!(GpuSky {
-            zenith,
-            horizon,
-            ground
-        })
-    );
+fn shared_structs_are_laid_out_alike() {
+    let declared = shared::declarations();
+    let structs = declared
+        .iter()
+        .filter_map(|declared| Some((declared, declared.layout?())));
+    for (declared, layout) in structs {
+        let module = format!("generated::{}", declared.module);
+        let own = shader_layout(&module, declared.name);
+        assert_eq!(own, layout, "{}", declared.name);
+    }
+}
+
+#[test]
+fn lights_are_a_header_and_lamps() {
     let whole = shader_layout("scene::lights", "Lights");
     let mut header = rust_layout!(GpuLightsHeader { sky, lamp_count });
     header
@@ -132,107 +112,9 @@ fn materials() {
 }
 
 #[test]
-fn faces() {
-    assert_eq!(
-        shader_layout("surface_cache::table", "FaceInfo"),
-        rust_layout!(GpuSurfaceCacheInfo {
-            edited_low_gs,
-            frame,
-            edited_high_gs,
-            edited_frame,
-            bucket_mask,
-            most_batches,
-            rays_rows,
-            blend_rows,
-            most_samples,
-            widest_pixel,
-            seed,
-            alert,
-            stillness,
-            near,
-            changed_frame,
-        })
-    );
-    for (name, bytes) in [
-        ("ListedFace", SurfaceCache::LISTED_BYTES),
-        ("FaceBatch", SurfaceCache::BATCH_BYTES),
-        ("FaceHistory", SurfaceCache::HISTORY_BYTES),
-        ("AskedList", SurfaceCache::ASKED_LIST_BYTES),
-    ] {
-        let layout = shader_layout("surface_cache::lists", name);
-        assert_eq!(layout.stride as u64, bytes, "{name}");
-    }
-}
-
-#[test]
-fn the_view() {
-    assert_eq!(
-        shader_layout("frame::view", "View"),
-        rust_layout!(GpuView {
-            position_ws,
-            width,
-            forward_ws,
-            height,
-            right_ws,
-            frame,
-            up_ws,
-            seed,
-            pixel_angle,
-            exposure,
-            mode,
-            time_s,
-            textures,
-        })
-    );
-}
-
-#[test]
-fn path_tracing() {
-    assert_eq!(
-        shader_layout("scene::emitters", "Facing"),
-        rust_layout!(GpuFacing { weight, first, end })
-    );
-    assert_eq!(
-        shader_layout("scene::emitters", "EmitterGroup"),
-        rust_layout!(GpuEmitterGroup {
-            first,
-            count,
-            material,
-            weight
-        })
-    );
+fn emitters() {
     let whole = shader_layout("scene::emitters", "Emitters");
     assert_eq!(whole.members["groups"], 6 * size_of::<GpuFacing>());
-    assert_eq!(
-        shader_layout("path_trace::trace", "TraceJob"),
-        rust_layout!(GpuTraceJob {
-            first_tile,
-            end_tile,
-            tiles_across,
-            tiles,
-            first_sample,
-            end_sample,
-            scatter_bits,
-            antialias,
-        })
-    );
-}
-
-#[test]
-fn what_is_drawn_of_probes() {
-    assert_eq!(
-        shader_layout("view::atlas_view", "AtlasJob"),
-        rust_layout!(GpuAtlasJob { layer, map, extent })
-    );
-    assert_eq!(
-        shader_layout("view::probe_draw", "Drawing").members,
-        rust_layout!(GpuDrawing {
-            colour,
-            stage,
-            lines
-        })
-        .members
-    );
 }
 
 #[test]
@@ -249,35 +131,7 @@ fn a_member_that_moved_is_found() {
         horizon,
         ground
     });
-    assert_ne!(shader_layout("scene::lights", "Sky"), moved);
+    assert_ne!(shader_layout("generated::lights", "Sky"), moved);
     let missing = rust_layout!(GpuSky { zenith, horizon });
-    assert_ne!(shader_layout("scene::lights", "Sky"), missing);
-}
-
-#[test]
-fn voxelisation() {
-    assert_eq!(
-        shader_layout("scene::voxelise_job", "Job"),
-        rust_layout!(GpuVoxeliseJob {
-            size,
-            first,
-            cells,
-            end,
-            rows_at,
-            parts_at,
-            part_count,
-            all_stone,
-            entry_count,
-        })
-    );
-    assert_eq!(
-        shader_layout("scene::voxelise_job", "Counters"),
-        rust_layout!(GpuVoxeliseCounters {
-            candidates,
-            mixed,
-            exposed,
-            varied,
-            bricks,
-        })
-    );
+    assert_ne!(shader_layout("generated::lights", "Sky"), missing);
 }

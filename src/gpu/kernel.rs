@@ -26,7 +26,7 @@ pub struct KernelSpec<'a> {
     pub overrides: &'a [(&'a str, f64)],
     /// The same, of which the shader may lack some.
     pub offered: &'a [(&'a str, f64)],
-    /// Modules made at run time, imported as `package::generated::NAME`.
+    /// Modules made for this kernel, imported as `package::generated::NAME`.
     pub generated: &'a [(&'a str, &'a str)],
 }
 

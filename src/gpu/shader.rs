@@ -8,11 +8,13 @@ use wesl::{
 };
 
 use super::GpuError;
+use crate::shared;
 
 const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
 /// The text of every shader module, by its name (`view/shade`): what the binary carries, or a
-/// folder as it was at one moment.
+/// folder as it was at one moment. The generated ones (`generated/probes`, see [`crate::shared`]) are the binary's own
+/// either way.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShaderLibrary {
     modules: BTreeMap<String, Cow<'static, str>>,
@@ -34,9 +36,7 @@ impl ShaderLibrary {
         let modules = EMBEDDED
             .iter()
             .map(|&(name, text)| (name.to_owned(), text.into()));
-        Self {
-            modules: modules.collect(),
-        }
+        Self::with_generated(modules.collect())
     }
 
     /// What lies in `folder` now. Later edits do not show: what is read here stays one whole.
@@ -52,7 +52,13 @@ impl ShaderLibrary {
                 message: "the folder holds no .wesl files".to_owned(),
             });
         }
-        Ok(Self { modules })
+        Ok(Self::with_generated(modules))
+    }
+
+    fn with_generated(mut modules: BTreeMap<String, Cow<'static, str>>) -> Self {
+        let generated = shared::modules().into_iter();
+        modules.extend(generated.map(|(name, text)| (format!("generated/{name}"), text.into())));
+        Self { modules }
     }
 
     /// The names of all modules, as `view/shade`.
@@ -77,7 +83,7 @@ impl ShaderLibrary {
     }
 
     /// Resolves the imports of module `name` (`view/shade`). `generated` adds modules that are
-    /// made at run time, imported as `package::generated::NAME`. The same modules give the same bytes.
+    /// made for one kernel, imported as `package::generated::NAME`. The same modules give the same bytes.
     ///
     /// # Errors
     /// [`GpuError::Shader`] with the place, for a missing module, a syntax error, a type error.
@@ -199,7 +205,9 @@ impl Resolver for LibraryResolver<'_> {
         let missing = || ResolveError::ModuleNotFound(path.clone(), format!("no shader `{name}`"));
         if let Some(generated) = name.strip_prefix("generated/") {
             let found = self.generated.iter().find(|(known, _)| *known == generated);
-            return found.map(|(_, text)| (*text).into()).ok_or_else(missing);
+            if let Some((_, text)) = found {
+                return Ok((*text).into());
+            }
         }
         let text = self.shaders.modules.get(name.as_str());
         text.map(|text| (&**text).into()).ok_or_else(missing)
@@ -270,7 +278,10 @@ mod tests {
         write("b.wesl", "fn b() {}");
         write("b.wesl~", "an editor's copy");
         let before = read().expect("two modules");
-        assert_eq!(before.names().collect::<Vec<_>>(), ["b", "passes/a"]);
+        let own = before
+            .names()
+            .filter(|name| !name.starts_with("generated/"));
+        assert_eq!(own.collect::<Vec<_>>(), ["b", "passes/a"]);
         write("passes/a.wesl", "fn a() { b(); }");
         fs::remove_file(folder.path().join("b.wesl")).expect("it is there");
         let after = read().expect("one module");

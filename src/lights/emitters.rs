@@ -1,6 +1,5 @@
 //! The faces of emissive voxels that light can leave, as a list to choose from at random.
 
-use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
@@ -8,7 +7,7 @@ use crate::world::Material;
 use crate::world::voxels::{CELL, Cell, Voxels};
 
 /// The way that each face looks: −x, +x, −y, +y, −z, +z.
-const FACINGS: [IVec3; 6] = [
+const NORMALS: [IVec3; FACINGS] = [
     IVec3::NEG_X,
     IVec3::X,
     IVec3::NEG_Y,
@@ -17,28 +16,31 @@ const FACINGS: [IVec3; 6] = [
     IVec3::Z,
 ];
 
-/// `Facing` of `shaders/scene/emitters.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuFacing {
-    /// Of all faces that look this way together.
-    pub weight: f32,
-    /// Of its groups, and one past the last.
-    pub first: u32,
-    pub end: u32,
-}
+crate::shared! {
+    in lights;
 
-/// `EmitterGroup` of `shaders/scene/emitters.wesl`: faces that look the same way, of one material.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuEmitterGroup {
-    /// Into [`Emitters::faces`].
-    pub first: u32,
-    pub count: u32,
-    /// 1-based.
-    pub material: u32,
-    /// Of all its faces together.
-    pub weight: f32,
+    /// Ways that faces look, numbered −x, +x, −y, +y, −z, +z.
+    pub const FACINGS: usize = 6;
+
+    /// Faces that look the same way.
+    pub struct GpuFacing as Facing {
+        /// Of all faces that look this way together.
+        pub weight: f32,
+        /// Of its groups, and one past the last.
+        pub first: u32,
+        pub end: u32,
+    }
+
+    /// Faces that look the same way, of one material.
+    pub struct GpuEmitterGroup as EmitterGroup {
+        /// Into [`Emitters::faces`].
+        pub first: u32,
+        pub count: u32,
+        /// 1-based.
+        pub material: u32,
+        /// Of all its faces together.
+        pub weight: f32,
+    }
 }
 
 /// Every face of an emissive voxel that air touches, by the way that it looks and by material. The
@@ -46,7 +48,7 @@ pub struct GpuEmitterGroup {
 /// wide.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Emitters {
-    pub facings: [GpuFacing; 6],
+    pub facings: [GpuFacing; FACINGS],
     pub groups: Vec<GpuEmitterGroup>,
     /// Index of each face's voxel in the grid's extent (powers of two): x, then y, then z.
     pub faces: Vec<u32>,
@@ -209,7 +211,7 @@ fn exposed<'a>(
         let shines = emits(material);
         (0..6)
             .filter(move |&facing| {
-                shines && voxels.material(voxel.as_ivec3() + FACINGS[facing]) == 0
+                shines && voxels.material(voxel.as_ivec3() + NORMALS[facing]) == 0
             })
             .map(move |facing| (facing, material, voxel))
     })
@@ -217,7 +219,7 @@ fn exposed<'a>(
 
 /// Whether stone fills every neighbour of a cell, so that none of its voxels meets air.
 fn is_buried(voxels: &Voxels, cell: UVec3) -> bool {
-    FACINGS.iter().all(|facing| {
+    NORMALS.iter().all(|facing| {
         let neighbour = cell.as_ivec3() + facing;
         let inside = neighbour.cmpge(IVec3::ZERO).all()
             && (neighbour * CELL as i32)
@@ -283,7 +285,7 @@ mod tests {
                 index / (size.x * size.y),
             );
             let material = scattered(voxel);
-            for (facing, normal) in FACINGS.iter().enumerate().filter(|_| material >= 2) {
+            for (facing, normal) in NORMALS.iter().enumerate().filter(|_| material >= 2) {
                 if voxels.material(voxel.as_ivec3() + normal) == 0 {
                     // The extent is 32 × 64 × 32.
                     let place = voxel.x | voxel.y << 5 | voxel.z << 11;

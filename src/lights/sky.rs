@@ -4,8 +4,12 @@ use glam::DVec3;
 
 use crate::world::Sky;
 
-/// How far below the horizon (as the sine of the angle) the ground's colour is reached.
-pub const GROUND_EDGE: f64 = 0.125;
+crate::shared! {
+    in lights;
+
+    /// How far below the horizon (as the sine of the angle) the ground's colour is reached.
+    pub const GROUND_EDGE: f64 = 0.125;
+}
 
 /// Radiance (linear RGB) that arrives along a ray which left the world in this unit direction.
 ///

@@ -7,35 +7,39 @@ use super::lamp::MIN_SPOT_EDGE;
 use super::{LampShape, LampState, Lights};
 use crate::world::scenery::MAX_LAMPS;
 
-/// Lamps in the uniform: those of the largest preset, and the sun.
-pub const CAPACITY: usize = MAX_LAMPS + 1;
+crate::shared! {
+    in lights;
 
-/// One lamp: `Lamp` in `shaders/scene/lights.wesl`. The spot's edge is folded into a ramp,
-/// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are no spots.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuLamp {
-    pub position_ws: [f32; 3],
-    pub radius: f32,
-    pub direction_ws: [f32; 3],
-    /// 1 for lamps without place and falloff, else 0.
-    pub directional: u32,
-    pub intensity: [f32; 3],
-    pub spot_scale: f32,
-    pub spot_offset: f32,
-    pub _pad: [f32; 3],
-}
+    /// Lamps in the uniform: those of the largest preset, and the sun.
+    pub const CAPACITY as LAMPS: usize = MAX_LAMPS + 1;
 
-/// `Sky` in `shaders/scene/lights.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuSky {
-    pub zenith: [f32; 3],
-    pub _pad0: f32,
-    pub horizon: [f32; 3],
-    pub _pad1: f32,
-    pub ground: [f32; 3],
-    pub _pad2: f32,
+    /// One lamp: `Lamp` in `shaders/scene/lights.wesl`. The spot's edge is folded into a ramp,
+    /// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are no spots.
+    pub struct GpuLamp as Lamp {
+        pub position_ws: [f32; 3],
+        /// Distances below it count as it.
+        pub radius: f32,
+        /// Unit vector along which the light goes.
+        pub direction_ws: [f32; 3],
+        /// 1 for lamps without place and falloff, else 0.
+        pub directional: u32,
+        /// Radiant intensity (linear RGB, W/sr).
+        pub intensity: [f32; 3],
+        /// The spot's edge: clamp(cos · spot_scale + spot_offset); 0 and 1 for lamps that are no spots.
+        pub spot_scale: f32,
+        pub spot_offset: f32,
+        pub _pad: [f32; 3],
+    }
+
+    /// `Sky` in `shaders/scene/lights.wesl`.
+    pub struct GpuSky as Sky {
+        pub zenith: [f32; 3],
+        pub _pad0: f32,
+        pub horizon: [f32; 3],
+        pub _pad1: f32,
+        pub ground: [f32; 3],
+        pub _pad2: f32,
+    }
 }
 
 /// What stands before the lamps: the start of `Lights` in `shaders/scene/lights.wesl`.
@@ -99,7 +103,7 @@ impl From<&LampState> for GpuLamp {
             intensity: array(lamp.intensity),
             spot_scale,
             spot_offset,
-            _pad: [0.0; 3],
+            ..Self::default()
         }
     }
 }

@@ -45,8 +45,47 @@ pub fn tone_map(light: DVec3) -> DVec3 {
     agx(light.map(guarded)).map(srgb_from_linear)
 }
 
-/// Light above this counts as this: 16 stops above white, far beyond the end of the curve.
-const BRIGHTEST: f64 = 65504.0;
+crate::shared! {
+    in color;
+
+    /// Light above this counts as this: 16 stops above white, far beyond the end of the curve.
+    const BRIGHTEST: f64 = 65504.0;
+
+    /// Stops below and above 1 between which the curve works: middle grey (0.18) with 10 stops below
+    /// it and 6.5 above.
+    const LOG2_MIN: f64 = -12.473_931_188_332_413;
+    const LOG2_MAX: f64 = 4.026_068_811_667_588;
+
+    /// Saturation about the luminance, and power on the encoded values: the look.
+    const LOOK_SATURATION: f64 = 1.25;
+    const LOOK_POWER: f64 = 1.15;
+
+    /// Luminance weights of linear Rec. 709.
+    const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
+
+    /// Stops between the darkest and the brightest light.
+    use LOG2_MAX - LOG2_MIN => LOG2_RANGE: f64;
+
+    /// Rec. 709 to the inset primaries; each row sums to 1, so greys stay grey.
+    const INSET: DMat3 = DMat3::from_cols(
+        DVec3::new(0.842_401_071, 0.042_401_071, 0.042_401_071),
+        DVec3::new(0.078_436_502, 0.878_436_502, 0.078_436_502),
+        DVec3::new(0.079_162_427, 0.079_162_427, 0.879_162_427),
+    );
+
+    /// And back.
+    use INSET.inverse() => OUTSET: DMat3;
+
+    /// Where middle grey lies on the log2 scale, and the slope there; powers of toe and shoulder.
+    const PIVOT: f64 = 10.0 / 16.5;
+    const SLOPE: f64 = 2.0;
+    const TOE: f64 = 3.0;
+    const SHOULDER: f64 = 3.25;
+
+    /// How the curve bends below the pivot and above, so that it meets its corners.
+    use bend(PIVOT, TOE) => TOE_BEND: f64;
+    use bend(1.0 - PIVOT, SHOULDER) => SHOULDER_BEND: f64;
+}
 
 fn guarded(light: f64) -> f64 {
     if light.is_nan() {
@@ -56,29 +95,10 @@ fn guarded(light: f64) -> f64 {
     }
 }
 
-/// Stops below and above 1 between which the curve works: middle grey (0.18) with 10 stops below
-/// it and 6.5 above.
-const LOG2_MIN: f64 = -12.473_931_188_332_413;
-const LOG2_MAX: f64 = 4.026_068_811_667_588;
-
-/// Saturation about the luminance, and power on the encoded values: the look.
-const LOOK_SATURATION: f64 = 1.25;
-const LOOK_POWER: f64 = 1.15;
-
-/// Luminance weights of linear Rec. 709.
-const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
-
 /// Luminance of linear Rec. 709.
 pub fn luminance([r, g, b]: [f32; 3]) -> f64 {
     LUMINANCE.dot(DVec3::new(r.into(), g.into(), b.into()))
 }
-
-/// Rec. 709 to the inset primaries; each row sums to 1, so greys stay grey.
-const INSET: DMat3 = DMat3::from_cols(
-    DVec3::new(0.842_401_071, 0.042_401_071, 0.042_401_071),
-    DVec3::new(0.078_436_502, 0.878_436_502, 0.078_436_502),
-    DVec3::new(0.079_162_427, 0.079_162_427, 0.879_162_427),
-);
 
 /// Linear light to linear display light in [0, 1].
 fn agx(light: DVec3) -> DVec3 {
@@ -91,12 +111,6 @@ fn agx(light: DVec3) -> DVec3 {
     display.map(|value| value.powf(2.2))
 }
 
-/// Where middle grey lies on the log2 scale, and the slope there; powers of toe and shoulder.
-const PIVOT: f64 = 10.0 / 16.5;
-const SLOPE: f64 = 2.0;
-const TOE: f64 = 3.0;
-const SHOULDER: f64 = 3.25;
-
 /// From (0, 0) through (PIVOT, ½) with slope SLOPE to (1, 1):
 /// ½ + s·d·(1 + k·|d|^p)^(−1/p), d = x − PIVOT, where k makes the curve meet its corner.
 fn sigmoid(x: f64) -> f64 {
@@ -106,9 +120,14 @@ fn sigmoid(x: f64) -> f64 {
     } else {
         (1.0 - PIVOT, SHOULDER)
     };
-    let k = ((SLOPE * reach / 0.5).powf(power) - 1.0) / reach.powf(power);
+    let k = bend(reach, power);
     let value = 0.5 + SLOPE * offset * (1.0 + k * offset.abs().powf(power)).powf(-1.0 / power);
     value.clamp(0.0, 1.0)
+}
+
+/// `k` of [`sigmoid`], with this much room between the pivot and the corner.
+fn bend(reach: f64, power: f64) -> f64 {
+    ((SLOPE * reach / 0.5).powf(power) - 1.0) / reach.powf(power)
 }
 
 /// Linear display light to its sRGB encoding (IEC 61966-2-1).

@@ -28,15 +28,29 @@ const DISTANCE_HISTORY_BYTES: u64 = 8;
 /// Radiance and distance of one ray (f32).
 const RAY_BYTES: u64 = 16;
 /// Updates so far, the mean luminance, unrest, and flags.
-const STATE_BYTES: u64 = 16;
-/// Six means by which changes are told from noise, and what they have in common.
-const TREND_BYTES: u64 = 7 * 16;
+pub const STATE_BYTES: u64 = 16;
+/// Means by which changes are told from noise, and what they have in common.
+const TREND_BYTES: u64 = TREND_VECTORS * 16;
 /// Where it stands, and whether it gives light.
-const PLACE_BYTES: u64 = 16;
+pub const PLACE_BYTES: u64 = 16;
 /// Irradiance along six axes (f16), and whether there is any.
-const CUBE_BYTES: u64 = 3 * 16;
+const CUBE_BYTES: u64 = CUBE_VECTORS * 16;
 /// The list of the due and who asked when, twice (pass `surface_cache/trace` has its own), and how far it has walked.
 const PLAN_BYTES: u64 = 2 * 3 * 4 + 8;
+
+crate::shared! {
+    in probes;
+
+    /// Means that are watched for change: RGB, and direction times luminance.
+    const TREND_MEANS: u64 = 6;
+
+    /// Vectors of a probe's trends: of each mean, and of its pulse.
+    const TREND_VECTORS: u64 = TREND_MEANS + 1;
+
+    /// Vectors of a packed cube, one for each axis: three halves low, three halves high, and a word that is 1.0
+    /// when the probe gives light at all.
+    const CUBE_VECTORS: u64 = 3;
+}
 
 /// What a probe field takes on the GPU, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,13 @@
 
 use glam::{IVec3, Vec3};
 
-/// Edits that are told apart; more are taken together.
-pub const EDITS: usize = 8;
+crate::shared! {
+    in probes;
+
+    /// Edits that are told apart; more are taken together.
+    pub const EDITS: usize = 8;
+}
+
 /// Share of an alert that is left after a frame: bounces take their time, and sleeping probes look
 /// every tenth frame only.
 const ALERT_KEPT: f32 = 0.95;

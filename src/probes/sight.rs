@@ -9,7 +9,17 @@ use crate::parameters::{ProbeParameters, Relocation, Visibility};
 /// memory that devices have.
 const MOST_COUNT: u32 = 42;
 /// Voxels of a word: see [`SightBox`].
-const BRICK: UVec3 = UVec3::new(4, 4, 2);
+const BRICK: UVec3 = UVec3::new(1 << BRICK_LOG2[0], 1 << BRICK_LOG2[1], 1 << BRICK_LOG2[2]);
+
+crate::shared! {
+    in probes;
+
+    /// log2 of the voxels along a brick, whose bits are one word.
+    const BRICK_LOG2: [u32; 3] = [2, 2, 1];
+
+    /// Rows of the largest box with a border of one voxel, of two words each.
+    use 2 * (MOST_COUNT + 2) * (MOST_COUNT + 2) => MOST_STONE: u32;
+}
 
 /// The box of voxels around a lattice point that its cages reach, for the probes of one level. A probe has
 /// one bit for each of them, set where the voxel is air beside stone and its centre sees the probe. A

@@ -11,9 +11,10 @@ use std::path::{Path, PathBuf};
 
 use imports::Import;
 
-/// Top-level module → what it may import besides itself and `parameters`, which is a leaf for all.
-const MAY_IMPORT: [(&str, &[&str]); 12] = [
+/// Top-level module → what it may import besides itself and these leaves.
+const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ("parameters", &[]),
+    ("shared", &[]),
     ("measure", &[]),
     ("gpu", &[]),
     ("world", &[]),
@@ -55,6 +56,9 @@ const MAY_IMPORT: [(&str, &[&str]); 12] = [
     // src/main.rs: arguments → a command.
     ("main", &["commands"]),
 ];
+
+/// What everyone may import.
+const LEAVES: [&str; 2] = ["parameters", "shared"];
 
 /// Tests of a module may judge it with these, whatever the module itself may import. The judge's
 /// own tests get nothing more: it never sees what it judges.
@@ -148,7 +152,8 @@ fn objection(from: &[String], import: &Import, passes: &BTreeSet<String>) -> Opt
             ));
         };
         let for_tests = import.in_tests && TESTS_MAY_IMPORT.contains(&target.as_str());
-        let fine = target == "parameters" || allowed.contains(&target.as_str()) || for_tests;
+        let fine =
+            LEAVES.contains(&target.as_str()) || allowed.contains(&target.as_str()) || for_tests;
         return (!fine).then(|| format!("`{own}` may not import `{target}`"));
     }
     // Within passes/: subjects do not know each other, nor does one pass another.

@@ -81,15 +81,19 @@ impl RayKind {
     }
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Default, Pod, Zeroable)]
-struct GpuRayBench {
-    target_gs: [f32; 3],
-    rays_per_probe: u32,
-    probe_rays: u32,
-    shadow_rays: u32,
-    towards_lamp: u32,
-    _pad: u32,
+crate::shared! {
+    in bench;
+
+    /// The rays of a kernel.
+    struct GpuRayBench as RayBench {
+        /// Where shadow rays go: towards a point in grid space (towards_lamp 1), or along a direction.
+        target_gs: [f32; 3],
+        rays_per_probe: u32,
+        probe_rays: u32,
+        shadow_rays: u32,
+        towards_lamp: u32,
+        _pad: u32,
+    }
 }
 
 /// Where shadow rays go.

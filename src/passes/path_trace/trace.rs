@@ -1,29 +1,38 @@
 //! Pass `path_trace/trace`: an unbiased picture of the world, sample by sample. Knows no probes.
 
-use bytemuck::{Pod, Zeroable};
-
 use super::Slice;
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
     measure::picture::Picture,
 };
 
-/// `TraceJob` of `shaders/path_trace/trace.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuTraceJob {
-    pub first_tile: u32,
-    pub end_tile: u32,
-    pub tiles_across: u32,
-    pub tiles: u32,
-    pub first_sample: u32,
-    pub end_sample: u32,
-    pub scatter_bits: u32,
-    pub antialias: u32,
+crate::shared! {
+    in path_trace;
+
+    /// What a dispatch is to do.
+    pub struct GpuTraceJob as TraceJob {
+        /// Tiles of this dispatch, in the order of `tile_of`.
+        pub first_tile: u32,
+        pub end_tile: u32,
+        /// Tiles along a row of the picture, and in all.
+        pub tiles_across: u32,
+        pub tiles: u32,
+        /// Samples of this dispatch.
+        pub first_sample: u32,
+        pub end_sample: u32,
+        /// log2 of the places that scattered tiles are counted in; 0: they are counted row by row.
+        pub scatter_bits: u32,
+        /// 1: samples spread over the pixel; 0: all of them look through its centre.
+        pub antialias: u32,
+    }
 }
 
-/// Edge of a tile in pixels.
-const TILE: u32 = 8;
+crate::shared! {
+    in path_trace;
+
+    /// Edge of a tile in pixels, and of a workgroup in threads.
+    const TILE: u32 = 8;
+}
 
 /// The kernels, and what they add up.
 pub struct PathTrace {

@@ -1,7 +1,5 @@
 //! What pass `probes/blend` is told of changes.
 
-use bytemuck::{Pod, Zeroable};
-
 use crate::{
     parameters::ProbeParameters,
     probes::changes::{Changes, EDITS},
@@ -10,27 +8,31 @@ use crate::{
 /// Share of its unrest that a probe keeps per update after a change: late bounces come in while it fades.
 const UNREST_KEPT: f32 = 0.9;
 
-/// `Changes` of `shaders/probes/changes.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuChanges {
-    pub alert: f32,
-    pub deviations: f32,
-    pub unrest_kept: f32,
-    pub frame: u32,
-    pub edit_count: u32,
-    pub _pad: [u32; 3],
-    pub edits: [GpuEditSphere; EDITS],
-}
+crate::shared! {
+    in probes;
 
-/// `EditSphere` of `shaders/probes/changes.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuEditSphere {
-    pub centre_ws: [f32; 3],
-    pub radius: f32,
-    pub frame: u32,
-    pub _pad: [u32; 3],
+    /// What changes in the world, and what probes make of it.
+    pub struct GpuChanges as Changes {
+        /// How sure it is that light changes now: 0 to 1.
+        pub alert: f32,
+        /// Standard deviations of a probe's own noise beyond which its light counts as changed.
+        pub deviations: f32,
+        /// Share of its unrest that a probe keeps per update.
+        pub unrest_kept: f32,
+        pub frame: u32,
+        pub edit_count: u32,
+        pub _pad: [u32; 3],
+        pub edits: [GpuEditSphere; EDITS],
+    }
+
+    /// Where voxels have changed.
+    pub struct GpuEditSphere as EditSphere {
+        pub centre_ws: [f32; 3],
+        pub radius: f32,
+        /// Number of the first frame that saw it.
+        pub frame: u32,
+        pub _pad: [u32; 3],
+    }
 }
 
 impl GpuChanges {

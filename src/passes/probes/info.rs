@@ -1,38 +1,48 @@
 //! What every pass knows of the probe field.
 
-use bytemuck::{Pod, Zeroable};
-
 use super::{GpuProbeLevel, ProbeField, level::LEVELS};
 use crate::{
     parameters::{ProbeParameters, Relocation},
     probes::{Layout as _, MOVE_REACH, Sight},
 };
 
-/// `ProbeInfo` of `shaders/probes/field.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuProbeInfo {
-    pub levels: [GpuProbeLevel; LEVELS],
-    pub counts: [u32; 3],
-    pub slots: u32,
-    pub level_count: u32,
-    pub level_slots: u32,
-    pub rays: u32,
-    pub columns_log2: u32,
-    pub rows_log2: u32,
-    pub irradiance_texels: f32,
-    pub irradiance_scale: [f32; 2],
-    pub distance_scale: [f32; 2],
-    pub distance_texels: f32,
-    pub normal_bias: f32,
-    pub hysteresis: f32,
-    pub warmup_frames: u32,
-    pub firefly_clamp: f32,
-    pub move_reach: f32,
-    pub lattice_slots: u32,
-    pub sight_lattice_words: u32,
-    pub twin_share: f32,
-    pub pad: u32,
+crate::shared! {
+    in probes;
+
+    /// What every pass knows of the probe field.
+    pub struct GpuProbeInfo as ProbeInfo {
+        /// The finest first.
+        pub levels: [GpuProbeLevel; LEVELS],
+        /// Probes of each level along each axis.
+        pub counts: [u32; 3],
+        pub slots: u32,
+        pub level_count: u32,
+        /// Probes of each level.
+        pub level_slots: u32,
+        pub rays: u32,
+        /// log2 of the tiles in a row of the atlas, and of the rows in a layer.
+        pub columns_log2: u32,
+        pub rows_log2: u32,
+        /// Texels along a map, without its border.
+        pub irradiance_texels: f32,
+        /// 1 / width and height of the atlas textures in texels.
+        pub irradiance_scale: [f32; 2],
+        pub distance_scale: [f32; 2],
+        pub distance_texels: f32,
+        pub normal_bias: f32,
+        pub hysteresis: f32,
+        pub warmup_frames: u32,
+        pub firefly_clamp: f32,
+        /// Farthest along an axis that a probe in stone moves, in spacings; 0: probes keep to the lattice.
+        pub move_reach: f32,
+        /// Slots of all levels; the twin of slot s is s + lattice_slots.
+        pub lattice_slots: u32,
+        /// Words of `probe_sight` before those of the twins.
+        pub sight_lattice_words: u32,
+        /// Share of the surfaces in its cages that a probe must miss to get a twin; 1: none gets one.
+        pub twin_share: f32,
+        pub _pad: u32,
+    }
 }
 
 /// Share of history that an update keeps when no lamp and no voxel has changed for long: more noise is averaged away.
@@ -80,7 +90,7 @@ impl GpuProbeInfo {
                 Some(sight) if sight.twins() => parameters.twin_share,
                 _ => 1.0,
             },
-            pad: 0,
+            ..Self::default()
         }
     }
 }

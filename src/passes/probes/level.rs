@@ -1,42 +1,56 @@
 //! A level of the probe field as shaders read it.
 
-use bytemuck::{Pod, Zeroable};
-
 use super::source;
 use crate::{
     parameters::ProbeParameters,
     probes::{Level, Motion, Sight, Volume, volume::MAX_LEVELS},
 };
 
-/// Room for the levels of a volume.
-pub const LEVELS: usize = MAX_LEVELS as usize;
+crate::shared! {
+    in probes;
 
-/// `ProbeLevel` of `shaders/probes/field.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuProbeLevel {
-    pub first_ws: [f32; 3],
-    pub first_slot: u32,
-    pub spacing: [f32; 3],
-    pub longest: f32,
-    pub inverse_spacing: [f32; 3],
-    pub fade: f32,
-    pub middle_ws: [f32; 3],
-    pub age: u32,
-    pub reach: [f32; 3],
-    pub sight_first_word: u32,
-    pub anchor_ws: [f32; 3],
-    pub sight_words: u32,
-    pub base: [i32; 3],
-    pub sight_row: u32,
-    pub wrap: [u32; 3],
-    pub sight_layer: u32,
-    pub base_before: [i32; 3],
-    pub _pad4: u32,
-    pub inwards_ws: [f32; 3],
-    pub _pad5: u32,
-    pub sight_counts: [u32; 3],
-    pub _pad6: u32,
+    /// Room for the levels of a volume.
+    pub const LEVELS: usize = MAX_LEVELS as usize;
+
+    /// A window of probes on an endless lattice (src/probes/level.rs). Each level has twice the spacing of
+    /// the one before it.
+    pub struct GpuProbeLevel as ProbeLevel {
+        /// World-space position of the window's lowest corner.
+        pub first_ws: [f32; 3],
+        pub first_slot: u32,
+        /// Between lattice points (voxels).
+        pub spacing: [f32; 3],
+        /// Distances are stored in units of this (voxels).
+        pub longest: f32,
+        pub inverse_spacing: [f32; 3],
+        /// Cells over which the next level takes over.
+        pub fade: f32,
+        /// World-space middle of what the level lights, and from there to its end in cells.
+        pub middle_ws: [f32; 3],
+        /// Frames since most of the level was new.
+        pub age: u32,
+        pub reach: [f32; 3],
+        /// First word of `probe_sight` that is the level's, and words of each of its probes.
+        pub sight_first_word: u32,
+        /// World-space position of lattice point (0, 0, 0).
+        pub anchor_ws: [f32; 3],
+        pub sight_words: u32,
+        /// Lattice point at the window's lowest corner, and that modulo the counts.
+        pub base: [i32; 3],
+        /// Words of a probe's sight in a row of bricks along x, and in a layer of rows.
+        pub sight_row: u32,
+        pub wrap: [u32; 3],
+        pub sight_layer: u32,
+        /// The same corner in the frame before.
+        pub base_before: [i32; 3],
+        pub _pad4: u32,
+        /// Where there is a choice, probes in stone move towards this point.
+        pub inwards_ws: [f32; 3],
+        pub _pad5: u32,
+        /// Voxels of the box that a probe's sight covers.
+        pub sight_counts: [u32; 3],
+        pub _pad6: u32,
+    }
 }
 
 /// Longest distance that a probe keeps, in diagonals of its cage.

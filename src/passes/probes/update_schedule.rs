@@ -1,31 +1,42 @@
 //! When probes are updated and who asks for them: what passes `probes/schedule`, `probes/classify`,
 //! `probes/trace` and `probes/blend` share.
 
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use super::state::{GpuProbeState, ProbeClass};
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
     parameters::{ProbeParameters, ProbeStates},
     probes::Changes,
 };
 
-/// `UpdateSchedule` of `shaders/probes/update_schedule.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuUpdateSchedule {
-    pub changed_low_gs: [f32; 3],
-    pub frame: u32,
-    pub changed_high_gs: [f32; 3],
-    pub states: u32,
-    pub alive_frames: u32,
-    pub fed_interval: u32,
-    pub asleep_interval: u32,
-    pub rays_rows: u32,
-    pub probe_rows: u32,
-    pub restless: f32,
-    pub still_interval: u32,
-    pub padding: u32,
+crate::shared! {
+    in probes;
+
+    /// When each probe is updated, and who asks for it.
+    pub struct GpuUpdateSchedule as UpdateSchedule {
+        /// Box of voxels that changed since pass `probes/classify` last ran (grid space).
+        pub changed_low_gs: [f32; 3],
+        /// Frames since the probes were made.
+        pub frame: u32,
+        pub changed_high_gs: [f32; 3],
+        /// One of the STATES_ constants.
+        pub states: u32,
+        /// Frames that a probe stays as it is asked for after it was last asked for.
+        pub alive_frames: u32,
+        /// Frames from update to update of a probe that only the rays of other probes ask for.
+        pub fed_interval: u32,
+        /// Of a probe that nobody asks for.
+        pub asleep_interval: u32,
+        /// Rows of workgroups of pass `probes/trace`, and of those with a workgroup a probe.
+        pub rays_rows: u32,
+        pub probe_rows: u32,
+        /// Unrest from which a probe is updated in every frame, whoever asks.
+        pub restless: f32,
+        /// Frames from update to update of a probe that is asked for and whose light is still.
+        pub still_interval: u32,
+        pub _pad: u32,
+    }
 }
 
 /// How many probes are in each state, as pass `probes/schedule` last judged them: those of the lattice and their twins.
@@ -56,10 +67,41 @@ const FED_INTERVAL: u32 = 4;
 const ASLEEP_INTERVAL: u32 = 10;
 /// By how much the times between other updates grow when no lamp and no voxel has changed for long.
 const STILL_INTERVAL: u32 = 2;
-/// Threads of a workgroup of pass `probes/trace`.
-const RAY_GROUP: u32 = 64;
-/// Words in front of the list, as `LIST` of `shaders/probes/update_schedule.wesl`.
-const LIST: u64 = 4;
+
+crate::shared! {
+    in probes;
+
+    /// Threads of a workgroup of pass `probes/trace`.
+    const RAY_GROUP: u32 = 64;
+
+    /// What `probe_work` begins with: how many probes are due.
+    struct GpuWorkHead as WorkHead {
+        due: u32,
+        _pad: [u32; 3],
+    }
+
+    /// Workgroups that the due probes take.
+    pub(super) struct GpuProbeDispatch as ProbeDispatch {
+        /// Of pass `probes/trace`.
+        pub(super) ray_groups: [u32; 3],
+        /// Counts while the list grows.
+        pub(super) due: u32 => "atomic<u32>",
+        /// Of passes with one for each probe.
+        pub(super) probe_groups: [u32; 3],
+        pub(super) _pad: u32,
+    }
+
+    /// In the list: the rays of the probe ask for others.
+    const ASKING: u32 = 1 << 31;
+
+    /// Probes outside of stone are updated in every frame.
+    const STATES_OFF: u32 = 0;
+
+    /// Those that nobody asks for sleep.
+    const STATES_ON: u32 = 1;
+}
+
+const HEAD_BYTES: u64 = size_of::<GpuWorkHead>() as u64;
 /// Alerts above this are of a lamp that is switched, or of an edit, and not of one that wanders.
 const SUDDEN: f32 = 0.5;
 /// Farther than any world reaches (voxels).
@@ -88,9 +130,9 @@ impl UpdateSchedule {
             probe_rows: rectangle(slots)[1],
             changed: Some((Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE))),
             uniform: gpu.uniform_buffer("probe_plan", &GpuUpdateSchedule::default()),
-            work: gpu.storage_buffer("probe_work", (LIST + 3 * all) * 4)?,
-            face_requests: gpu.storage_buffer("face_requests", (LIST + 3 * all) * 4)?,
-            dispatch: gpu.storage_buffer("probe_dispatch", 48)?,
+            work: gpu.storage_buffer("probe_work", HEAD_BYTES + 3 * all * 4)?,
+            face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + 3 * all * 4)?,
+            dispatch: gpu.storage_buffer("probe_dispatch", size_of::<GpuProbeDispatch>() as u64)?,
         })
     }
 
@@ -110,8 +152,8 @@ impl UpdateSchedule {
             frame: frame as u32,
             changed_high_gs: high.to_array(),
             states: match parameters.states {
-                ProbeStates::Off => 0,
-                ProbeStates::On => 1,
+                ProbeStates::Off => STATES_OFF,
+                ProbeStates::On => STATES_ON,
             },
             alive_frames: parameters.alive_frames,
             // Where light changes at once, what feeds the picture is wanted at once.
@@ -125,16 +167,15 @@ impl UpdateSchedule {
             probe_rows: self.probe_rows,
             restless: parameters.restless,
             still_interval,
-            padding: 0,
+            ..Default::default()
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&plan));
         if frame == 0 {
             // The probes begin anew, and nobody has asked for them yet.
-            let none = vec![0u32; LIST as usize + 3 * self.slots as usize];
+            let none = vec![0; self.work.size() as usize];
             for requests in [&self.work, &self.face_requests] {
-                gpu.queue
-                    .write_buffer(requests, 0, bytemuck::cast_slice(&none));
+                gpu.queue.write_buffer(requests, 0, &none);
             }
         }
     }
@@ -177,10 +218,14 @@ impl UpdateSchedule {
 
     /// Slots of the probes that were due, in no particular order.
     pub fn due(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        let words: Vec<u32> = gpu.read_buffer(&self.work)?;
-        let list = words[LIST as usize..].iter().take(words[0] as usize);
-        // The highest bit says whether its rays ask.
-        Ok(list.map(|word| word & (u32::MAX >> 1)).collect())
+        let due = self.head(gpu)?.due as usize;
+        let list: Vec<u32> =
+            gpu.read_buffer_range(&self.work, HEAD_BYTES, u64::from(self.slots) * 4)?;
+        Ok(list[..due].iter().map(|word| word & !ASKING).collect())
+    }
+
+    fn head(&self, gpu: &Gpu) -> Result<GpuWorkHead, GpuError> {
+        Ok(gpu.read_buffer_range(&self.work, 0, HEAD_BYTES)?[0])
     }
 
     /// Of the probes with these `probe_states`.
@@ -190,23 +235,20 @@ impl UpdateSchedule {
         states: &wgpu::Buffer,
         lattice: u32,
     ) -> Result<StateCounts, GpuError> {
-        let due: Vec<u32> = gpu.read_buffer_range(&self.work, 0, 4)?;
         let mut counts = StateCounts {
-            due: due[0],
+            due: self.head(gpu)?.due,
             ..Default::default()
         };
-        let states: Vec<[u32; 4]> = gpu.read_buffer(states)?;
-        for (slot, [.., flags]) in (0..self.slots).zip(&states) {
-            // As `CLASS_BITS` and the classes of `shaders/probes/update_schedule.wesl`.
-            let class = flags & 3;
+        let states: Vec<GpuProbeState> = gpu.read_buffer(states)?;
+        for (slot, state) in (0..self.slots).zip(&states) {
             let is_twin = slot >= lattice;
-            match class {
-                0 | 1 => counts.alive += 1,
-                2 => counts.sleeping += 1,
+            match state.class() {
+                ProbeClass::Alive | ProbeClass::Fed => counts.alive += 1,
+                ProbeClass::Asleep => counts.sleeping += 1,
                 // A slot that no twin has taken is no probe.
-                _ => counts.dead += u32::from(!is_twin),
+                ProbeClass::Dead => counts.dead += u32::from(!is_twin),
             }
-            counts.twins += u32::from(is_twin && class != 3);
+            counts.twins += u32::from(is_twin && state.class() != ProbeClass::Dead);
         }
         Ok(counts)
     }

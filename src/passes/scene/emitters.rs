@@ -2,11 +2,11 @@
 
 use crate::{
     gpu::{Gpu, GpuError},
-    lights::Emitters,
+    lights::{Emitters, emitters::FACINGS},
 };
 
 /// Ways that faces look, and materials that may shine.
-const MOST_GROUPS: usize = 6 * 255;
+const MOST_GROUPS: usize = FACINGS * 255;
 /// Faces for which there is room beyond those that there are, and one more for so many of these.
 const SPARE_FACES: usize = 1024;
 const SPARE_SHARE: usize = 4;

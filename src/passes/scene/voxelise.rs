@@ -10,7 +10,6 @@
 
 use std::time::{Duration, Instant};
 
-use bytemuck::{Pod, Zeroable};
 use glam::UVec3;
 
 use super::GpuVoxels;
@@ -22,36 +21,46 @@ use crate::world::noise::NoiseBank;
 use crate::world::sdf::shape_module;
 use crate::world::voxels::{CELL, grid_cells};
 
-/// `Job` of `shaders/scene/voxelise_job.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuVoxeliseJob {
-    pub size: [u32; 3],
-    pub first: u32,
-    pub cells: [u32; 3],
-    pub end: u32,
-    pub rows_at: u32,
-    pub parts_at: u32,
-    pub part_count: u32,
-    pub all_stone: u32,
-    pub entry_count: u32,
-    /// A uniform struct's size is a multiple of 16 bytes.
-    pub padding: [u32; 3],
+crate::shared! {
+    in scene;
+
+    /// What the kernels are told.
+    pub struct GpuVoxeliseJob as Job {
+        /// Extent of the world in voxels.
+        pub size: [u32; 3],
+        /// First item of this dispatch: a thread's or a workgroup's, by entry point.
+        pub first: u32,
+        /// Extent in cells that the world touches.
+        pub cells: [u32; 3],
+        /// One past the last item.
+        pub end: u32,
+        /// Where in `features` the rows and the parts begin (words); 0 parts when there are none.
+        pub rows_at: u32,
+        pub parts_at: u32,
+        pub part_count: u32,
+        /// `fill`: entries are cells of stone throughout, not indices of stone records.
+        pub all_stone: u32,
+        /// Entries of `fill`, for `place`.
+        pub entry_count: u32,
+        pub _pad: [u32; 3],
+    }
+
+    /// What they count.
+    pub struct GpuVoxeliseCounters as Counters {
+        pub candidates: u32 => "atomic<u32>",
+        /// Entries of `fill` among the candidates.
+        pub mixed: u32 => "atomic<u32>",
+        pub exposed: u32 => "atomic<u32>",
+        /// Entries of `fill` among the exposed.
+        pub varied: u32 => "atomic<u32>",
+        pub bricks: u32 => "atomic<u32>",
+    }
+
+    /// Words of a stone record: its cell and sixteen words of its mask.
+    const RECORD_WORDS: u32 = 17;
 }
 
-/// `Counters` of `shaders/scene/voxelise_job.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuVoxeliseCounters {
-    pub candidates: u32,
-    pub mixed: u32,
-    pub exposed: u32,
-    pub varied: u32,
-    pub bricks: u32,
-}
-
-/// Bytes of a stone record: its cell and sixteen mask words.
-const RECORD_BYTES: u64 = 17 * 4;
+const RECORD_BYTES: u64 = 4 * RECORD_WORDS as u64;
 
 /// Bytes of an entry of `fill`.
 const ENTRY_BYTES: u64 = 8;

@@ -1,6 +1,5 @@
 //! The world on the GPU: what every pass may bind by name.
 
-use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, UVec3};
 
 use crate::{
@@ -8,14 +7,19 @@ use crate::{
     world::voxels::{Brick, CELL, Edit, Voxels, grid_cells},
 };
 
-/// `GridInfo` of `shaders/scene/voxels.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuGridInfo {
-    pub origin_ws: [f32; 3],
-    pub shift_y: u32,
-    pub extent: [u32; 3],
-    pub shift_z: u32,
+crate::shared! {
+    in scene;
+
+    /// The extent of the grid, and where it lies.
+    pub struct GpuGridInfo as GridInfo {
+        /// World-space coordinates of the grid's corner.
+        pub origin_ws: [f32; 3],
+        /// log2 of the grid's extent in cells along x, and along x and y together: the shifts of an index.
+        pub shift_y: u32,
+        /// Extent in voxels, each a power of two: what lies beyond the world's size is air.
+        pub extent: [u32; 3],
+        pub shift_z: u32,
+    }
 }
 
 impl GpuGridInfo {
@@ -53,8 +57,8 @@ pub struct GpuVoxels {
 }
 
 /// Bytes of a brick's masks and of its materials.
-pub const MASK_BYTES: u64 = 64;
-pub const MATERIAL_BYTES: u64 = 512;
+pub const MASK_BYTES: u64 = size_of::<[u32; 16]>() as u64;
+pub const MATERIAL_BYTES: u64 = size_of::<Brick>() as u64;
 
 impl GpuVoxels {
     /// Uploads the CPU's copy.

@@ -1,10 +1,13 @@
 //! Pass `surface_cache/allocate`: which faces the camera sees or rays have asked for, and how many workgroups it takes to light them.
 
-use super::SurfaceCache;
+use super::{
+    SurfaceCache,
+    shared::{ASKED_A_GROUP, ASKED_ROOM},
+};
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 /// Workgroups for all faces that rays may have asked for.
-const ASKED_GROUPS: u32 = SurfaceCache::ASKED_ROOM / 64;
+const ASKED_GROUPS: u32 = ASKED_ROOM / ASKED_A_GROUP;
 
 pub struct SurfaceAllocate {
     mark: (Kernel, Bindings),

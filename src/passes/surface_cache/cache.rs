@@ -1,55 +1,37 @@
 //! Faces of voxels that have light of their own: what passes `surface_cache/allocate`, `surface_cache/trace`, `surface_cache/resolve` and `view/shade`
 //! share.
 
-use bytemuck::{Pod, Zeroable};
+use std::mem::offset_of;
+
 use glam::Vec3;
 
+use super::shared::{
+    ASKED_ROOM, ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuAskedFace, GpuFaceBatch, GpuFaceCounts,
+    GpuFaceDispatch, GpuFaceHistory, GpuListedFace, GpuSurfaceCacheInfo, RAYS_A_GROUP,
+};
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
+    lights::emitters::FACINGS,
     parameters::{FinalGather, ProbeParameters},
     probes::Changes,
 };
 
-/// `FaceInfo` of `shaders/surface_cache/table.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuSurfaceCacheInfo {
-    pub edited_low_gs: [f32; 3],
-    pub frame: u32,
-    pub edited_high_gs: [f32; 3],
-    pub edited_frame: u32,
-    pub bucket_mask: u32,
-    pub most_batches: u32,
-    pub rays_rows: u32,
-    pub blend_rows: u32,
-    pub most_samples: f32,
-    pub widest_pixel: f32,
-    pub seed: u32,
-    pub alert: f32,
-    pub stillness: f32,
-    pub near: f32,
-    pub changed_frame: u32,
-    pub padding: u32,
-}
-
+const LISTED_BYTES: u64 = size_of::<GpuListedFace>() as u64;
+const BATCH_BYTES: u64 = size_of::<GpuFaceBatch>() as u64;
+const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
+/// A count, and then the faces.
+const ASKED_LIST_BYTES: u64 = 4 + (ASKED_ROOM as usize * size_of::<GpuAskedFace>()) as u64;
 /// Faces that look the same way and have a place in the table.
 const BUCKETS: u32 = 1 << 16;
-/// Ways that faces look.
-const FACINGS: u32 = 6;
 /// Batches of rays that faces can send in a frame.
 const MOST_BATCHES: u32 = 1 << 17;
-/// `FACE_RAYS` of the same, and bytes of each.
-const FACE_RAYS: u32 = 32;
+/// Of what a ray brings.
 const RAY_BYTES: u64 = 8;
 /// Pixels of the picture for each batch of a frame, where that gives more than the least: in software, where each ray
 /// is waited for, a small picture is not to cost as much as a large one.
 const PIXELS_A_BATCH: u32 = 8;
 const LEAST_BATCHES: u32 = 1 << 15;
 const LEAST_IN_SOFTWARE: u32 = 1 << 12;
-/// Threads of a workgroup of pass `surface_cache/trace`.
-const RAYS_A_GROUP: u32 = 64;
-/// Faces of a workgroup of pass `surface_cache/resolve`.
-const FACES_A_GROUP: u32 = 16;
 /// Frames that probes take to settle after their warm-up.
 const SETTLING_FRAMES: u32 = 24;
 /// Rays that a quarter's light is the mean of until then, and while light changes: at full alert this many,
@@ -94,21 +76,12 @@ pub struct SurfaceCache {
 }
 
 impl SurfaceCache {
-    /// Bytes of `FaceBatch` of the same.
-    pub const BATCH_BYTES: u64 = 16;
-    /// Bytes of `ListedFace` of the same.
-    pub const LISTED_BYTES: u64 = 24;
-    /// Bytes of `FaceHistory` of `shaders/surface_cache/lists.wesl`.
-    pub const HISTORY_BYTES: u64 = 144;
-    /// Bytes of the `ENTRY_WORDS` of `shaders/surface_cache/table.wesl`.
-    pub const ENTRY_BYTES: u64 = 48;
-    /// `ASKED_ROOM` of the same, and bytes of its `AskedList`.
-    pub const ASKED_ROOM: u32 = 4096;
-    pub const ASKED_LIST_BYTES: u64 = 4 + 8 * Self::ASKED_ROOM as u64;
+    /// Bytes of an entry of the table.
+    pub const ENTRY_BYTES: u64 = 4 * ENTRY_WORDS as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/trace`.
-    pub const RAYS_OFFSET: u64 = 0;
+    pub const RAYS_OFFSET: u64 = offset_of!(GpuFaceDispatch, ray_groups) as u64;
     /// Byte in [`Self::dispatch`] of those of pass `surface_cache/resolve`.
-    pub const BLEND_OFFSET: u64 = 16;
+    pub const BLEND_OFFSET: u64 = offset_of!(GpuFaceDispatch, resolve_groups) as u64;
 
     /// An empty table; where there is no final gather, one that takes next to no memory.
     ///
@@ -116,13 +89,13 @@ impl SurfaceCache {
     /// [`GpuError`] when the adapter cannot hold it.
     pub fn new(gpu: &Gpu, parameters: &ProbeParameters) -> Result<Self, GpuError> {
         let is_used = parameters.effective().final_gather == FinalGather::On;
-        let entries = FACINGS * if is_used { BUCKETS } else { 1 };
+        let entries = FACINGS as u32 * if is_used { BUCKETS } else { 1 };
         let all = u64::from(entries);
         let most_batches = entries.min(MOST_BATCHES);
         let batches = u64::from(most_batches);
-        let bytes = all * (Self::ENTRY_BYTES + Self::LISTED_BYTES + Self::HISTORY_BYTES)
-            + batches * (Self::BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
-            + Self::ASKED_LIST_BYTES;
+        let bytes = all * (Self::ENTRY_BYTES + LISTED_BYTES + HISTORY_BYTES)
+            + batches * (BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
+            + ASKED_LIST_BYTES;
         let what = "the faces of the final gather (probes.final_gather)";
         gpu.making(what, bytes, || {
             Ok(Self {
@@ -138,15 +111,16 @@ impl SurfaceCache {
                 edited: None,
                 info: gpu.uniform_buffer("face_info", &GpuSurfaceCacheInfo::default()),
                 table: gpu.storage_buffer("face_table", all * Self::ENTRY_BYTES)?,
-                counts: gpu.storage_buffer("face_counts", 16)?,
+                counts: gpu.storage_buffer("face_counts", size_of::<GpuFaceCounts>() as u64)?,
                 // Lists begin with a count.
-                list: gpu.storage_buffer("face_list", (1 + all) * Self::LISTED_BYTES)?,
-                batches: gpu.storage_buffer("face_batches", (1 + batches) * Self::BATCH_BYTES)?,
+                list: gpu.storage_buffer("face_list", (1 + all) * LISTED_BYTES)?,
+                batches: gpu.storage_buffer("face_batches", (1 + batches) * BATCH_BYTES)?,
                 rays: gpu
                     .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
-                asked: gpu.storage_buffer("asked_faces", Self::ASKED_LIST_BYTES)?,
-                histories: gpu.storage_buffer("face_histories", all * Self::HISTORY_BYTES)?,
-                dispatch: gpu.storage_buffer("face_dispatch", 32)?,
+                asked: gpu.storage_buffer("asked_faces", ASKED_LIST_BYTES)?,
+                histories: gpu.storage_buffer("face_histories", all * HISTORY_BYTES)?,
+                dispatch: gpu
+                    .storage_buffer("face_dispatch", size_of::<GpuFaceDispatch>() as u64)?,
             })
         })
     }
@@ -202,7 +176,7 @@ impl SurfaceCache {
             frame: self.frame,
             edited_high_gs: high.to_array(),
             edited_frame,
-            bucket_mask: self.entries / FACINGS - 1,
+            bucket_mask: self.entries / FACINGS as u32 - 1,
             most_batches: self.batches_of(size),
             rays_rows: self.rays_most(size)[1],
             blend_rows: self.blend_most(size)[1],
@@ -213,12 +187,13 @@ impl SurfaceCache {
             stillness: changes.stillness(),
             near: parameters.near_hits * next.spacing,
             changed_frame,
-            padding: 0,
+            ..Default::default()
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
         // Nothing is on either list.
-        gpu.queue.write_buffer(&self.counts, 0, &[0; 8]);
+        let none = [0; offset_of!(GpuFaceCounts, stretch)];
+        gpu.queue.write_buffer(&self.counts, 0, &none);
     }
 
     /// Most batches of rays in a frame of `size` pixels.
@@ -236,7 +211,7 @@ impl SurfaceCache {
     /// for other faces.
     pub fn blend_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         let seen = width.div_ceil(2) * height.div_ceil(2);
-        let listed = self.entries.min(seen + Self::ASKED_ROOM);
+        let listed = self.entries.min(seen + ASKED_ROOM);
         rectangle(listed.div_ceil(FACES_A_GROUP))
     }
 
@@ -290,8 +265,8 @@ impl SurfaceCache {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn listed(&self, gpu: &Gpu) -> Result<u32, GpuError> {
-        let count: Vec<u32> = gpu.read_buffer_range(&self.counts, 0, 4)?;
-        Ok(count[0])
+        let counts: Vec<GpuFaceCounts> = gpu.read_buffer(&self.counts)?;
+        Ok(counts[0].listed)
     }
 
     /// How many rays faces have sent in the last frame.
@@ -303,7 +278,7 @@ impl SurfaceCache {
         Ok(u64::from(count[0]) * u64::from(FACE_RAYS))
     }
 
-    /// The `FaceHistory` of every entry: [`Self::HISTORY_BYTES`] each.
+    /// The [`GpuFaceHistory`] of every entry.
     pub fn histories(&self) -> &wgpu::Buffer {
         &self.histories
     }

@@ -3,6 +3,8 @@
 pub mod allocate;
 mod cache;
 pub mod resolve;
+mod shared;
 pub mod trace;
 
-pub use cache::{GpuSurfaceCacheInfo, NextFrame, SurfaceCache};
+pub use cache::{NextFrame, SurfaceCache};
+pub use shared::{GpuFaceHistory, GpuFaceQuarter, GpuSurfaceCacheInfo};

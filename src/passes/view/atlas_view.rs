@@ -1,17 +1,19 @@
 //! Pass `view/atlas_view`: one layer of an atlas, flat, in place of the picture.
 
-use bytemuck::{Pod, Zeroable};
-
-use super::{AtlasLayer, AtlasMap};
+use super::AtlasLayer;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 
-/// `AtlasJob` of `shaders/view/atlas_view.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuAtlasJob {
-    pub layer: u32,
-    pub map: u32,
-    pub extent: [u32; 2],
+crate::shared! {
+    in view;
+
+    /// What is shown of an atlas.
+    pub struct GpuAtlasJob as AtlasJob {
+        pub layer: u32,
+        /// One of the MAP_ constants.
+        pub map: u32,
+        /// Width and height of the layer in texels.
+        pub extent: [u32; 2],
+    }
 }
 
 pub struct AtlasView {
@@ -42,10 +44,7 @@ impl AtlasView {
         )?;
         let job = GpuAtlasJob {
             layer: shown.layer,
-            map: match shown.map {
-                AtlasMap::Irradiance => 0,
-                AtlasMap::Distance => 1,
-            },
+            map: shown.map as u32,
             extent,
         };
         let job = gpu.uniform_buffer("atlas_job", &job);

@@ -1,7 +1,5 @@
 //! The uniform of a frame: camera, time, mode.
 
-use bytemuck::{Pod, Zeroable};
-
 use crate::{gpu::Gpu, world::Camera};
 
 /// What the picture shows. The command line's `--view` spells these in kebab case.
@@ -32,6 +30,17 @@ pub enum ViewMode {
     States,
 }
 
+crate::shared! {
+    in frame;
+
+    enum ViewMode as VIEW {
+        Full, Direct, Indirect, Irradiance, Albedo, Normal, Depth, Steps, Cage, TexturesOff, States,
+    }
+
+    /// Voxels over which the view of depth loses half its light.
+    const DEPTH_HALF: f32 = 32.0;
+}
+
 impl ViewMode {
     /// Views of data are not light: no exposure and no tone mapping.
     pub fn is_data(self) -> bool {
@@ -39,31 +48,40 @@ impl ViewMode {
         matches!(self, Albedo | Normal | Depth | Steps | Cage | States)
     }
 
-    /// What the view of depth shows of a surface so many voxels away; `shaders/view/shade.wesl`
-    /// does the same.
+    /// What the view of depth shows of a surface so many voxels away.
     pub fn depth_shown(distance: f32) -> f32 {
-        (-distance / 32.0).exp2()
+        (-distance / DEPTH_HALF).exp2()
     }
 }
 
-/// `View` of `shaders/frame/view.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuView {
-    pub position_ws: [f32; 3],
-    pub width: u32,
-    pub forward_ws: [f32; 3],
-    pub height: u32,
-    pub right_ws: [f32; 3],
-    pub frame: u32,
-    pub up_ws: [f32; 3],
-    pub seed: u32,
-    pub pixel_angle: f32,
-    pub exposure: f32,
-    pub mode: u32,
-    pub time_s: f32,
-    pub textures: u32,
-    pub _pad: [u32; 3],
+crate::shared! {
+    in frame;
+
+    /// What is the same for every thread of a frame.
+    pub struct GpuView as View {
+        /// The ray through the centre of pixel (x, y) is
+        /// forward + right · (2 (x + ½) / width − 1) + up · (1 − 2 (y + ½) / height).
+        pub position_ws: [f32; 3],
+        pub width: u32,
+        pub forward_ws: [f32; 3],
+        pub height: u32,
+        pub right_ws: [f32; 3],
+        /// Frames since the probes were made.
+        pub frame: u32,
+        pub up_ws: [f32; 3],
+        pub seed: u32,
+        /// Angle of a pixel at the picture's centre (radians): the spread of a camera ray's cone.
+        pub pixel_angle: f32,
+        /// 2^EV.
+        pub exposure: f32,
+        /// One of the VIEW_ constants.
+        pub mode: u32,
+        /// World time (seconds).
+        pub time_s: f32,
+        /// 0: faces show the mean of their textures.
+        pub textures: u32,
+        pub _pad: [u32; 3],
+    }
 }
 
 /// What a frame is to show.
@@ -101,7 +119,7 @@ impl View {
             mode: self.mode as u32,
             time_s: self.time_s as f32,
             textures: u32::from(self.textures && self.mode != ViewMode::TexturesOff),
-            _pad: [0; 3],
+            ..Default::default()
         }
     }
 

@@ -27,6 +27,12 @@ pub enum AtlasMap {
     Distance,
 }
 
+crate::shared! {
+    in view;
+    enum ProbeColour as COLOUR { Irradiance, State, Offset, Cascade }
+    enum AtlasMap as MAP { Irradiance, Distance }
+}
+
 /// One layer of an atlas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct AtlasLayer {

@@ -1,19 +1,36 @@
 //! Pass `view/probe_draw`: the probes as spheres in the picture, and lines from where the lattice has them.
 
-use bytemuck::{Pod, Zeroable};
-
 use super::ProbeColour;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
-/// `Drawing` of `shaders/view/probe_draw.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuDrawing {
-    pub colour: u32,
-    pub stage: u32,
-    pub lines: u32,
-    /// A uniform's size is a multiple of 16 bytes.
-    pub _pad: u32,
+crate::shared! {
+    in view;
+
+    /// What a pixel shows of the probes.
+    struct GpuMark as Mark {
+        /// Bits of the distance along the camera ray (voxels): positive floats are in the order of their bits.
+        nearest: u32 => "atomic<u32>",
+        /// Twice the slot of the probe that is there, and 1 more for its line.
+        owner: u32 => "atomic<u32>",
+    }
+
+    /// What is drawn of the probes.
+    pub struct GpuDrawing as Drawing {
+        /// One of the COLOUR_ constants.
+        pub colour: u32,
+        /// One of the STAGE_ constants.
+        pub stage: u32,
+        /// 1: with lines.
+        pub lines: u32,
+        /// A uniform's size is a multiple of 16 bytes.
+        pub unused: u32,
+    }
+
+    /// Splatting finds the nearest distance.
+    const STAGE_NEAREST: u32 = 0;
+
+    /// And then who is that near.
+    const STAGE_OWNER: u32 = 1;
 }
 
 pub struct ProbeDraw {
@@ -28,8 +45,7 @@ pub struct ProbeDraw {
 
 /// Workgroups that share the pixels of a probe.
 const SHARES: u32 = 16;
-/// Nearest distance and its owner.
-const MARK_BYTES: u64 = 8;
+const MARK_BYTES: u64 = size_of::<GpuMark>() as u64;
 
 impl ProbeDraw {
     /// Over `hdr` (`rgba16float`), a picture of what `surfaces` holds. `resources` are those of the voxels
@@ -48,13 +64,13 @@ impl ProbeDraw {
         let size = [hdr.width(), hdr.height()];
         let marks = gpu.storage_buffer("marks", Self::bytes(size))?;
         let hdr = hdr.create_view(&Default::default());
-        let drawings = [0, 1].map(|stage| {
+        let drawings = [STAGE_NEAREST, STAGE_OWNER].map(|stage| {
             let lines = matches!(colour, ProbeColour::State | ProbeColour::Offset);
             let drawing = GpuDrawing {
                 colour: colour as u32,
                 stage,
                 lines: u32::from(lines),
-                _pad: 0,
+                ..Default::default()
             };
             gpu.uniform_buffer("drawing", &drawing)
         });

@@ -9,16 +9,20 @@ use glam::Vec3;
 
 use super::{Colour, MaterialSet};
 
-/// Materials in the table: one for each value of a voxel's byte. Number 0, air, is left black.
-pub const CAPACITY: usize = 256;
+crate::shared! {
+    in world;
 
-/// In `GpuMaterial::texture`: the material has none.
-pub const NO_TEXTURE: u32 = u32::MAX;
+    /// Materials in the table: one for each value of a voxel's byte. Number 0, air, is left black.
+    pub const CAPACITY as MATERIALS: usize = 256;
 
-const KIND_FLAT: u32 = 0;
-const KIND_HASH: u32 = 1;
-const KIND_DITHER_X: u32 = 2;
-const KIND_BANDS: u32 = 3;
+    /// In `GpuMaterial::texture`: the material has none.
+    pub const NO_TEXTURE: u32 = u32::MAX;
+
+    const KIND_FLAT as COLOUR_FLAT: u32 = 0;
+    const KIND_HASH as COLOUR_HASH: u32 = 1;
+    const KIND_DITHER_X as COLOUR_DITHER_X: u32 = 2;
+    const KIND_BANDS as COLOUR_BANDS: u32 = 3;
+}
 
 /// `Material` in `shaders/scene/materials.wesl`.
 #[repr(C)]

@@ -2,7 +2,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::{BRICK_VOXELS, CELL, Cell, SOLID, Voxels, brick_index};
+use super::{BRICK, BRICK_VOXELS, CELL, Cell, Voxels, brick_index};
 
 /// What an edit changed, so that the GPU's copy can follow.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -107,7 +107,7 @@ impl Voxels {
         }
         let mut named = vec![false; self.masks.len()];
         for word in self.grid.iter().filter(|word| **word >> 30 == 2) {
-            let brick = (word & !SOLID) as usize;
+            let brick = (word & BRICK) as usize;
             if std::mem::replace(&mut named[brick], true) {
                 return Err(format!("brick {brick} belongs to two cells"));
             }

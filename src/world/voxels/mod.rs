@@ -27,8 +27,21 @@ pub const BRICK_VOXELS: usize = 512;
 /// Cells that one step of a ray may cross at most.
 pub const FARTHEST: u32 = 8;
 
-const SOLID: u32 = 1 << 31;
-const UNIFORM: u32 = 1 << 30;
+crate::shared! {
+    in world;
+
+    /// In a cell's word: it holds stone.
+    pub const SOLID as CELL_SOLID: u32 = 1 << 31;
+
+    /// In the word of a cell that holds stone: throughout, of the material in its lowest byte.
+    pub const UNIFORM as CELL_UNIFORM: u32 = 1 << 30;
+
+    /// Of the word of any other cell that holds stone: the number of its brick.
+    pub const BRICK as CELL_BRICK: u32 = UNIFORM - 1;
+
+    /// The word of an empty cell with only empty ones around it: three bits for each octant, its distance − 1.
+    pub const ALL_FARTHEST: u32 = (1 << 24) - 1;
+}
 
 /// The materials of one cell, index x | y << 3 | z << 6; 0 is air.
 pub type Brick = [u8; BRICK_VOXELS];
@@ -129,7 +142,7 @@ impl Voxels {
         assert_eq!(grid.len(), cells.element_product() as usize, "grid length");
         let mut used = vec![false; masks.len()];
         for word in grid.iter().filter(|word| **word >> 30 == 2) {
-            used[(word & !SOLID) as usize] = true;
+            used[(word & BRICK) as usize] = true;
         }
         let free = |brick: &u32| !used[*brick as usize];
         let free_bricks = (0..masks.len() as u32).rev().filter(free).collect();
@@ -171,7 +184,7 @@ impl Voxels {
         } else if word & UNIFORM != 0 {
             Cell::Uniform(word as u8)
         } else {
-            Cell::Brick(&self.materials[(word & !SOLID) as usize])
+            Cell::Brick(&self.materials[(word & BRICK) as usize])
         }
     }
 
@@ -202,14 +215,14 @@ impl Voxels {
         let first = content[0];
         if content.iter().all(|material| *material == first) {
             if had_brick {
-                self.free_bricks.push(old & !SOLID);
+                self.free_bricks.push(old & BRICK);
             }
             let solid = SOLID | UNIFORM | u32::from(first);
             self.grid[index] = if first == 0 { 0 } else { solid };
             return None;
         }
         let brick = if had_brick {
-            old & !SOLID
+            old & BRICK
         } else {
             self.free_bricks.pop().unwrap_or_else(|| {
                 self.masks.push([0; 16]);

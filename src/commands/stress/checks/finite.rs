@@ -6,7 +6,10 @@ use super::super::play::Play;
 use crate::{
     commands::Failure,
     measure::picture::Picture,
-    passes::{probes::ProbeField, surface_cache::SurfaceCache},
+    passes::{
+        probes::ProbeField,
+        surface_cache::{GpuFaceHistory, GpuFaceQuarter},
+    },
 };
 
 /// A picture's linear light.
@@ -65,27 +68,33 @@ pub fn atlas(play: &Play<'_>) -> Result<Vec<f32>, Failure> {
     Ok(texels.into_iter().flatten().map(f16::to_f32).collect())
 }
 
-/// Words of `FaceHistory` that are no numbers: the key, rays drawn, the frame.
-const WORDS_OF_FACE: usize = SurfaceCache::HISTORY_BYTES as usize / 4;
-const WHOLE_NUMBERS: std::ops::Range<usize> = 32..35;
-
 fn faces(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
     let faces = play.frame.faces();
     if !faces.is_used() {
         return Ok(Ok(()));
     }
-    let values: Vec<f32> = play.gpu.read_buffer(faces.histories())?;
-    let numbers = values.iter().enumerate();
-    let mut numbers =
-        numbers.filter(|(index, _)| !WHOLE_NUMBERS.contains(&(index % WORDS_OF_FACE)));
-    Ok(match numbers.find(|(_, value)| !value.is_finite()) {
-        Some((index, _)) => Err(format!(
-            "the light of faces: number {} of entry {} is not finite",
-            index % WORDS_OF_FACE,
-            index / WORDS_OF_FACE
+    let histories: Vec<GpuFaceHistory> = play.gpu.read_buffer(faces.histories())?;
+    let mut entries = histories.iter().enumerate();
+    Ok(match entries.find(|(_, history)| !is_finite(history)) {
+        Some((entry, history)) => Err(format!(
+            "the light of faces: entry {entry} is not finite: {history:?}"
         )),
         None => Ok(()),
     })
+}
+
+fn is_finite(history: &GpuFaceHistory) -> bool {
+    let of_quarter = |quarter: &GpuFaceQuarter| {
+        let [r, g, b] = quarter.light;
+        let [believed_r, believed_g, believed_b] = quarter.believed;
+        let numbers = [r, g, b, quarter.samples, quarter.noise];
+        let believed = [believed_r, believed_g, believed_b];
+        numbers
+            .iter()
+            .chain(&believed)
+            .all(|value| value.is_finite())
+    };
+    history.spread.is_finite() && history.quarters.iter().all(of_quarter)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::{
     passes::scene::GpuVoxels,
     world::{
         generate::{differing, generate},
-        voxels::Voxels,
+        voxels::{ALL_FARTHEST, SOLID, Voxels},
     },
 };
 
@@ -53,15 +53,14 @@ pub fn against_the_copy(found: &Voxels, copy: &Voxels) -> Result<(), String> {
 /// Plants a distance that reaches into stone: of the first empty cell beside a solid one.
 pub fn overstate(gpu: &Gpu, on_gpu: &GpuVoxels, voxels: &Voxels) {
     let (grid, ..) = voxels.raw();
-    let far = 0x00ff_ffff;
     let near = grid
         .iter()
-        .position(|word| word >> 31 == 0 && word & far != far);
+        .position(|word| word & SOLID == 0 && word & ALL_FARTHEST != ALL_FARTHEST);
     if let Some(index) = near {
         gpu.queue.write_buffer(
             &on_gpu.grid,
             index as u64 * 4,
-            &(grid[index] | far).to_le_bytes(),
+            &(grid[index] | ALL_FARTHEST).to_le_bytes(),
         );
     }
 }

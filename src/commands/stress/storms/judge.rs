@@ -18,7 +18,7 @@ use crate::{
     },
     world::{
         World,
-        voxels::{BRICK_VOXELS, Brick, CELL, Cell, NewCell, Voxels, brick_index},
+        voxels::{BRICK, BRICK_VOXELS, Brick, CELL, Cell, NewCell, SOLID, Voxels, brick_index},
     },
 };
 
@@ -99,7 +99,7 @@ fn different_cells(a: &Voxels, b: &Voxels, places: bool) -> u64 {
     }
     let pairs = words_a.iter().zip(words_b);
     let same = |(&a, &b): (&u32, &u32)| {
-        let brick = |word: u32| (word >> 30 == 2).then_some((word & 0x3fff_ffff) as usize);
+        let brick = |word: u32| (word & !BRICK == SOLID).then_some((word & BRICK) as usize);
         match (brick(a), brick(b)) {
             (Some(at), Some(bt)) => {
                 (!places || at == bt)

@@ -2,12 +2,14 @@
 
 mod bindings;
 
+use std::mem::offset_of;
+
 use glam::Vec3;
 
 use super::{
-    GpuChanges, GpuProbeInfo,
+    GpuChanges, GpuProbeInfo, GpuProbePlace, GpuProbeState,
     source::Source,
-    update_schedule::{StateCounts, UpdateSchedule},
+    update_schedule::{GpuProbeDispatch, StateCounts, UpdateSchedule},
 };
 use crate::{
     gpu::{Gpu, GpuError},
@@ -125,8 +127,11 @@ impl ProbeField {
         let distance_atlas = texture("distance_atlas", atlas.distance_texels)?;
         let places = gpu.storage_buffer("probe_places", memory.places)?;
         // Until pass `probes/classify` looks, all probes stand on the lattice and are thought alive.
-        let lattice: Vec<[f32; 4]> = (0..volume.slots())
-            .map(|slot| volume.position(slot).extend(1.0).to_array())
+        let lattice: Vec<GpuProbePlace> = (0..volume.slots())
+            .map(|slot| GpuProbePlace {
+                position_ws: volume.position(slot).to_array(),
+                alive: 1.0,
+            })
             .collect();
         gpu.queue
             .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
@@ -247,8 +252,8 @@ impl ProbeField {
     }
 
     /// Bytes in [`Self::dispatch`].
-    pub const RAYS_OFFSET: u64 = 0;
-    pub const PROBES_OFFSET: u64 = 16;
+    pub const RAYS_OFFSET: u64 = offset_of!(GpuProbeDispatch, ray_groups) as u64;
+    pub const PROBES_OFFSET: u64 = offset_of!(GpuProbeDispatch, probe_groups) as u64;
 
     /// Slots that the last update was for, in no particular order.
     ///
@@ -258,7 +263,7 @@ impl ProbeField {
         self.plan.due(gpu)
     }
 
-    /// Where each probe stands (world space; XYZ), and whether it gives light (W: 0 if not, 2 if it has a twin, else 1).
+    /// Where each probe stands, twins after the others: [`GpuProbePlace`].
     pub fn places(&self) -> &wgpu::Buffer {
         &self.places
     }
@@ -325,9 +330,9 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        let states: Vec<[u32; 4]> = gpu.read_buffer(&self.states)?;
+        let states: Vec<GpuProbeState> = gpu.read_buffer(&self.states)?;
         let probes = states.iter().take(self.volume.slots() as usize);
-        Ok(probes.map(|[updates, ..]| *updates).collect())
+        Ok(probes.map(|state| state.updates).collect())
     }
 
     /// Bytes of GPU memory.
