@@ -204,7 +204,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 /// Shares by the places of the probes, by the lattice alone, and by Fibix's filter.
 const CONTINUOUS: &str = "corner_share(cage, corner, probe_place(slot), point)";
 const LATTICE: &str = "lattice_weights(cage, corner).x * lattice_weights(cage, corner).y * lattice_weights(cage, corner).z";
-const ADJUSTED: &str = "adjusted_share(cage, corner, probe_place(slot).xyz)";
+const ADJUSTED: &str = "adjusted_share(cage, corner, probe_place(slot).position_ws)";
 
 /// Probes moved at random as far as they may, and points in their volume.
 struct Moved {

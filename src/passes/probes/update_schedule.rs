@@ -77,7 +77,6 @@ crate::shared! {
     /// What `probe_work` begins with: how many probes are due.
     struct GpuWorkHead as WorkHead {
         due: u32,
-        _pad: [u32; 3],
     }
 
     /// Workgroups that the due probes take.

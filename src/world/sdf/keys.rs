@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde::de::DeserializeOwned;
 
 use super::{Fault, NoiseId, Sdf, WrittenSdf};
-use crate::world::file::{GREATEST_SCALE, Leaf, Located, Read, Reader, Vector, or};
+use crate::world::file::{Leaf, Located, Read, Reader, Vector, or};
 use crate::world::noise::NoiseField;
 
 /// What a key takes: how it is written, what it becomes, and what it may be.
@@ -68,21 +68,6 @@ impl Scalar for Positive {
 
     fn holds(value: f64) -> bool {
         value > 0.0
-    }
-}
-
-/// By how much something grows: neither to nothing nor beyond all worlds, for f32 has to hold the places.
-pub struct Factor;
-
-impl Scalar for Factor {
-    const WANTED: &'static str = "from 0.0001 to 10000";
-
-    fn read(leaf: &Leaf, key: &str, reader: &Reader<'_>) -> Read<f32> {
-        reader.source.scale(leaf, key)
-    }
-
-    fn holds(value: f64) -> bool {
-        (1.0 / GREATEST_SCALE..=GREATEST_SCALE).contains(&value)
     }
 }
 

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::world::file::{GREATEST_SCALE, Leaf, Read, Reader};
 use crate::world::noise::NoiseBank;
-use crate::world::sdf::keys::{Factor, SubTree, keys};
+use crate::world::sdf::keys::{Scalar, SubTree, keys};
 use crate::world::sdf::wgsl::{Body, number};
 use crate::world::sdf::{Bounds, Form, Node, Side, Tree};
 
@@ -15,6 +16,21 @@ keys! {
     pub struct Scale {
         pub by: Factor,
         pub of: SubTree,
+    }
+}
+
+/// By how much something grows: neither to nothing nor beyond all worlds, for f32 has to hold the places.
+pub struct Factor;
+
+impl Scalar for Factor {
+    const WANTED: &'static str = "from 0.0001 to 10000";
+
+    fn read(leaf: &Leaf, key: &str, reader: &Reader<'_>) -> Read<f32> {
+        reader.source.scale(leaf, key)
+    }
+
+    fn holds(value: f64) -> bool {
+        (1.0 / GREATEST_SCALE..=GREATEST_SCALE).contains(&value)
     }
 }
 
