@@ -1,6 +1,5 @@
 //! Scenes to test with: a few flat materials, lamps, a camera, and the renderer over them.
 
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
@@ -8,11 +7,14 @@ use grotto::lights::Lights;
 use grotto::measure::picture::Picture;
 use grotto::measure::statistics::MeanEstimate;
 use grotto::reference::{FilmOptions, Scene, View, render_scene};
-use grotto::world::file::{self, Overrides};
 use grotto::world::generate::generate;
 use grotto::world::materials::MaterialSet;
 use grotto::world::voxels::Voxels;
-use grotto::world::{Camera, Colour, Lamp, LampKind, LampPreset, Material, Pattern, Sky, Sun};
+use grotto::world::{Camera, Lamp, LampKind, LampPreset, Material, Sky, Sun};
+
+use crate::support::scenes::voxels_from;
+pub use crate::support::scenes::{flat, uniform_sky};
+use crate::support::shipped;
 
 /// A world in the small: everything that the path tracer looks at.
 pub struct Stage {
@@ -42,7 +44,7 @@ impl Stage {
             sky: uniform_sky(0.0),
         };
         Self {
-            voxels: super::voxels_from(size, voxel),
+            voxels: voxels_from(size, voxel),
             origin: IVec3::ZERO,
             materials: MaterialSet::bake(&list, 0),
             list,
@@ -53,8 +55,7 @@ impl Stage {
 
     /// A world of ours under its first lamps.
     pub fn of_world(name: &str) -> (Self, Vec<Camera>) {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("worlds/{name}.ron"));
-        let world = file::load(&path, &Overrides::default()).expect("a world of ours");
+        let world = shipped(name);
         let stage = Self {
             voxels: generate(&world),
             origin: world.origin,
@@ -180,25 +181,6 @@ pub fn options(camera: &Camera) -> FilmOptions<'_> {
         view: View::Full,
         antialias: false,
         max_bounces: u32::MAX,
-    }
-}
-
-pub fn flat(albedo: f32, emission: f32) -> Material {
-    Material {
-        name: format!("albedo {albedo} emission {emission}"),
-        a: Colour::Flat(Vec3::splat(albedo)),
-        b: Colour::Flat(Vec3::splat(albedo)),
-        pattern: Pattern::Plain,
-        emission: Vec3::splat(emission),
-    }
-}
-
-pub fn uniform_sky(radiance: f32) -> Sky {
-    let colour = Vec3::splat(radiance);
-    Sky {
-        zenith: colour,
-        horizon: colour,
-        ground: colour,
     }
 }
 
