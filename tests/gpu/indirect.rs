@@ -23,7 +23,7 @@ use half::f16;
 
 use crate::support::{
     self, frames,
-    scenes::{flat, lattice, uniform_sky, volume_of, voxels_from},
+    scenes::{all_around, flat, lattice, uniform_sky, volume_of, voxels_from},
 };
 
 /// A small world, its probes and a camera.
@@ -138,14 +138,17 @@ impl Stage {
 
     /// Radiance of every pixel of a small picture from the room's middle.
     fn picture(&self, mode: ViewMode, yaw_deg: f32) -> Vec<Vec3> {
-        let size = [32, 24];
         let camera = Camera {
-            name: "middle".into(),
+            name: "inside".into(),
             position: Vec3::new(0.3, 0.2, 0.1),
             yaw_deg,
             pitch_deg: -20.0,
             fov_deg: 90.0,
         };
+        self.seen_by(camera, [32, 24], mode)
+    }
+
+    fn seen_by(&self, camera: Camera, size: [u32; 2], mode: ViewMode) -> Vec<Vec3> {
         let view = View {
             mode,
             ..frames::view(camera, size)
@@ -271,10 +274,14 @@ fn a_lamp_in_a_diffuse_room_keeps_its_energy() {
     let area = 6.0 * edge * edge;
     // Mean of E/π of bounced light over the walls: Φ/A · a/(1 − a) / π.
     let expected = flux / area * albedo / (1.0 - albedo) / std::f32::consts::PI;
-    let picture = stage.picture(ViewMode::Irradiance, 0.0);
-    let found = mean(&picture);
+    // Each shows one wall, every part of it equally large.
+    let walls = all_around(DVec3::ZERO)
+        .map(|camera| mean(&stage.seen_by(camera, [36, 36], ViewMode::Irradiance)));
+    let found = walls.iter().sum::<f32>() / 6.0;
+    // Probes 6 m apart miss 4.3 % of the light near the walls (tests/gpu/energy.rs judges whole frames).
+    // Without what comes after the third bounce an eighth would be missing.
     assert!(
-        (found / expected - 1.0).abs() < 0.15,
+        (found / expected - 1.0).abs() < 0.07,
         "{found}, not about {expected}"
     );
 }

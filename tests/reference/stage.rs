@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use glam::{DVec3, IVec3, UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 use grotto::lights::Lights;
 use grotto::measure::picture::Picture;
 use grotto::measure::statistics::MeanEstimate;
@@ -13,7 +13,7 @@ use grotto::world::voxels::Voxels;
 use grotto::world::{Camera, Lamp, LampKind, LampPreset, Material, Sky, Sun};
 
 use crate::support::scenes::voxels_from;
-pub use crate::support::scenes::{flat, uniform_sky};
+pub use crate::support::scenes::{all_around, flat, square_camera, uniform_sky};
 use crate::support::shipped;
 
 /// A world in the small: everything that the path tracer looks at.
@@ -195,29 +195,4 @@ pub fn point_lamp(position: Vec3, power: f32) -> Lamp {
         radius: 0.01,
         motion: Vec::new(),
     }
-}
-
-/// A camera that sees 90° and looks along `yaw` and `pitch`: at distance d from a wall that it
-/// faces it sees a square of edge 2d, and every point of it equally often.
-pub fn square_camera(position: DVec3, yaw_deg: f32, pitch_deg: f32) -> Camera {
-    Camera {
-        name: "square".into(),
-        position: position.as_vec3(),
-        yaw_deg,
-        pitch_deg,
-        fov_deg: 90.0,
-    }
-}
-
-/// The six cameras from one point, which together see every direction once.
-pub fn all_around(position: DVec3) -> [Camera; 6] {
-    [
-        (0.0, 0.0),
-        (90.0, 0.0),
-        (180.0, 0.0),
-        (270.0, 0.0),
-        (0.0, 90.0),
-        (0.0, -90.0),
-    ]
-    .map(|(yaw, pitch)| square_camera(position, yaw, pitch))
 }

@@ -58,14 +58,19 @@ pub fn gpu_with(checks: ShaderChecks) -> Gpu {
     Gpu::open(None, checks).expect("the tests need a Vulkan device")
 }
 
-/// The same device with a fault planted into a shader: `sound` is replaced wherever it stands.
-pub fn with_fault(gpu: &Gpu, file: &str, sound: &str, faulty: &str) -> Gpu {
+/// A text in a file below `shaders/`, and what takes its place wherever it stands.
+pub type Fault<'a> = (&'a str, &'a str, &'a str);
+
+/// The same device with faults planted into its shaders.
+pub fn with_faults(gpu: &Gpu, faults: &[Fault]) -> Gpu {
     let folder = folder();
     copy_folder(&root().join("shaders"), folder.path());
-    let path = folder.path().join(file);
-    let text = std::fs::read_to_string(&path).expect("readable");
-    assert!(text.contains(sound), "{file} no longer has `{sound}`");
-    std::fs::write(&path, text.replace(sound, faulty)).expect("writable");
+    for (file, sound, faulty) in faults {
+        let path = folder.path().join(file);
+        let text = std::fs::read_to_string(&path).expect("readable");
+        assert!(text.contains(sound), "{file} no longer has `{sound}`");
+        std::fs::write(&path, text.replace(sound, faulty)).expect("writable");
+    }
     let shaders = ShaderLibrary::from_folder(folder.path()).expect("a folder of shaders");
     gpu.with_shaders(shaders)
 }

@@ -1,10 +1,10 @@
 //! Small scenes: voxels, materials, lights and layouts that many tests build on.
 
-use glam::{IVec3, UVec3, Vec3};
+use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     probes::Volume,
     world::{
-        Colour, LayoutSpec, Material, Pattern, Sky,
+        Camera, Colour, LayoutSpec, Material, Pattern, Sky,
         voxels::{BRICK_VOXELS, CELL, NewCell, Voxels, brick_index},
     },
 };
@@ -61,4 +61,29 @@ pub fn lattice(counts: UVec3, spacing: Vec3, centre: Vec3) -> LayoutSpec {
 
 pub fn volume_of(layout: &LayoutSpec) -> Volume {
     Volume::new(layout).expect("a good layout")
+}
+
+/// A camera that sees 90° and looks along `yaw` and `pitch`: at distance d from a wall that it
+/// faces it sees a square of edge 2d, and every point of it equally often.
+pub fn square_camera(position: DVec3, yaw_deg: f32, pitch_deg: f32) -> Camera {
+    Camera {
+        name: "square".into(),
+        position: position.as_vec3(),
+        yaw_deg,
+        pitch_deg,
+        fov_deg: 90.0,
+    }
+}
+
+/// The six cameras from one point, which together see every direction once.
+pub fn all_around(position: DVec3) -> [Camera; 6] {
+    [
+        (0.0, 0.0),
+        (90.0, 0.0),
+        (180.0, 0.0),
+        (270.0, 0.0),
+        (0.0, 90.0),
+        (0.0, -90.0),
+    ]
+    .map(|(yaw, pitch)| square_camera(position, yaw, pitch))
 }

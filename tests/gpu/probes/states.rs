@@ -115,6 +115,24 @@ impl Slab {
         due
     }
 
+    fn updates(&self) -> Vec<u32> {
+        self.field.updates(&self.gpu).expect("reads back")
+    }
+
+    /// How often each slot is updated in the next frames.
+    fn watch(&mut self, frames: u32) -> Vec<u32> {
+        let before = self.updates();
+        for _ in 0..frames {
+            self.update();
+        }
+        let after = self.updates();
+        after
+            .iter()
+            .zip(before)
+            .map(|(after, before)| after - before)
+            .collect()
+    }
+
     /// Fills a box (both ends inclusive) with a material.
     fn fill(&mut self, low: IVec3, high: IVec3, material: u8) {
         let edit = self.on_cpu.fill_box(low, high, material);
@@ -189,14 +207,30 @@ fn columns(range: std::ops::Range<u32>) -> BTreeSet<u32> {
     range.flat_map(column).collect()
 }
 
-/// Those of `slots` whose turn it is in a frame.
-fn turn(slots: &BTreeSet<u32>, frame: u64, interval: u64) -> BTreeSet<u32> {
-    // The fraction of slot / golden ratio, in parts of the interval.
-    let is_turn = |slot: &&u32| {
-        let fraction = u64::from(slot.wrapping_mul(0x9e37_79b9) >> 16);
-        (fraction * interval) >> 16 == frame % interval
-    };
-    slots.iter().filter(is_turn).copied().collect()
+/// How often slots were updated, fewest and most.
+fn fewest_and_most(updates: &[u32], slots: &BTreeSet<u32>) -> [u32; 2] {
+    let counts = slots.iter().map(|slot| updates[*slot as usize]);
+    let [fewest, most] = [counts.clone().min(), counts.max()];
+    [fewest, most].map(|count| count.expect("some slots"))
+}
+
+/// Those that take turns: each of `slots` was updated `times`.
+#[track_caller]
+fn assert_each(updates: &[u32], slots: &BTreeSet<u32>, times: u32) {
+    let found = fewest_and_most(updates, slots);
+    assert_eq!(found, [times; 2], "fewest and most updates of {slots:?}");
+}
+
+/// Of all others that are due some may sleep and have their turn: about a tenth of them in a frame.
+#[track_caller]
+fn assert_due(due: &BTreeSet<u32>, awake: &BTreeSet<u32>, asleep: &BTreeSet<u32>) {
+    assert!(awake.is_subset(due), "{awake:?} are awake: {due:?}");
+    let others = due - awake;
+    assert!(others.is_subset(asleep), "{asleep:?} are asleep: {due:?}");
+    assert!(
+        others.len() <= asleep.len().div_ceil(5),
+        "a tenth: {others:?}"
+    );
 }
 
 /// With states, and no heed to unrest: new probes have some.
@@ -219,15 +253,15 @@ fn stone_is_dead_open_air_sleeps_and_what_is_before_a_wall_is_alive() {
         // New ones are due until they have warmed up.
         assert_eq!(slab.update(), columns(2..6), "frame {frame}");
     }
-    let mut refreshed = vec![0; (COUNTS.element_product()) as usize];
-    for frame in 2..22 {
-        let due = slab.update();
-        let asleep = turn(&far, frame, 10);
-        assert!((1..=5).contains(&asleep.len()), "a tenth of {}", far.len());
-        assert_eq!(due, &near | &asleep, "frame {frame}");
-        due.iter().for_each(|slot| refreshed[*slot as usize] += 1);
+    let before = slab.updates();
+    for _ in 0..20 {
+        assert_due(&slab.update(), &near, &far);
     }
-    assert!(far.iter().all(|slot| refreshed[*slot as usize] == 2));
+    let after = slab.updates();
+    let updates: Vec<u32> = after.iter().zip(before).map(|(a, b)| a - b).collect();
+    assert_each(&updates, &near, 20);
+    assert_each(&updates, &far, 2);
+    assert_each(&after, &columns(0..2), 0);
     let expected = StateCounts {
         alive: 9,
         sleeping: 27,
@@ -247,9 +281,7 @@ fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
     for _ in 0..2 {
         assert_eq!(slab.update(), all);
     }
-    for frame in 2..6 {
-        assert_eq!(slab.update(), turn(&all, frame, 10), "frame {frame}");
-    }
+    assert_each(&slab.watch(20), &all, 2);
     assert_eq!((slab.counts().alive, slab.counts().sleeping), (0, 36));
     // In the middle of the cage between rows 0 and 1 of y and of z; columns 1 (dead) and 2 of x.
     slab.look_at(Vec3::new(16.0, 24.5, 24.5), Vec3::X);
@@ -257,16 +289,13 @@ fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
         .map(|(y, z)| 2 + 6 * (y + 3 * z))
         .into();
     // The request carries the number of the last frame.
-    for frame in 6..10 {
-        assert_eq!(
-            slab.update(),
-            &seen | &turn(&all, frame, 10),
-            "frame {frame}"
-        );
+    let others = &all - &seen;
+    for _ in 0..4 {
+        assert_due(&slab.update(), &seen, &others);
         assert_eq!(slab.counts().alive, 4);
     }
     slab.update();
-    assert_eq!(slab.update(), turn(&all, 11, 10), "asleep again");
+    assert_each(&slab.watch(10), &all, 1);
 }
 
 #[test]
@@ -280,17 +309,16 @@ fn what_feeds_the_picture_is_due_at_once_when_light_changes() {
         .map(|(y, z)| 2 + 6 * (y + 3 * z))
         .into();
     let asleep = &columns(2..6) - &fed;
-    for frame in 2..6 {
-        let due = &turn(&fed, frame, 4) | &turn(&asleep, frame, 10);
-        assert_eq!(slab.update(), due, "frame {frame}");
-    }
-    slab.field.changes.begin_frame(1.0, 6);
-    assert_eq!(slab.update(), &fed | &turn(&asleep, 6, 10));
+    let updates = slab.watch(20);
+    assert_each(&updates, &fed, 5);
+    assert_each(&updates, &asleep, 2);
+    slab.field.changes.begin_frame(1.0, slab.frame as u32);
+    assert_due(&slab.update(), &fed, &asleep);
     // A lamp that wanders is no reason to hurry.
     for _ in 0..200 {
-        slab.field.changes.begin_frame(0.02, 7);
+        slab.field.changes.begin_frame(0.02, slab.frame as u32);
     }
-    assert_eq!(slab.update(), &turn(&fed, 7, 4) | &turn(&asleep, 7, 10));
+    assert_each(&slab.watch(4), &fed, 1);
 }
 
 /// A quarter of the probes at a time, each in its turn; and those whose light changes come first.
@@ -362,7 +390,7 @@ fn restless_probes_before_surfaces_are_due_in_every_frame() {
         slab.update();
     }
     // New probes are: nobody asks, but those before the wall do not sleep yet.
-    assert_eq!(slab.update(), &columns(2..3) | &turn(&columns(3..6), 2, 10));
+    assert_due(&slab.update(), &columns(2..3), &columns(3..6));
 }
 
 #[test]
@@ -380,19 +408,21 @@ fn an_edit_wakes_what_it_touches_at_once_and_kills_what_it_covers() {
     slab.fill(IVec3::new(43, 27, 27), IVec3::new(45, 29, 29), 1);
     slab.set_rays(covered, -1.0);
     // Longest distance: 1.5 · √3 · 8 = 20.8. The column before the wall is 22.5 from the box.
-    let touched = columns(3..6);
-    let due = slab.update();
-    assert_eq!(due, &touched | &turn(&all, 4, 10));
+    let (touched, untouched) = (columns(3..6), columns(2..3));
+    assert_due(&slab.update(), &touched, &untouched);
     assert_eq!(slab.counts().dead, 19);
     let mut living = all.clone();
     living.remove(&covered);
     let mut awake = touched;
     awake.remove(&covered);
-    for frame in 5..8 {
-        // What is covered was due once more, to be forgotten.
-        assert_eq!(slab.update(), &awake | &turn(&living, frame, 10));
-    }
-    assert_eq!(slab.update(), turn(&living, 8, 10), "asleep again");
+    let updates = slab.watch(3);
+    assert_each(&updates, &awake, 3);
+    assert!(fewest_and_most(&updates, &untouched)[1] <= 1, "{updates:?}");
+    // What is covered was due once more, to be forgotten.
+    assert_eq!(slab.updates()[covered as usize], 0);
+    let updates = slab.watch(10);
+    assert_each(&updates, &living, 1);
+    assert_eq!(updates[covered as usize], 0);
     // And back to life: new, so that it is due until it has warmed up.
     slab.fill(IVec3::new(43, 27, 27), IVec3::new(45, 29, 29), 0);
     slab.set_rays(covered, 100.0);

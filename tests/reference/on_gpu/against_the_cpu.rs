@@ -9,7 +9,7 @@ use super::super::pictures::room;
 use super::super::stage::{Cpu, Stage, Tracer, options, point_lamp, square_camera};
 use super::OnGpu;
 use super::scenes::{glow, outdoors};
-use crate::support::with_fault;
+use crate::support::with_faults;
 
 /// Pictures of independent seeds.
 fn runs(
@@ -158,7 +158,7 @@ fn planted_faults_are_found() {
         ),
     ] {
         let mutant = OnGpu {
-            gpu: with_fault(&tracer.gpu, file, sound, faulty),
+            gpu: with_faults(&tracer.gpu, &[(file, sound, faulty)]),
             world: tracer.world.clone(),
         };
         let found = agree(&runs(&mutant, &glow(), View::Full, false), &truth);
