@@ -1,101 +1,30 @@
 //! The command line, driven as a user drives it.
 
+#[path = "../support/mod.rs"]
+mod support;
+
 mod bench;
 mod bench_reports;
 mod bench_speed;
 mod info;
+mod measuring;
+mod reference;
 mod refusals;
 mod render;
+mod storms;
+mod stress;
+#[cfg(target_os = "linux")]
+mod window;
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::{Command, Stdio},
+use std::path::PathBuf;
+
+use support::{
+    binary::{Ended, end, grotto, grotto_without_gpu, refused, run},
+    folder, listing, root,
 };
 
-use serde_json::Value;
-use tempfile::{TempDir, tempdir};
-
-/// What a command left behind.
-struct Ended {
-    code: i32,
-    stdout: String,
-    stderr: String,
-}
-
-impl Ended {
-    /// The one JSON object on stdout.
-    fn json(&self) -> Value {
-        assert_eq!(self.stdout.lines().count(), 1, "{}", self.stdout);
-        serde_json::from_str(&self.stdout).expect("one JSON object")
-    }
-}
-
-fn grotto() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_grotto"));
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
-
-/// A machine whose Vulkan loader finds no driver.
-fn grotto_without_gpu() -> Command {
-    let mut command = grotto();
-    for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
-        command.env(variable, "/nowhere/at/all.json");
-    }
-    command
-}
-
-fn end(command: &mut Command) -> Ended {
-    let output = command
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary starts");
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
-    Ended {
-        code: output.status.code().expect("no signal"),
-        stdout: text(&output.stdout),
-        stderr: text(&output.stderr),
-    }
-}
-
-fn run(arguments: &[&str]) -> Ended {
-    end(grotto().args(arguments))
-}
-
-/// Ends with this code, nothing on stdout, and one message with these parts.
-fn refused(command: &mut Command, code: i32, parts: &[&str]) {
-    let ended = end(command);
-    assert_eq!(ended.code, code, "{command:?}\n{}", ended.stderr);
-    assert_eq!(ended.stdout, "", "{command:?}");
-    for part in parts {
-        assert!(
-            ended.stderr.contains(part),
-            "{command:?}: no `{part}` in\n{}",
-            ended.stderr
-        );
-    }
-    for noise in ["panicked", "RUST_BACKTRACE", "bug in grotto"] {
-        assert!(!ended.stderr.contains(noise), "{}", ended.stderr);
-    }
-}
-
-/// What lies in a folder, sorted.
-fn listing(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).expect("a folder");
-    let mut paths: Vec<PathBuf> = entries
-        .map(|entry| entry.expect("an entry").path())
-        .collect();
-    paths.sort();
-    paths
-}
-
-fn folder() -> TempDir {
-    tempdir().expect("a temporary folder")
-}
-
 fn world_files() -> Vec<PathBuf> {
-    let all = listing(&Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds"));
+    let all = listing(&root().join("worlds"));
     all.into_iter()
         .filter(|path| path.extension().is_some_and(|e| e == "ron"))
         .collect()
@@ -199,7 +128,7 @@ fn check_says_in_json_what_it_says_in_words() {
 }
 
 fn world_path(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+    root().join(name)
 }
 
 #[test]

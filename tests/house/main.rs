@@ -1,15 +1,23 @@
 //! The rules of the house, read from the sources: who may import whom, one shader a pass, and
 //! files that stay readable. Each rule is also shown a planted fault that it must find.
 
+#[path = "../support/mod.rs"]
+mod support;
+
+mod composition;
 mod imports;
+mod layouts;
 mod shaders;
 mod source;
+mod world_files;
+mod worlds;
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use imports::Import;
+use support::root;
 
 /// Top-level module → what it may import besides itself and these leaves.
 const MAY_IMPORT: [(&str, &[&str]); 13] = [
@@ -82,10 +90,6 @@ const LONG_FILES: [(&str, &str); 3] = [
         "one key after the other, as worlds/README.md lists them",
     ),
 ];
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
 
 /// Paths of all files under `folder` with this extension, relative to the repository, with their
 /// contents; sorted.

@@ -5,7 +5,7 @@ use grotto::reference::march::{FACE_NORMALS, Hit, Outcome, Ray, march, march_pla
 use grotto::world::voxels::Voxels;
 use proptest::prelude::*;
 
-use super::voxels_from;
+use crate::support::scenes::voxels_from;
 
 fn empty_but(size: UVec3, solid: IVec3) -> Voxels {
     voxels_from(size, |voxel| u8::from(voxel == solid))

@@ -1,18 +1,20 @@
 //! Scenes to test with: a few flat materials, lamps, a camera, and the renderer over them.
 
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use glam::{DVec3, IVec3, UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 use grotto::lights::Lights;
 use grotto::measure::picture::Picture;
 use grotto::measure::statistics::MeanEstimate;
 use grotto::reference::{FilmOptions, Scene, View, render_scene};
-use grotto::world::file::{self, Overrides};
 use grotto::world::generate::generate;
 use grotto::world::materials::MaterialSet;
 use grotto::world::voxels::Voxels;
-use grotto::world::{Camera, Colour, Lamp, LampKind, LampPreset, Material, Pattern, Sky, Sun};
+use grotto::world::{Camera, Lamp, LampKind, LampPreset, Material, Sky, Sun};
+
+use crate::support::scenes::voxels_from;
+pub use crate::support::scenes::{all_around, flat, square_camera, uniform_sky};
+use crate::support::shipped;
 
 /// A world in the small: everything that the path tracer looks at.
 pub struct Stage {
@@ -42,7 +44,7 @@ impl Stage {
             sky: uniform_sky(0.0),
         };
         Self {
-            voxels: super::voxels_from(size, voxel),
+            voxels: voxels_from(size, voxel),
             origin: IVec3::ZERO,
             materials: MaterialSet::bake(&list, 0),
             list,
@@ -53,8 +55,7 @@ impl Stage {
 
     /// A world of ours under its first lamps.
     pub fn of_world(name: &str) -> (Self, Vec<Camera>) {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("worlds/{name}.ron"));
-        let world = file::load(&path, &Overrides::default()).expect("a world of ours");
+        let world = shipped(name);
         let stage = Self {
             voxels: generate(&world),
             origin: world.origin,
@@ -183,25 +184,6 @@ pub fn options(camera: &Camera) -> FilmOptions<'_> {
     }
 }
 
-pub fn flat(albedo: f32, emission: f32) -> Material {
-    Material {
-        name: format!("albedo {albedo} emission {emission}"),
-        a: Colour::Flat(Vec3::splat(albedo)),
-        b: Colour::Flat(Vec3::splat(albedo)),
-        pattern: Pattern::Plain,
-        emission: Vec3::splat(emission),
-    }
-}
-
-pub fn uniform_sky(radiance: f32) -> Sky {
-    let colour = Vec3::splat(radiance);
-    Sky {
-        zenith: colour,
-        horizon: colour,
-        ground: colour,
-    }
-}
-
 /// A white point lamp of this power (W).
 pub fn point_lamp(position: Vec3, power: f32) -> Lamp {
     Lamp {
@@ -213,29 +195,4 @@ pub fn point_lamp(position: Vec3, power: f32) -> Lamp {
         radius: 0.01,
         motion: Vec::new(),
     }
-}
-
-/// A camera that sees 90° and looks along `yaw` and `pitch`: at distance d from a wall that it
-/// faces it sees a square of edge 2d, and every point of it equally often.
-pub fn square_camera(position: DVec3, yaw_deg: f32, pitch_deg: f32) -> Camera {
-    Camera {
-        name: "square".into(),
-        position: position.as_vec3(),
-        yaw_deg,
-        pitch_deg,
-        fov_deg: 90.0,
-    }
-}
-
-/// The six cameras from one point, which together see every direction once.
-pub fn all_around(position: DVec3) -> [Camera; 6] {
-    [
-        (0.0, 0.0),
-        (90.0, 0.0),
-        (180.0, 0.0),
-        (270.0, 0.0),
-        (0.0, 90.0),
-        (0.0, -90.0),
-    ]
-    .map(|(yaw, pitch)| square_camera(position, yaw, pitch))
 }

@@ -4,8 +4,8 @@ use serde::Deserialize;
 
 use super::checks::Check;
 
-/// `tests/stress/known.ron`, the one list.
-const LIST: &str = include_str!("../../../tests/stress/known.ron");
+/// `tests/cli/stress/known.ron`, the one list.
+const LIST: &str = include_str!("../../../tests/cli/stress/known.ron");
 
 /// Scenes that fail, and why nothing is done about it yet.
 #[derive(Clone, Debug, Default, Deserialize)]

@@ -167,7 +167,7 @@ impl Report {
         if let Some(row) = self.cured.first() {
             let _ = write!(
                 message,
-                "; {} known failures pass, {} `{}` first: take them from tests/stress/known.ron",
+                "; {} known failures pass, {} `{}` first: take them from tests/cli/stress/known.ron",
                 self.cured.len(),
                 row.scene,
                 row.check.name()

@@ -1,10 +1,6 @@
 //! Light, channel by channel and block by block, is that of the CPU's path tracer.
 
-use std::fs;
-use std::path::Path;
-
 use glam::{DVec3, Vec3};
-use grotto::gpu::ShaderLibrary;
 use grotto::measure::picture::Picture;
 use grotto::reference::{FilmOptions, View};
 use grotto::world::Camera;
@@ -13,6 +9,7 @@ use super::super::pictures::room;
 use super::super::stage::{Cpu, Stage, Tracer, options, point_lamp, square_camera};
 use super::OnGpu;
 use super::scenes::{glow, outdoors};
+use crate::support::with_faults;
 
 /// Pictures of independent seeds.
 fn runs(
@@ -160,33 +157,11 @@ fn planted_faults_are_found() {
             "(density * squared_distance",
         ),
     ] {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        copy(
-            &Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders"),
-            folder.path(),
-        );
-        let path = folder.path().join(file);
-        let text = fs::read_to_string(&path).expect("readable");
-        assert!(text.contains(sound), "{file} no longer has `{sound}`");
-        fs::write(&path, text.replace(sound, faulty)).expect("writable");
-        let shaders = ShaderLibrary::from_folder(folder.path()).expect("a folder of shaders");
         let mutant = OnGpu {
-            gpu: tracer.gpu.with_shaders(shaders),
+            gpu: with_faults(&tracer.gpu, &[(file, sound, faulty)]),
             world: tracer.world.clone(),
         };
         let found = agree(&runs(&mutant, &glow(), View::Full, false), &truth);
         assert!(found.is_err(), "{file}: `{faulty}` makes no difference");
-    }
-}
-
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).expect("writable");
-    for entry in fs::read_dir(from).expect("readable").flatten() {
-        let target = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &target);
-        } else {
-            fs::copy(entry.path(), target).expect("writable");
-        }
     }
 }

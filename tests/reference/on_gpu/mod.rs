@@ -4,7 +4,6 @@ mod against_the_cpu;
 mod convergence;
 mod scenes;
 
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use grotto::commands::reference::{TraceRequest, Traced, trace};
@@ -13,10 +12,10 @@ use grotto::gpu::{Gpu, ShaderChecks};
 use grotto::measure::picture::Picture;
 use grotto::reference::FilmOptions;
 use grotto::world::World;
-use grotto::world::file::{self, Overrides};
 
 use super::closed_forms::FORMS;
 use super::stage::{Stage, Tracer};
+use crate::support::{gpu_with, shipped};
 
 /// The path tracer of `grotto reference`.
 struct OnGpu {
@@ -32,10 +31,9 @@ impl OnGpu {
     }
 
     fn with(checks: ShaderChecks) -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
         Self {
-            gpu: Gpu::open(None, checks).expect("the tests need a Vulkan device"),
-            world: file::load(&path, &Overrides::default()).expect("a world of ours"),
+            gpu: gpu_with(checks),
+            world: shipped("minimal"),
         }
     }
 

@@ -1,0 +1,171 @@
+//! The window, opened on a display that nobody sees (Xvfb).
+
+use std::{
+    fs,
+    process::{Command, Output, Stdio},
+};
+
+use crate::{
+    folder, grotto, root,
+    support::{
+        binary::{output, text},
+        copy_folder,
+    },
+};
+
+fn ended(command: &mut Command) -> Output {
+    output(command.current_dir(root()).stdin(Stdio::null()))
+}
+
+/// `grotto play` with these arguments, on a display of its own.
+fn play(arguments: &[&str]) -> Output {
+    let found = Command::new("xvfb-run").arg("--help").output();
+    assert!(
+        found.is_ok(),
+        "xvfb-run was not found. scripts/test installs it on Debian (packages xvfb and xauth)."
+    );
+    ended(
+        Command::new("xvfb-run")
+            .args(["--auto-servernum", "--server-args=-screen 0 640x480x24"])
+            .arg(grotto().get_program())
+            .arg("play")
+            .args(arguments)
+            .env("RUST_LOG", "grotto=info")
+            .env_remove("WAYLAND_DISPLAY"),
+    )
+}
+
+#[test]
+fn the_window_opens_shows_frames_and_closes() {
+    let output = play(&[
+        "worlds/minimal.ron",
+        "--frames",
+        "3",
+        "--size",
+        "160x96",
+        "--set",
+        "probes.rays=16",
+    ]);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+}
+
+#[test]
+fn the_window_goes_on_when_its_device_is_lost() {
+    let arguments = [
+        "worlds/minimal.ron",
+        "--size",
+        "160x96",
+        "--set",
+        "probes.rays=16",
+    ];
+    let lost = ["--lose-device-at", "2", "--frames", "5"];
+    let output = play(&[&arguments[..], &lost].concat());
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("the device was lost"), "{stderr}");
+}
+
+#[test]
+fn the_path_traced_reference_is_shown_in_the_window() {
+    let output = play(&[
+        "worlds/minimal.ron",
+        "--reference",
+        "--frames",
+        "4",
+        "--size",
+        "160x96",
+    ]);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+}
+
+#[test]
+fn the_benchmark_flies_tells_its_figures_and_the_session_goes_on() {
+    // 30 frames to warm up (or those of half a second), 240 that count, and some that follow.
+    let output = play(&[
+        "worlds/minimal.ron",
+        "--benchmark",
+        "--frames",
+        "400",
+        "--size",
+        "64x40",
+        "--set",
+        "probes.rays=8",
+    ]);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert_eq!(stderr.matches("benchmark: minimal").count(), 1, "{stderr}");
+    for part in ["240 frames", "median", "1 % low, by time", "Present mode"] {
+        assert!(stderr.contains(part), "{part}: {stderr}");
+    }
+}
+
+#[test]
+fn probes_and_atlases_are_shown_in_the_window() {
+    for shown in [
+        &["--view", "states", "--probes", "offset"][..],
+        &["--atlas", "irradiance:0"],
+        // The window shows the last one in its place.
+        &["--atlas", "irradiance:9"],
+    ] {
+        let arguments = ["worlds/minimal.ron", "--frames", "2", "--size", "160x96"];
+        let output = play(&[&arguments[..], &["--set", "probes.rays=16"], shown].concat());
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{shown:?}: {stderr}");
+    }
+}
+
+#[test]
+fn shaders_from_a_folder_run_and_broken_ones_leave_those_of_the_binary() {
+    let folder = folder();
+    copy_folder(&root().join("shaders"), folder.path());
+    fs::write(folder.path().join("view/shade.wesl"), "fn main( {").expect("writable");
+    let output = play(&[
+        "worlds/minimal.ron",
+        "--frames",
+        "2",
+        "--size",
+        "160x96",
+        "--set",
+        "probes.rays=16",
+        "--shaders",
+        folder.path().to_str().expect("UTF-8"),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+#[test]
+fn without_a_display_the_message_names_the_way_to_a_picture() {
+    let output = ended(
+        grotto()
+            .args(["play", "worlds/minimal.ron"])
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET"),
+    );
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("grotto render"), "{stderr}");
+    assert_eq!(stderr.matches("error").count(), 1, "{stderr}");
+}
+
+#[test]
+fn bad_arguments_are_told_before_any_window_opens() {
+    for (arguments, part) in [
+        (&["worlds/minimal.ron", "--camera", "nope"][..], "no camera"),
+        (&["worlds/minimal.ron", "--layout", "nope"], "no layout"),
+        (&["worlds/none.ron"], "worlds/none.ron"),
+        (
+            &["worlds/minimal.ron", "--shaders", "src"],
+            "no folder of shaders",
+        ),
+        (&["worlds/minimal.ron", "--size", "0x10"], "WIDTHxHEIGHT"),
+        (&["worlds/minimal.ron", "--frames", "0"], "--frames"),
+    ] {
+        let output = ended(grotto().arg("play").args(arguments));
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(part), "{arguments:?}: {stderr}");
+    }
+}

@@ -1,0 +1,422 @@
+//! Edits on the GPU: after each, its copy equals the CPU's voxel by voxel, is valid, and is marched
+//! through as a fresh upload of the same voxels is.
+
+use std::cell::Cell;
+
+use glam::{IVec3, UVec3, Vec3};
+use grotto::{
+    frame::{Frame, Stage},
+    gpu::{Gpu, GpuError, Recorder},
+    lights::Lights,
+    parameters::{ProbeParameters, Relocation},
+    passes::{
+        bench::rays::{FoundHit, Marcher, RayBench, RayKind, RaySet},
+        scene::GpuVoxels,
+        view::{View, ViewMode},
+    },
+    world::{
+        Camera, World,
+        voxels::{BRICK_VOXELS, CELL, Edit, NewCell, Voxels, brick_index},
+    },
+};
+use proptest::{
+    prelude::*,
+    test_runner::{Config, RngAlgorithm, TestError, TestRng, TestRunner},
+};
+
+use crate::support::{frames, gpu, scenes::lattice, shipped};
+
+/// No multiple of a cell along any axis.
+const SIZE: UVec3 = UVec3::new(44, 37, 41);
+
+/// A floor of uniform cells under air, one brick at its edge.
+fn ground() -> Voxels {
+    let mut voxels = Voxels::from_cells(SIZE, |cell| {
+        if cell.y < 2 && (cell + 1).cmple(SIZE / CELL).all() {
+            NewCell::Uniform(1)
+        } else {
+            NewCell::Empty
+        }
+    });
+    voxels.set(IVec3::new(43, 0, 40), 2);
+    voxels
+}
+
+/// One world on both sides.
+struct Pair {
+    gpu: Gpu,
+    cpu: Voxels,
+    on_gpu: GpuVoxels,
+}
+
+impl Pair {
+    fn new(gpu: &Gpu, cpu: Voxels) -> Self {
+        Self {
+            on_gpu: GpuVoxels::upload(gpu, &cpu, IVec3::ZERO).expect("fits"),
+            gpu: gpu.clone(),
+            cpu,
+        }
+    }
+
+    /// Lets the GPU follow; whether its buffers were outgrown.
+    fn follow(&mut self, edit: &Edit) -> bool {
+        let larger = self.on_gpu.with_room_for(&self.gpu, &self.cpu);
+        let larger = larger.expect("fits");
+        let outgrown = larger.is_some();
+        if let Some(larger) = larger {
+            self.on_gpu = larger;
+        }
+        self.on_gpu.write(&self.gpu, &self.cpu, edit);
+        outgrown
+    }
+
+    /// The first way in which the GPU's copy is not the CPU's.
+    fn compare(&self) -> Result<(), String> {
+        let read = self.on_gpu.read_back(&self.gpu).expect("reads back");
+        read.validate()?;
+        let (grid, masks, materials) = self.cpu.raw();
+        let (read_grid, read_masks, read_materials) = read.raw();
+        if read_grid != grid {
+            return Err("a word of the grid differs".to_owned());
+        }
+        // What free bricks hold is nobody's business.
+        for brick in grid.iter().filter(|word| **word >> 30 == 2) {
+            let brick = (brick & 0x3fff_ffff) as usize;
+            if read_masks[brick] != masks[brick] || read_materials[brick] != materials[brick] {
+                return Err(format!("brick {brick} differs"));
+            }
+        }
+        match everywhere(SIZE).find(|at| read.material(*at) != self.cpu.material(*at)) {
+            Some(at) => Err(format!("voxel {at} differs")),
+            None => Ok(()),
+        }
+    }
+
+    /// How many rays through the GPU's copy hit something else than in a fresh upload.
+    fn compare_rays(&self) -> usize {
+        let fresh = Voxels::from_cells(SIZE, |cell| {
+            let mut content = [0; BRICK_VOXELS];
+            for local in everywhere(UVec3::splat(CELL)) {
+                let at = (cell * CELL).as_ivec3() + local;
+                content[brick_index(local.as_uvec3())] = self.cpu.material(at);
+            }
+            NewCell::Voxels(Box::new(content))
+        });
+        let fresh = GpuVoxels::upload(&self.gpu, &fresh, IVec3::ZERO).expect("fits");
+        let edited = hits(&self.gpu, &self.on_gpu, &[Marcher::BrickMap]);
+        let built = hits(&self.gpu, &fresh, &[Marcher::BrickMap, Marcher::PlainDda]);
+        assert_eq!(built.len(), 2 * edited.len());
+        let twice = edited.iter().chain(&edited);
+        twice.zip(&built).filter(|(a, b)| !a.same_hit(**b)).count()
+    }
+}
+
+fn everywhere(size: UVec3) -> impl Iterator<Item = IVec3> {
+    let UVec3 { x, y, z } = size;
+    (0..x * y * z).map(move |i| UVec3::new(i % x, i / x % y, i / x / y).as_ivec3())
+}
+
+/// What a picture's rays find, and rays of all directions from a lattice of voxels, stone or not.
+fn hits(gpu: &Gpu, voxels: &GpuVoxels, marchers: &[Marcher]) -> Vec<FoundHit> {
+    let camera = Camera {
+        name: "above".to_owned(),
+        position: Vec3::new(50.3, 45.1, 52.7),
+        yaw_deg: 45.0,
+        pitch_deg: -40.0,
+        fov_deg: 80.0,
+    };
+    let view = frames::view(camera, [48, 32]);
+    let view_buffer = gpu.uniform_buffer("view", &view.to_gpu());
+    let probes: Vec<UVec3> = everywhere(UVec3::splat(4))
+        .map(|at| at.as_uvec3() * 10 + UVec3::new(3, 1, 2))
+        .collect();
+    let directions: Vec<Vec3> = everywhere(UVec3::splat(5))
+        .filter(|at| *at != IVec3::splat(2))
+        .map(|at| (at - 2).as_vec3() + Vec3::new(0.0, 0.13, 0.31))
+        .collect();
+    let rays = RaySet {
+        view: &view_buffer,
+        size: view.size,
+        rays_per_edge: 1,
+        probes: &probes,
+        directions: &directions,
+    };
+    let bench = RayBench::new(gpu, voxels, &rays).expect("compiles");
+    let mut found = Vec::new();
+    for marcher in marchers {
+        for kind in [RayKind::Camera, RayKind::Probe] {
+            found.extend(bench.hits(gpu, kind, *marcher).expect("runs"));
+        }
+    }
+    found
+}
+
+#[derive(Clone, Debug)]
+enum Change {
+    Set(IVec3, u8),
+    Box(IVec3, IVec3, u8),
+    Sphere(Vec3, f32, u8),
+}
+
+impl Change {
+    fn make(&self, voxels: &mut Voxels) -> Edit {
+        match *self {
+            Change::Set(at, material) => voxels.set(at, material),
+            Change::Box(a, b, material) => voxels.fill_box(a.min(b), a.max(b), material),
+            Change::Sphere(at, radius, material) => voxels.fill_sphere(at, radius, material),
+        }
+    }
+}
+
+fn changes() -> impl Strategy<Value = Vec<Change>> {
+    let place = || (-3..47i32, -3..40i32, -3..44i32).prop_map(|(x, y, z)| IVec3::new(x, y, z));
+    let material = || prop_oneof![Just(0u8), 1..4u8];
+    let sphere = (place(), 0.5..12.0f32, material());
+    let change = prop_oneof![
+        (place(), material()).prop_map(|(at, m)| Change::Set(at, m)),
+        (place(), place(), material()).prop_map(|(a, b, m)| Change::Box(a, b, m)),
+        sphere.prop_map(|(at, radius, m)| Change::Sphere(at.as_vec3() + 0.4, radius, m)),
+    ];
+    proptest::collection::vec(change, 1..8)
+}
+
+#[test]
+fn any_edits_leave_both_sides_equal() {
+    let gpu = gpu();
+    let config = Config {
+        cases: 10,
+        max_shrink_iters: 40,
+        failure_persistence: None,
+        ..Config::default()
+    };
+    let seed = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let outgrown = Cell::new(0);
+    let result = TestRunner::new_with_rng(config, seed).run(&changes(), |changes| {
+        let mut pair = Pair::new(&gpu, ground());
+        for change in &changes {
+            let edit = change.make(&mut pair.cpu);
+            outgrown.set(outgrown.get() + u32::from(pair.follow(&edit)));
+            prop_assert_eq!(pair.compare(), Ok(()));
+        }
+        prop_assert_eq!(pair.compare_rays(), 0);
+        Ok(())
+    });
+    match result {
+        Ok(()) => assert!(outgrown.get() > 3, "{outgrown:?}: too seldom to say much"),
+        Err(TestError::Fail(reason, changes)) => panic!("{reason}\nafter {changes:#?}"),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Each way in which a cell changes what it is, one by one.
+#[test]
+fn bricks_come_and_go_on_both_sides() {
+    let mut pair = Pair::new(&gpu(), ground());
+    let step = |pair: &mut Pair, change: Change| -> (Edit, bool) {
+        let edit = change.make(&mut pair.cpu);
+        let outgrown = pair.follow(&edit);
+        assert_eq!(pair.compare(), Ok(()), "after {change:?}");
+        assert_eq!(pair.compare_rays(), 0, "after {change:?}");
+        (edit, outgrown)
+    };
+    let dug = IVec3::new(10, 3, 11);
+    // A cell of stone is opened, into a brick that there was no room for.
+    let (opened, outgrown) = step(&mut pair, Change::Set(dug, 0));
+    assert_eq!((opened.bricks.len(), outgrown), (1, true));
+    // In place.
+    let (_, outgrown) = step(&mut pair, Change::Set(dug + IVec3::X, 0));
+    assert!(!outgrown);
+    // Filled again it is uniform: its brick is free.
+    let bricks = pair.cpu.bricks();
+    let (filled, _) = step(&mut pair, Change::Box(dug, dug + IVec3::X, 1));
+    assert_eq!((filled.bricks.len(), pair.cpu.bricks()), (0, bricks - 1));
+    // The next brick that is needed is that one.
+    let (again, outgrown) = step(
+        &mut pair,
+        Change::Sphere(Vec3::new(24.0, 32.0, 24.0), 2.0, 3),
+    );
+    assert!(again.bricks.contains(&opened.bricks[0]), "{again:?}");
+    assert!(outgrown, "a sphere across eight cells takes more than one");
+    // At the world's corners, and beyond them.
+    let last = SIZE.as_ivec3() - 1;
+    step(&mut pair, Change::Set(last, 2));
+    step(&mut pair, Change::Sphere(last.as_vec3() + 0.5, 6.0, 3));
+    step(&mut pair, Change::Set(IVec3::ZERO, 0));
+    step(&mut pair, Change::Box(IVec3::splat(-9), IVec3::ZERO, 3));
+    let (outside, outgrown) = step(&mut pair, Change::Set(SIZE.as_ivec3(), 1));
+    assert_eq!((outside, outgrown), (Edit::default(), false));
+    // Nothing at all, and all of it.
+    step(&mut pair, Change::Box(IVec3::ZERO, last, 0));
+    assert_eq!(pair.cpu.bricks(), 0);
+    step(&mut pair, Change::Box(IVec3::ZERO, last, 1));
+    step(&mut pair, Change::Box(IVec3::ONE, last - 1, 0));
+}
+
+#[test]
+fn uploads_that_are_skipped_are_found() {
+    let gpu = gpu();
+    // Into four cells of stone.
+    let stroke = Change::Sphere(Vec3::new(24.0, 15.0, 24.0), 4.5, 0);
+    let caught = |skip: &dyn Fn(&mut Edit)| {
+        let mut pair = Pair::new(&gpu, ground());
+        // Room for the bricks, so that only what is written differs.
+        let edit = Change::Sphere(Vec3::new(30.0, 30.0, 20.0), 7.0, 2).make(&mut pair.cpu);
+        pair.follow(&edit);
+        assert_eq!((pair.compare(), pair.compare_rays()), (Ok(()), 0));
+        let mut edit = stroke.make(&mut pair.cpu);
+        skip(&mut edit);
+        pair.follow(&edit);
+        (pair.compare().is_err(), pair.compare_rays() > 0)
+    };
+    assert_eq!(caught(&|_| ()), (false, false));
+    assert_eq!(caught(&|edit| *edit = Edit::default()), (true, true));
+    assert_eq!(caught(&|edit| edit.bricks.clear()), (true, true));
+    assert_eq!(caught(&|edit| edit.bricks.truncate(3)), (true, true));
+    assert_eq!(caught(&|edit| edit.grid.clear()), (true, true));
+    let (voxels_differ, _) = caught(&|edit| edit.grid.truncate(edit.grid.len() / 2));
+    assert!(voxels_differ);
+}
+
+/// A small picture of the world's sphere and probes around it.
+struct Shown {
+    gpu: Gpu,
+    world: World,
+    frame: Frame,
+    parameters: ProbeParameters,
+}
+
+impl Shown {
+    fn new(gpu: &Gpu, voxels: Option<&Voxels>, relocation: Relocation) -> Self {
+        let world = shipped("minimal");
+        let stage = match voxels {
+            Some(voxels) => Stage::upload(gpu, &world, voxels),
+            None => Stage::build(gpu, &world),
+        };
+        let parameters = ProbeParameters {
+            rays: 64,
+            relocation,
+            ..Default::default()
+        };
+        let layout = lattice(UVec3::splat(3), Vec3::splat(6.0), Vec3::new(0.0, 8.0, 0.0));
+        let frame = Frame::new(gpu, stage.expect("fits"), &layout, &parameters, [48, 32]);
+        Self {
+            gpu: gpu.clone(),
+            world,
+            frame: frame.expect("fits"),
+            parameters,
+        }
+    }
+
+    fn places(&self) -> Vec<[f32; 4]> {
+        let places = self.frame.field().places();
+        self.gpu.read_buffer(places).expect("reads back")
+    }
+
+    /// A frame more: what is seen, in a view that asks no probe, and the probes outside of stone.
+    fn draw(&mut self) -> (Vec<[f32; 3]>, u32) {
+        let view = View {
+            frame: self.frame.frames(),
+            mode: ViewMode::Direct,
+            ..frames::view(self.world.cameras[0].clone(), self.frame.size())
+        };
+        let lights = Lights::at(&self.world, &self.world.lamp_presets[0], 0.0);
+        let mut recorder = Recorder::new(&self.gpu, None);
+        self.frame
+            .record(&self.gpu, &mut recorder, &view, &lights, &self.parameters);
+        recorder.submit(&self.gpu).expect("submits");
+        let picture = self.frame.read_radiance(&self.gpu).expect("reads back");
+        let alive = self.frame.field().state_counts(&self.gpu);
+        let alive = alive.expect("reads back").alive;
+        (picture.rgb, alive)
+    }
+}
+
+/// Picture, shadows and probes follow a frame's edits, in place and when all passes are bound anew.
+#[test]
+fn a_frame_follows_its_edits() {
+    follows_edits(Relocation::Off);
+}
+
+#[test]
+fn a_frame_with_moved_probes_follows_its_edits() {
+    follows_edits(Relocation::Exact);
+}
+
+fn follows_edits(relocation: Relocation) {
+    let gpu = gpu();
+    let mut shown = Shown::new(&gpu, None, relocation);
+    let mut voxels = shown.frame.stage.read_back(&gpu).expect("reads back");
+    assert_eq!(voxels.validate(), Ok(()));
+    let (before, alive) = shown.draw();
+    let middle = (-shown.world.origin).as_vec3() + Vec3::new(0.0, 6.0, 0.0);
+    let mut buffers = Vec::new();
+    let (mut last, mut pictures) = (alive, vec![before]);
+    for (change, more_alive) in [
+        // The sphere is hollowed out: the probes in it live.
+        (Change::Sphere(middle, 5.0, 0), true),
+        (
+            Change::Sphere(middle + Vec3::new(4.0, 4.0, 6.0), 4.0, 0),
+            true,
+        ),
+        (Change::Sphere(middle, 9.0, 1), false),
+    ] {
+        let edit = change.make(&mut voxels);
+        shown.frame.apply(&gpu, &voxels, &edit).expect("fits");
+        buffers.push(shown.frame.stage.voxels.masks.clone());
+        let (picture, alive) = shown.draw();
+        let mut fresh = Shown::new(&gpu, Some(&voxels), relocation);
+        let (expected, fresh_alive) = fresh.draw();
+        assert_eq!(shown.places(), fresh.places(), "after {change:?}");
+        assert!(picture == expected, "after {change:?}");
+        assert_eq!(alive, fresh_alive, "after {change:?}");
+        // Moved probes find air throughout.
+        if relocation == Relocation::Off {
+            assert_eq!(alive > last, more_alive, "{last}, then {alive} probes");
+        }
+        last = alive;
+        pictures.push(picture);
+    }
+    assert!(
+        buffers.windows(2).any(|pair| pair[0] == pair[1]),
+        "in place"
+    );
+    assert!(
+        buffers.windows(2).any(|pair| pair[0] != pair[1]),
+        "outgrown"
+    );
+    // The first stroke was inside; the others show.
+    assert!(pictures[0] == pictures[1] && pictures[1] != pictures[2] && pictures[2] != pictures[3]);
+}
+
+#[test]
+fn an_edit_that_does_not_fit_leaves_all_as_it_was() {
+    let mut gpu = gpu();
+    let mut shown = Shown::new(&gpu, None, Relocation::Exact);
+    let mut voxels = shown.frame.stage.read_back(&gpu).expect("reads back");
+    let (before, alive) = shown.draw();
+    let held = shown.frame.stage.voxels.materials.size();
+    gpu.limits.max_storage_buffer_binding_size = held;
+    // Every other voxel: a brick in every cell.
+    let mut edited = voxels.clone();
+    let last = edited.size().as_ivec3() - 1;
+    let edit = edited.edit(IVec3::ZERO, last, |at, old| {
+        if at.element_sum() % 2 == 0 { 1 } else { old }
+    });
+    let error = shown.frame.apply(&gpu, &edited, &edit);
+    let error = error.expect_err("twice the limit");
+    assert!(error.to_string().contains("max_storage_buffer"), "{error}");
+    assert!(matches!(
+        error,
+        grotto::frame::FrameError::Gpu(GpuError::TooLarge { .. })
+    ));
+    let read = shown.frame.stage.read_back(&gpu).expect("reads back");
+    assert_eq!(read.raw().0, voxels.raw().0);
+    assert!(read.raw().1 == voxels.raw().1 && read.raw().2 == voxels.raw().2);
+    assert!(shown.draw() == (before, alive));
+    // And the next edit that fits is followed: whole cells of stone, which take no brick.
+    let edit = Change::Box(IVec3::ZERO, IVec3::new(last.x, 15, last.z), 1).make(&mut voxels);
+    assert!(voxels.raw().1.len() as u64 * 512 <= held);
+    shown.frame.apply(&gpu, &voxels, &edit).expect("fits");
+    let read = shown.frame.stage.read_back(&gpu).expect("reads back");
+    assert_eq!(read.raw().0, voxels.raw().0);
+}

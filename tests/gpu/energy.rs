@@ -1,0 +1,222 @@
+//! Light is neither lost nor made on the default path: whole frames as users get them, with default
+//! parameters and the final gather on, in closed rooms whose light is known in closed form.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use grotto::{
+    gpu::Gpu,
+    measure::picture::Picture,
+    parameters::ProbeParameters,
+    passes::view::ViewMode,
+    world::{LampPreset, World},
+};
+
+use crate::support::{
+    self,
+    frames::{Drawn, mean},
+    scenes::{all_around, flat},
+};
+
+/// Largest relative error of a law. Frames come to rest within 0.4 % of the furnaces and 0.5 % of the lamp's power;
+/// what is missing grows with the number of bounces that count (at albedo 0.8 it is 1 % of the lamp's power).
+const TOLERANCE: f64 = 0.01;
+
+/// A closed room of 16 m. The camera stands in its middle, from where a square picture of 90° shows
+/// one wall and nothing else, every part of it equally large.
+const ROOM: &str = "(
+    title: \"A closed room.\",
+    size: (24, 24, 24),
+    origin: (-12, -12, -12),
+    shape: Subtraction([Box(half: (12, 12, 12)), Box(half: (8, 8, 8))]),
+    lamps: [(name: \"lamp\", lamps: [(position: (1.7, 2.3, -0.9), power: 1000)])],
+    sky: (zenith: (0, 0, 0)),
+    cameras: [(name: \"middle\", position: (0, 0, 0), look_at: (6, -4, -8), fov_deg: 90)],
+    layouts: [(name: \"lattice\", counts: (4, 4, 4), spacing: 6)],
+)";
+/// Of the lamp (W).
+const POWER: f64 = 1000.0;
+/// Of the walls (m²).
+const AREA: f64 = 6.0 * 16.0 * 16.0;
+
+/// Three pixels a voxel: no face is too small for light of its own.
+const SIZE: [u32; 2] = [48, 48];
+
+fn room(albedo: f32, emission: f32) -> World {
+    let mut world = support::parsed(ROOM);
+    world.materials = vec![flat(albedo, emission)];
+    world
+}
+
+/// Drawn in its first layout, with default parameters.
+fn drawn(gpu: Gpu, world: World) -> Drawn {
+    let layout = world.layouts[0].clone();
+    Drawn::new(gpu, world, &layout, ProbeParameters::default(), SIZE)
+}
+
+/// A furnace has no lamps.
+fn furnace(gpu: Gpu, mut world: World, frames: u32) -> Picture {
+    world.lamp_presets = vec![LampPreset {
+        name: "none".into(),
+        lamps: Vec::new(),
+    }];
+    let mut drawn = drawn(gpu, world);
+    drawn.draw(frames);
+    drawn.radiance()
+}
+
+/// Whether every pixel has this radiance.
+fn is_even(picture: &Picture, expected: f64) -> Result<(), String> {
+    let errors = picture.rgb.iter().flatten().map(|value| {
+        assert!(value.is_finite(), "{value}");
+        f64::from(*value) / expected - 1.0
+    });
+    let worst = errors.fold(0.0, |worst: f64, error| {
+        if error.abs() > worst.abs() {
+            error
+        } else {
+            worst
+        }
+    });
+    if worst.abs() <= TOLERANCE {
+        return Ok(());
+    }
+    Err(format!("off by {:.2} %", 100.0 * worst))
+}
+
+fn scaled(picture: &Picture, by: f32) -> Picture {
+    let mut scaled = picture.clone();
+    scaled
+        .rgb
+        .iter_mut()
+        .flatten()
+        .for_each(|value| *value *= by);
+    scaled
+}
+
+/// A closed room whose walls emit e and reflect ρ has radiance e / (1 − ρ) everywhere.
+#[test]
+fn a_white_furnace_has_its_radiance_in_every_pixel() {
+    for albedo in [0.0, 0.5, 0.8f32] {
+        let picture = furnace(support::gpu(), room(albedo, 1.0), 120);
+        let expected = 1.0 / (1.0 - f64::from(albedo));
+        is_even(&picture, expected).unwrap_or_else(|error| panic!("albedo {albedo}: {error}"));
+        for fault in [0.98, 1.02] {
+            let wrong = scaled(&picture, fault);
+            assert!(is_even(&wrong, expected).is_err(), "{fault} passes");
+        }
+    }
+}
+
+/// Probes that pillars hide, and those that stand in them, take no light away.
+#[test]
+fn the_furnace_of_the_worlds_has_its_radiance_in_every_pixel() {
+    let picture = furnace(support::gpu(), support::shipped("furnace"), 120);
+    is_even(&picture, 2.0).unwrap_or_else(|error| panic!("{error}"));
+}
+
+#[test]
+fn a_furnace_whose_bounces_lose_a_fiftieth_is_found() {
+    let fault = (
+        "surface_cache/trace.wesl",
+        "return mean_albedo(",
+        "return 0.98 * mean_albedo(",
+    );
+    let gpu = support::with_faults(&support::gpu(), &[fault]);
+    let picture = furnace(gpu, room(0.8, 1.0), 60);
+    is_even(&picture, 5.0).expect_err("what rays of faces hit reflects too little");
+}
+
+/// What the walls absorb, over what the closed form says: of all light, and of bounced light alone.
+struct Absorbed {
+    all: f64,
+    bounced: f64,
+}
+
+impl Absorbed {
+    /// All walls are shown in turn, each for so many frames: first to settle, then to be measured.
+    fn of(gpu: Gpu, albedo: f32, [settling, measured]: [u32; 2]) -> Self {
+        let mut drawn = drawn(gpu, room(albedo, 0.0));
+        each_wall(&mut drawn, |drawn| {
+            drawn.draw(settling);
+            0.0
+        });
+        let reflected = each_wall(&mut drawn, |drawn| {
+            drawn.draw(measured);
+            mean(&drawn.radiance())
+        });
+        drawn.view.mode = ViewMode::Irradiance;
+        let bounced = each_wall(&mut drawn, |drawn| {
+            drawn.draw(1);
+            mean(&drawn.radiance())
+        });
+        let albedo = f64::from(albedo);
+        // Power that a wall absorbs is its irradiance times 1 − ρ; what it shows is irradiance times ρ/π.
+        let all = reflected * PI / albedo * (1.0 - albedo) * AREA / POWER;
+        // Of the lamp's power the share 1 − ρ is absorbed at once.
+        let bounced = bounced * PI * (1.0 - albedo) * AREA / (POWER * albedo);
+        Self { all, bounced }
+    }
+
+    fn is_power_of_the_lamp(&self) -> Result<(), String> {
+        for (what, share) in [("all", self.all), ("bounced", self.bounced)] {
+            if (share - 1.0).abs() > TOLERANCE {
+                return Err(format!("{share:.4} of {what} light"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Mean over the six walls of what is measured at each.
+fn each_wall(drawn: &mut Drawn, mut measure: impl FnMut(&mut Drawn) -> f64) -> f64 {
+    let mut sum = 0.0;
+    for camera in all_around(DVec3::ZERO) {
+        drawn.view.camera = camera;
+        sum += measure(drawn);
+    }
+    sum / 6.0
+}
+
+/// In a closed room all power of a lamp ends in the walls, after however many bounces.
+#[test]
+fn walls_absorb_the_power_of_the_lamp() {
+    for albedo in [0.5, 0.6] {
+        let absorbed = Absorbed::of(support::gpu(), albedo, [40, 16]);
+        println!(
+            "albedo {albedo}: {:.4}, {:.4}",
+            absorbed.all, absorbed.bounced
+        );
+        absorbed
+            .is_power_of_the_lamp()
+            .unwrap_or_else(|error| panic!("albedo {albedo}: {error}"));
+    }
+}
+
+/// At albedo ½ bounces after the third carry a sixteenth of all light.
+#[test]
+fn bounces_that_are_lost_are_found() {
+    let faults = [
+        // Rays of faces know no light of the faces that they hit, only that of the probes there.
+        (
+            "surface_cache/trace.wesl",
+            "light_at_hit(hit.voxel, hit.face, stop.point_gs)",
+            "vec4f(0.0)",
+        ),
+        // And probes know of no bounce before the one that they see.
+        (
+            "probes/trace.wesl",
+            "(light.direct + light.indirect)",
+            "light.direct",
+        ),
+    ];
+    let gpu = support::with_faults(&support::gpu(), &faults);
+    let absorbed = Absorbed::of(gpu, 0.5, [20, 8]);
+    println!("{:.4}, {:.4}", absorbed.all, absorbed.bounced);
+    assert!(absorbed.is_power_of_the_lamp().is_err());
+    assert!(
+        (0.8..0.97).contains(&absorbed.all),
+        "the fault is about as large as said: {:.4}",
+        absorbed.all
+    );
+}

@@ -1,0 +1,140 @@
+//! Who has a place in the table of faces when there are more faces than places.
+
+use std::iter;
+
+use grotto::{
+    gpu::{Gpu, Kernel, KernelSpec, Recorder},
+    passes::surface_cache::{GpuSurfaceCacheInfo, SurfaceCache},
+    world::materials::hash::hash,
+};
+
+use crate::support;
+
+/// Faces look one of six ways, and a face is looked for in so many buckets from its own on.
+const FACINGS: usize = 6;
+const REACH: usize = 8;
+const BUCKETS: u32 = 16;
+/// Frames after which the place of a face that nobody has seen may be taken.
+const FORGOTTEN: u32 = 64;
+const WORDS: usize = SurfaceCache::ENTRY_BYTES as usize / 4;
+const NO_ENTRY: u32 = u32::MAX;
+
+/// A table, and faces that are seen one after the other.
+struct Table {
+    gpu: Gpu,
+    kernel: Kernel,
+    table: wgpu::Buffer,
+}
+
+impl Table {
+    fn new() -> Self {
+        let gpu = support::gpu();
+        let kernel = Kernel::new(
+            &gpu,
+            &KernelSpec {
+                shader: "generated/places",
+                generated: &[("places", PLACES)],
+                ..Default::default()
+            },
+        )
+        .expect("compiles");
+        let words = vec![0u32; FACINGS * BUCKETS as usize * WORDS];
+        let table = gpu.storage_buffer_of("marked_table", &words).expect("fits");
+        Self { gpu, kernel, table }
+    }
+
+    /// Faces (key, way it looks) that pixels see in a frame: the places they get. Each is lit then.
+    fn see(&self, frame: u32, faces: &[(u32, u32)]) -> Vec<u32> {
+        let info = GpuSurfaceCacheInfo {
+            frame,
+            bucket_mask: BUCKETS - 1,
+            ..Default::default()
+        };
+        let info = self.gpu.uniform_buffer("face_info", &info);
+        let faces: Vec<[u32; 2]> = faces.iter().map(|(key, face)| [*key, *face]).collect();
+        let seen = self.gpu.storage_buffer_of("seen", &faces).expect("fits");
+        let size = faces.len() as u64 * 4;
+        let out = self.gpu.storage_buffer("entries", size).expect("fits");
+        let bindings = self.kernel.bind(
+            &self.gpu,
+            &[
+                ("face_info", info.as_entire_binding()),
+                ("marked_table", self.table.as_entire_binding()),
+                ("seen", seen.as_entire_binding()),
+                ("entries", out.as_entire_binding()),
+            ],
+        );
+        let mut recorder = Recorder::new(&self.gpu, None);
+        recorder.compute("places", |pass| {
+            self.kernel.dispatch(pass, &bindings, [1, 1, 1]);
+        });
+        recorder.submit(&self.gpu).expect("submits");
+        let mut entries: Vec<u32> = self.gpu.read_buffer(&out).expect("reads back");
+        entries.truncate(faces.len());
+        entries
+    }
+}
+
+const PLACES: &str = "
+import package::generated::surface_cache::ENTRY_WORDS;
+import package::surface_cache::table::{face_info, NO_ENTRY};
+import package::surface_cache::places::{marked_table, place_for, LISTED_WORD, LIT_WORD, SEEN_WORD};
+@group(3) @binding(8) var<storage, read> seen: array<vec2u>;
+@group(3) @binding(9) var<storage, read_write> entries: array<u32>;
+@compute @workgroup_size(1)
+fn main() {
+    for (var number = 0u; number < arrayLength(&seen); number += 1u) {
+        let entry = place_for(seen[number].x, seen[number].y);
+        entries[number] = entry;
+        if entry != NO_ENTRY {
+            // What it has to say of its light when it is new here: nothing.
+            if atomicLoad(&marked_table[entry * ENTRY_WORDS + LIT_WORD]) != 0u {
+                entries[number] |= 0x80000000u;
+            }
+            atomicStore(&marked_table[entry * ENTRY_WORDS + LISTED_WORD], face_info.frame);
+            atomicStore(&marked_table[entry * ENTRY_WORDS + SEEN_WORD], face_info.frame);
+            atomicStore(&marked_table[entry * ENTRY_WORDS + LIT_WORD], face_info.frame);
+        }
+    }
+}
+";
+
+/// Set in a place that had light already.
+const LIT: u32 = 1 << 31;
+
+#[test]
+fn a_full_table_gives_the_place_that_was_seen_longest_ago_and_only_when_it_is_forgotten() {
+    let table = Table::new();
+    let mut same_bucket = (1u32..).filter(|key| hash(*key) % BUCKETS == 3);
+    let mut next = || same_bucket.next().expect("there are many");
+    let mut faces: Vec<(u32, u32)> = iter::repeat_with(|| (next(), 2)).take(REACH).collect();
+    let places = table.see(1, &faces);
+    let expected: Vec<u32> = (3..3 + REACH as u32).map(|bucket| bucket * 6 + 2).collect();
+    assert_eq!(places, expected, "one bucket after the other");
+    let late = (next(), 2);
+    assert_eq!(table.see(2, &[late]), [NO_ENTRY], "all are taken");
+    // Those that look another way have places of their own.
+    assert_eq!(table.see(2, &[(late.0, 5)]), [3 * 6 + 5]);
+    // All but the third are seen again; it keeps its place until it is forgotten.
+    let third = faces.remove(2);
+    let again: Vec<u32> = table.see(10, &faces);
+    assert!(again.iter().all(|place| place & LIT != 0), "{again:x?}");
+    assert_eq!(table.see(FORGOTTEN, &[late]), [NO_ENTRY], "not yet");
+    assert_eq!(
+        table.see(FORGOTTEN + 1, &[late]),
+        [places[2]],
+        "dark at first"
+    );
+    assert_eq!(table.see(FORGOTTEN + 2, &[late]), [places[2] | LIT]);
+    assert_eq!(
+        table.see(FORGOTTEN + 2, &[third]),
+        [NO_ENTRY],
+        "it has lost it"
+    );
+    // The others have not.
+    let kept: Vec<u32> = faces
+        .iter()
+        .map(|face| table.see(70, &[*face])[0])
+        .collect();
+    assert_eq!(kept, again);
+}

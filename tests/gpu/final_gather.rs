@@ -1,0 +1,296 @@
+//! The final gather: faces that the camera sees look for their light themselves. (How near to the truth that
+//! is, is asked in tests/cli/measuring/contact.rs.)
+
+use glam::IVec3;
+use grotto::{
+    lights::Lights,
+    measure::picture::Picture,
+    parameters::{Contact, FinalGather, ProbeParameters},
+    passes::view::ViewMode,
+    reference,
+    world::voxels::Voxels,
+};
+
+use crate::support::{
+    self,
+    frames::{Drawn, apart, mean},
+};
+
+/// A room with a lamp behind a pillar. Its floor's upper faces lie at y = 0.
+const ROOM: &str = "(
+    title: \"A room to change.\",
+    size: (24, 16, 24),
+    origin: (-12, -4, -12),
+    shape: Union([
+        Subtraction([
+            Translate(by: (0, 4, 0), of: Box(half: (10, 6, 10))),
+            Translate(by: (0, 4, 0), of: Box(half: (8, 4, 8))),
+        ]),
+        Translate(by: (3, 4, 0), of: Box(half: (1, 4, 2))),
+    ]),
+    materials: {\"plaster\": (a: Flat(0.6, 0.6, 0.6))},
+    lamps: [
+        (name: \"on\", lamps: [(position: (6, 6, 0), power: 900)]),
+        (name: \"off\"),
+    ],
+    cameras: [(name: \"down\", position: (-2, 5, 5), look_at: (-2, 0, -1), fov_deg: 60)],
+    layouts: [(name: \"fine\", counts: (6, 4, 6), spacing: 4, centre: (0.5, 4.5, 0.5))],
+)";
+
+const SIZE: [u32; 2] = [48, 36];
+
+struct Room {
+    drawn: Drawn,
+    voxels: Voxels,
+}
+
+impl Room {
+    fn new(probes: ProbeParameters) -> Self {
+        Self::of(ROOM, probes)
+    }
+
+    fn of(text: &str, probes: ProbeParameters) -> Self {
+        Self::seen(text, probes, SIZE)
+    }
+
+    fn seen(text: &str, probes: ProbeParameters, size: [u32; 2]) -> Self {
+        let world = support::parsed(text);
+        let layout = world.layouts[0].clone();
+        let mut drawn = Drawn::new(support::gpu(), world, &layout, probes, size);
+        drawn.view.mode = ViewMode::Irradiance;
+        drawn.view.seed = 3;
+        let voxels = drawn.frame.stage.read_back(&drawn.gpu).expect("reads back");
+        Self { drawn, voxels }
+    }
+
+    /// Lit by the lamps of this preset.
+    fn light(&mut self, preset: usize) {
+        let preset = &self.drawn.world.lamp_presets[preset];
+        self.drawn.lights = Lights::at(&self.drawn.world, preset, 0.0);
+    }
+
+    /// Irradiance (over π) of the last of `frames` more frames.
+    fn after(&mut self, frames: u32) -> Picture {
+        self.drawn.draw(frames);
+        self.drawn.radiance()
+    }
+
+    /// What [`after`](Self::after) should come to.
+    fn truth(&self) -> Picture {
+        self.drawn.path_traced(reference::View::Irradiance, 256)
+    }
+
+    /// Entries of the surface cache.
+    fn listed(&self) -> u32 {
+        let faces = self.drawn.frame.faces();
+        faces.listed(&self.drawn.gpu).expect("reads back")
+    }
+
+    /// Fills a box of voxels (world space, both ends inclusive) with material 1.
+    fn fill(&mut self, low: IVec3, high: IVec3) {
+        let origin = self.drawn.world.origin;
+        let edit = self.voxels.fill_box(low - origin, high - origin, 1);
+        self.drawn
+            .frame
+            .apply(&self.drawn.gpu, &self.voxels, &edit)
+            .expect("fits");
+    }
+
+    /// A block of stone on the floor, 3 × 2 × 3, in the middle of the picture.
+    fn build(&mut self) {
+        self.fill(IVec3::new(-3, 0, -1), IVec3::new(-1, 1, 1));
+    }
+}
+
+fn quick() -> ProbeParameters {
+    ProbeParameters {
+        rays: 64,
+        warmup_frames: 8,
+        ..Default::default()
+    }
+}
+
+#[test]
+fn faces_of_few_pixels_are_lit_by_the_probes_alone() {
+    let by_probes = ProbeParameters {
+        contact: Contact::Off,
+        final_gather: FinalGather::Off,
+        ..quick()
+    };
+    let too_small = ProbeParameters {
+        final_gather: FinalGather::On,
+        face_pixels: 1000.0,
+        ..by_probes.clone()
+    };
+    let (probes, faces) = (
+        Room::new(by_probes).after(6),
+        Room::new(too_small.clone()).after(6),
+    );
+    assert!(mean(&probes) > 1e-3);
+    assert!(probes == faces, "the very same");
+    let large = ProbeParameters {
+        face_pixels: 0.5,
+        ..too_small
+    };
+    assert!(apart(&Room::new(large).after(6), &probes) > 0.01);
+}
+
+#[test]
+fn a_still_picture_comes_to_rest() {
+    let mut room = Room::new(quick());
+    room.after(60);
+    let mut last = room.after(1);
+    for _ in 0..4 {
+        let next = room.after(1);
+        assert!(apart(&next, &last) < 0.01, "{}", apart(&next, &last));
+        last = next;
+    }
+    let listed = room.listed();
+    assert!((100..2000).contains(&listed), "{listed}");
+}
+
+/// Rays ask for the faces that they hit, seen or not. So light of many bounces is true where the lattice of the probes
+/// is much too coarse for it.
+#[test]
+fn what_rays_hit_knows_its_own_light() {
+    let coarse = ROOM.replace(
+        "counts: (6, 4, 6), spacing: 4",
+        "counts: (4, 3, 4), spacing: 8",
+    );
+    let bright = coarse
+        .replace("Flat(0.6, 0.6, 0.6)", "Flat(0.75, 0.75, 0.75)")
+        .replace("fov_deg: 60", "fov_deg: 80")
+        .replace("position: (-2, 5, 5)", "position: (-6, 6.5, 6)");
+    let mut by_probes = Room::seen(
+        &bright,
+        ProbeParameters {
+            final_gather: FinalGather::Off,
+            ..quick()
+        },
+        [96, 72],
+    );
+    let mut room = Room::seen(&bright, quick(), [96, 72]);
+    let truth = room.truth();
+    room.after(24);
+    let seen = room.listed();
+    let (picture, coarse) = (room.after(276), by_probes.after(300));
+    let listed = room.listed();
+    assert!(listed > seen + 10, "{listed} faces, {seen} of them seen");
+    // Without the light of faces where rays hit them it is 0.88.
+    let [ours, theirs] = [&picture, &coarse].map(|picture| mean(picture) / mean(&truth));
+    assert!(
+        (ours - 1.0).abs() < 0.06 && theirs < 0.86,
+        "{ours}, {theirs} by probes"
+    );
+}
+
+/// Quarters of a face that differ by no more than their noise show the same: other rays find another picture, but not
+/// by much.
+#[test]
+fn noise_between_quarters_is_not_shown() {
+    let seen_by = |seed| {
+        let mut room = Room::new(quick());
+        room.drawn.view.seed = seed;
+        room.after(40)
+    };
+    let apart = apart(&seen_by(3), &seen_by(4));
+    // If each showed its own mean it would be 0.021.
+    assert!(apart < 0.017, "{apart}");
+}
+
+/// Threads find faces, ask for them and claim places for them in any order.
+#[test]
+fn the_order_of_threads_does_not_show() {
+    let [once, again] = [(); 2].map(|()| Room::new(quick()).after(70));
+    assert!(once == again);
+}
+
+/// What was known of the light is of no use then, and must not be shown.
+#[test]
+fn a_lamp_that_goes_out_leaves_no_light() {
+    let mut room = Room::new(quick());
+    let lit = mean(&room.after(60));
+    room.light(1);
+    let after = mean(&room.after(8));
+    // As fast as the probes themselves.
+    let mut by_probes = Room::new(ProbeParameters {
+        final_gather: FinalGather::Off,
+        ..quick()
+    });
+    let lit_by_probes = mean(&by_probes.after(60));
+    by_probes.light(1);
+    let after_by_probes = mean(&by_probes.after(8));
+    let (left, left_by_probes) = (after / lit, after_by_probes / lit_by_probes);
+    assert!(left < 1.1 * left_by_probes, "{left}, {left_by_probes}");
+    let later = mean(&room.after(4));
+    assert!(later < 0.1 * lit, "{later} of {lit}");
+    room.light(0);
+    by_probes.light(0);
+    let mut again = 0.0;
+    for _ in 0..8 {
+        again = mean(&room.after(1)) / lit;
+        assert!(again < 1.1, "{again}: a flash");
+    }
+    let again_by_probes = mean(&by_probes.after(8)) / lit_by_probes;
+    let apart = (again / again_by_probes - 1.0).abs();
+    assert!(apart < 0.05, "{again}, {again_by_probes}");
+    let later = mean(&room.after(4)) / lit;
+    assert!((later - 1.0).abs() < 0.1, "{later}");
+}
+
+/// A block that is placed has its shade at once, and its own faces their light.
+#[test]
+fn an_edit_shows_at_once() {
+    let mut edited = Room::new(quick());
+    let before = edited.after(60);
+    edited.build();
+    let soon = edited.after(4);
+    let mut settled = Room::new(quick());
+    settled.build();
+    let truth = settled.after(90);
+    let (was, is) = (apart(&before, &truth), apart(&soon, &truth));
+    assert!(was > 0.06, "the block changes little: {was}");
+    assert!(is < 0.4 * was, "{is} apart, {was} before");
+    assert!(soon.rgb.iter().flatten().all(|value| value.is_finite()));
+    // None of its faces is black: they have found light.
+    let darkest = |picture: &Picture| {
+        picture
+            .rgb
+            .iter()
+            .map(|rgb| rgb[1])
+            .fold(f32::MAX, f32::min)
+    };
+    assert!(darkest(&soon) > 0.3 * darkest(&truth));
+}
+
+/// Emissive voxels are chosen from a list: one that is placed must be on it, and light no more or less than it
+/// sends.
+#[test]
+fn an_ember_that_is_placed_gives_its_light() {
+    let embers = ROOM.replace(
+        "materials: {",
+        "rules: [
+            (material: \"ember\", when: InBox(min: (-3, 3, -9), max: (-2, 4, -8))),
+            (material: \"plaster\"),
+        ],
+        materials: {
+            \"ember\": (a: Flat(0.6, 0.6, 0.6), emission: (30, 20, 10)),
+            ",
+    );
+    // Then all light is the embers', and none of it is what the probes make of it.
+    let embers = embers.replace("Flat(0.6, 0.6, 0.6)", "Flat(0, 0, 0)");
+    let all_faces = ProbeParameters {
+        face_pixels: 0.5,
+        ..quick()
+    };
+    let mut room = Room::of(&embers, all_faces);
+    room.light(1);
+    let (picture, truth) = (room.after(150), room.truth());
+    let before = (mean(&picture) / mean(&truth) - 1.0).abs();
+    assert!(before < 0.02 && apart(&picture, &truth) < 0.04, "{before}");
+    let place = IVec3::new(0, 0, 1);
+    room.fill(place, place);
+    // Edits alarm for long.
+    let after = (mean(&room.after(280)) / mean(&room.truth()) - 1.0).abs();
+    assert!(after < 0.02, "{after}");
+}

@@ -1,0 +1,21 @@
+//! Passes and whole frames on the GPU, through the library: against closed forms, against the CPU and
+//! against themselves. A software device is enough.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod cascades;
+mod distances;
+mod edits;
+mod energy;
+mod face_places;
+mod final_gather;
+mod golden;
+mod indirect;
+mod light;
+mod marching;
+mod probe_views;
+mod probes;
+mod slices;
+mod tonemap;
+mod voxelise;

@@ -1,0 +1,147 @@
+//! Layers of the atlases, flat.
+
+use grotto::{
+    frame::FrameError,
+    gpu::Gpu,
+    parameters::{ProbeParameters, Visibility},
+    passes::view::{AtlasLayer, AtlasMap, Inspection, InspectionError},
+};
+use half::f16;
+
+use super::{Watched, few_rays};
+use crate::support;
+
+/// Bytes of a row that is copied from a texture.
+const ROW: u32 = 512;
+
+/// A layer of a texture, rows from the top.
+fn texels(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Vec<Vec<[f16; 4]>> {
+    let (width, height) = (texture.width(), texture.height());
+    assert!(width * 8 <= ROW);
+    let copy = gpu.storage_buffer("copy", u64::from(height * ROW));
+    let copy = copy.expect("it fits");
+    let mut from = texture.as_image_copy();
+    from.origin.z = layer;
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_texture_to_buffer(
+        from,
+        wgpu::TexelCopyBufferInfo {
+            buffer: &copy,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(ROW),
+                rows_per_image: None,
+            },
+        },
+        wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+    );
+    gpu.queue.submit([encoder.finish()]);
+    let rows: Vec<[f16; 4]> = gpu.read_buffer(&copy).expect("reads back");
+    rows.chunks_exact(ROW as usize / 8)
+        .map(|row| row[..width as usize].to_vec())
+        .collect()
+}
+
+/// Probes whose maps take many layers, for the adapter has tiny textures.
+fn watched(size: [u32; 2]) -> Watched {
+    let mut gpu = support::gpu();
+    gpu.limits.max_texture_dimension_2d = 64;
+    let parameters = ProbeParameters {
+        visibility: Visibility::Chebyshev,
+        irradiance_texels: 8,
+        distance_texels: 16,
+        ..few_rays()
+    };
+    let mut watched = Watched::on(gpu, "house", "coarse", size, parameters);
+    watched.settle(2);
+    assert!(watched.frame.field().atlas().layers > 5);
+    watched
+}
+
+fn shown(map: AtlasMap, layer: u32) -> Inspection {
+    Inspection {
+        atlas: Some(AtlasLayer { map, layer }),
+        ..Inspection::default()
+    }
+}
+
+#[test]
+fn a_layer_fills_the_picture_texel_by_texel() {
+    // Two pixels a texel of irradiance with a stripe at both sides, and less than one of distances.
+    let size = [50, 40];
+    let mut watched = watched(size);
+    let mut known = Vec::new();
+    for (map, layer) in [
+        (AtlasMap::Irradiance, 0),
+        (AtlasMap::Irradiance, 4),
+        (AtlasMap::Distance, 4),
+    ] {
+        let picture = watched.look(shown(map, layer));
+        let field = watched.frame.field();
+        let (texture, channels) = match map {
+            AtlasMap::Irradiance => (field.irradiance_atlas(), 3),
+            AtlasMap::Distance => (field.distance_atlas(), 2),
+        };
+        let texels = texels(&watched.gpu, texture, layer);
+        let [width, height] = [texture.width(), texture.height()];
+        let scale =
+            (f64::from(size[0]) / f64::from(width)).min(f64::from(size[1]) / f64::from(height));
+        let texel_at = |pixel: u32, pixels: u32, texels: u32| {
+            let margin = (f64::from(pixels) - f64::from(texels) * scale) / 2.0;
+            ((f64::from(pixel) + 0.5 - margin) / scale).floor() as i64
+        };
+        for (index, rgb) in (0..).zip(&picture.rgb) {
+            let x = texel_at(index % size[0], size[0], width);
+            let y = texel_at(index / size[0], size[1], height);
+            let inside = (0..i64::from(width)).contains(&x) && (0..i64::from(height)).contains(&y);
+            let mut expected = [0.0; 3];
+            if inside {
+                let texel = texels[y as usize][x as usize];
+                for (to, from) in expected.iter_mut().zip(&texel[..channels]) {
+                    *to = from.to_f32();
+                }
+            }
+            assert_eq!(*rgb, expected, "{map:?} {layer}, pixel {index}");
+        }
+        let lit = picture.rgb.iter().filter(|rgb| rgb[0] > 0.0).count();
+        assert!(lit > 100, "{map:?} {layer}: {lit} pixels");
+        known.push(picture);
+    }
+    assert!(known[0] != known[1], "all layers are the same one");
+}
+
+#[test]
+fn a_layer_that_there_is_not_is_told_with_how_many_there_are() {
+    let mut watched = watched([8, 8]);
+    let layers = watched.frame.field().atlas().layers;
+    let before = watched.look(shown(AtlasMap::Irradiance, layers - 1));
+    let error = watched
+        .frame
+        .inspect(&watched.gpu, shown(AtlasMap::Distance, layers))
+        .expect_err("one too many");
+    assert!(matches!(
+        error,
+        FrameError::Inspection(InspectionError::NoLayer { .. })
+    ));
+    let message = error.to_string();
+    assert!(message.contains(&format!("{layers} layers")), "{message}");
+    let after = watched.look(shown(AtlasMap::Irradiance, layers - 1));
+    assert!(before == after, "the frame is not as before");
+}
+
+#[test]
+fn distances_that_nobody_keeps_are_told_of() {
+    let gpu = support::gpu();
+    let mut exact = Watched::on(gpu, "house", "coarse", [8, 8], few_rays());
+    assert!(!exact.frame.field().keeps_distances());
+    let error = exact
+        .frame
+        .inspect(&exact.gpu, shown(AtlasMap::Distance, 0))
+        .expect_err("there are none");
+    let message = error.to_string();
+    assert!(message.contains("probes.visibility=chebyshev"), "{message}");
+}

@@ -1,0 +1,408 @@
+//! Which probes are due: by what surrounds them, by who asks, and after edits.
+
+use std::collections::BTreeSet;
+
+use glam::{IVec3, UVec3, Vec3};
+use grotto::{
+    gpu::{Gpu, Kernel, KernelSpec, Recorder},
+    parameters::{ProbeParameters, ProbeStates as Sleep, Relocation, Visibility},
+    passes::{
+        probes::{
+            ProbeField, StateCounts, blend::ProbeBlend, classify::ProbeClassify,
+            schedule::ProbeSchedule,
+        },
+        scene::GpuVoxels,
+    },
+    probes::Layout as _,
+    world::voxels::{NewCell, Voxels},
+};
+
+use crate::support::{
+    gpu,
+    scenes::{lattice, volume_of},
+};
+
+const SIZE: u32 = 56;
+/// Stone lies below this x.
+const WALL: i32 = 16;
+/// Of each probe.
+const RAYS: u32 = 8;
+const COUNTS: UVec3 = UVec3::new(6, 3, 3);
+const SPACING: f32 = 8.0;
+
+/// A slab of stone beside open air, and probes from deep inside of it to far out: by column of the
+/// lattice two in stone, one before the wall, three with nothing around them.
+struct Slab {
+    gpu: Gpu,
+    on_cpu: Voxels,
+    voxels: GpuVoxels,
+    field: ProbeField,
+    states: ProbeClassify,
+    due: ProbeSchedule,
+    blend: ProbeBlend,
+    parameters: ProbeParameters,
+    frame: u64,
+}
+
+impl Slab {
+    fn new(parameters: ProbeParameters) -> Self {
+        let gpu = gpu();
+        let on_cpu = Voxels::from_cells(UVec3::splat(SIZE), |cell| {
+            if (cell.x as i32) * 8 < WALL {
+                NewCell::Uniform(1)
+            } else {
+                NewCell::Empty
+            }
+        });
+        let voxels = GpuVoxels::upload(&gpu, &on_cpu, IVec3::ZERO).expect("fits");
+        let centre = Vec3::new(24.5, 28.5, 28.5);
+        let volume = volume_of(&lattice(COUNTS, Vec3::splat(SPACING), centre));
+        let parameters = ProbeParameters {
+            relocation: Relocation::Off,
+            visibility: Visibility::Chebyshev,
+            warmup_frames: 2,
+            rays: RAYS,
+            ..parameters
+        };
+        let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
+        let slab = Self {
+            states: ProbeClassify::new(&gpu, &field, &voxels.resources()).expect("compiles"),
+            due: ProbeSchedule::new(&gpu, &field).expect("compiles"),
+            blend: ProbeBlend::new(&gpu, &field).expect("compiles"),
+            gpu,
+            on_cpu,
+            voxels,
+            field,
+            parameters,
+            frame: 0,
+        };
+        // Every ray is long: no probe is hidden.
+        (0..COUNTS.element_product()).for_each(|slot| slab.set_rays(slot, 100.0));
+        slab
+    }
+
+    /// All rays of a probe are this long, or begin in stone (negative), and bring no light.
+    fn set_rays(&self, slot: u32, length: f32) {
+        let rays = [[0.0, 0.0, 0.0, length]; RAYS as usize];
+        let offset = u64::from(slot) * size_of_val(&rays) as u64;
+        let bytes = bytemuck::cast_slice(&rays);
+        self.gpu
+            .queue
+            .write_buffer(self.field.rays(), offset, bytes);
+    }
+
+    /// One update; the slots that were due in it.
+    fn update(&mut self) -> BTreeSet<u32> {
+        self.field
+            .begin_frame(&self.gpu, &self.parameters, 1, self.frame);
+        let mut recorder = Recorder::new(&self.gpu, None);
+        if self.field.misplaced() {
+            self.states.record(&mut recorder);
+            self.field.set_placed();
+        }
+        self.due.record(&mut recorder);
+        self.blend.record(&mut recorder);
+        recorder.submit(&self.gpu).expect("submits");
+        self.frame += 1;
+        let list = self.field.due(&self.gpu).expect("reads back");
+        let due: BTreeSet<u32> = list.iter().copied().collect();
+        assert_eq!(due.len(), list.len(), "a slot twice");
+        due
+    }
+
+    fn updates(&self) -> Vec<u32> {
+        self.field.updates(&self.gpu).expect("reads back")
+    }
+
+    /// How often each slot is updated in the next frames.
+    fn watch(&mut self, frames: u32) -> Vec<u32> {
+        let before = self.updates();
+        for _ in 0..frames {
+            self.update();
+        }
+        let after = self.updates();
+        after
+            .iter()
+            .zip(before)
+            .map(|(after, before)| after - before)
+            .collect()
+    }
+
+    /// Fills a box (both ends inclusive) with a material.
+    fn fill(&mut self, low: IVec3, high: IVec3, material: u8) {
+        let edit = self.on_cpu.fill_box(low, high, material);
+        let larger = self
+            .voxels
+            .with_room_for(&self.gpu, &self.on_cpu)
+            .expect("fits");
+        if let Some(larger) = larger {
+            self.voxels = larger;
+            let resources = self.voxels.resources();
+            self.states = ProbeClassify::new(&self.gpu, &self.field, &resources).expect("compiles");
+        }
+        self.voxels.write(&self.gpu, &self.on_cpu, &edit);
+        let (low, high) = edit.region.expect("something changed");
+        self.field.note_change(low.as_vec3(), high.as_vec3() + 1.0);
+    }
+
+    /// A pixel that shows this point of a surface gathers, as in pass `view/shade`.
+    fn look_at(&self, point: Vec3, normal: Vec3) {
+        self.ask(point, normal, 0.0);
+    }
+
+    /// `by_ray`: 1 for the hit of a probe's ray, 0 for a pixel.
+    fn ask(&self, point: Vec3, normal: Vec3, by_ray: f32) {
+        let kernel = Kernel::new(
+            &self.gpu,
+            &KernelSpec {
+                shader: "generated/look",
+                generated: &[("look", LOOK)],
+                ..Default::default()
+            },
+        )
+        .expect("compiles");
+        let places = [
+            point.extend(0.0).to_array(),
+            normal.extend(by_ray).to_array(),
+        ];
+        let place = self.gpu.storage_buffer_of("place", &places).expect("fits");
+        let mut resources = self.voxels.resources().to_vec();
+        resources.extend(self.field.resources());
+        resources.push(("place", place.as_entire_binding()));
+        let bindings = kernel.bind(&self.gpu, &resources);
+        let mut recorder = Recorder::new(&self.gpu, None);
+        recorder.compute("look", |pass| {
+            kernel.dispatch(pass, &bindings, [1, 1, 1]);
+        });
+        recorder.submit(&self.gpu).expect("submits");
+    }
+
+    fn counts(&self) -> StateCounts {
+        self.field.state_counts(&self.gpu).expect("reads back")
+    }
+}
+
+const LOOK: &str = "
+import package::probes::requests::{gather_for, PIXEL, RAY};
+import package::probes::gather::gather;
+@group(3) @binding(0) var<storage, read_write> place: array<vec4f>;
+@compute @workgroup_size(1)
+fn main() {
+    gather_for(select(PIXEL, RAY, place[1].w > 0.0));
+    place[0] = vec4f(gather(place[0].xyz, place[1].xyz), 0.0);
+}
+";
+
+/// Slots of a column of the lattice along x.
+fn column(x: u32) -> impl Iterator<Item = u32> {
+    (0..COUNTS.y * COUNTS.z).map(move |row| row * COUNTS.x + x)
+}
+
+fn columns(range: std::ops::Range<u32>) -> BTreeSet<u32> {
+    range.flat_map(column).collect()
+}
+
+/// How often slots were updated, fewest and most.
+fn fewest_and_most(updates: &[u32], slots: &BTreeSet<u32>) -> [u32; 2] {
+    let counts = slots.iter().map(|slot| updates[*slot as usize]);
+    let [fewest, most] = [counts.clone().min(), counts.max()];
+    [fewest, most].map(|count| count.expect("some slots"))
+}
+
+/// Those that take turns: each of `slots` was updated `times`.
+#[track_caller]
+fn assert_each(updates: &[u32], slots: &BTreeSet<u32>, times: u32) {
+    let found = fewest_and_most(updates, slots);
+    assert_eq!(found, [times; 2], "fewest and most updates of {slots:?}");
+}
+
+/// Of all others that are due some may sleep and have their turn: about a tenth of them in a frame.
+#[track_caller]
+fn assert_due(due: &BTreeSet<u32>, awake: &BTreeSet<u32>, asleep: &BTreeSet<u32>) {
+    assert!(awake.is_subset(due), "{awake:?} are awake: {due:?}");
+    let others = due - awake;
+    assert!(others.is_subset(asleep), "{asleep:?} are asleep: {due:?}");
+    assert!(
+        others.len() <= asleep.len().div_ceil(5),
+        "a tenth: {others:?}"
+    );
+}
+
+/// With states, and no heed to unrest: new probes have some.
+fn on() -> ProbeParameters {
+    ProbeParameters {
+        states: Sleep::On,
+        restless: 1.0,
+        ..Default::default()
+    }
+}
+
+#[test]
+fn stone_is_dead_open_air_sleeps_and_what_is_before_a_wall_is_alive() {
+    let mut slab = Slab::new(ProbeParameters {
+        // Any unrest keeps awake what has surfaces around it.
+        restless: 0.0,
+        ..on()
+    });
+    let (near, far) = (columns(2..3), columns(3..6));
+    for frame in 0..2 {
+        // New ones are due until they have warmed up.
+        assert_eq!(slab.update(), columns(2..6), "frame {frame}");
+    }
+    let before = slab.updates();
+    for _ in 0..20 {
+        assert_due(&slab.update(), &near, &far);
+    }
+    let after = slab.updates();
+    let updates: Vec<u32> = after.iter().zip(before).map(|(a, b)| a - b).collect();
+    assert_each(&updates, &near, 20);
+    assert_each(&updates, &far, 2);
+    assert_each(&after, &columns(0..2), 0);
+    let expected = StateCounts {
+        alive: 9,
+        sleeping: 27,
+        dead: 18,
+        due: slab.counts().due,
+        twins: 0,
+    };
+    assert_eq!(slab.counts(), expected);
+}
+
+#[test]
+fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
+    let mut slab = Slab::new(ProbeParameters {
+        alive_frames: 5,
+        ..on()
+    });
+    let all = columns(2..6);
+    for _ in 0..2 {
+        assert_eq!(slab.update(), all);
+    }
+    assert_each(&slab.watch(20), &all, 2);
+    assert_eq!((slab.counts().alive, slab.counts().sleeping), (0, 36));
+    // In the middle of the cage between rows 0 and 1 of y and of z; columns 1 (dead) and 2 of x.
+    slab.look_at(Vec3::new(16.0, 24.5, 24.5), Vec3::X);
+    let seen: BTreeSet<u32> = [(0, 0), (1, 0), (0, 1), (1, 1)]
+        .map(|(y, z)| 2 + 6 * (y + 3 * z))
+        .into();
+    // The request carries the number of the last frame.
+    let others = &all - &seen;
+    for _ in 0..4 {
+        assert_due(&slab.update(), &seen, &others);
+        assert_eq!(slab.counts().alive, 4);
+    }
+    slab.update();
+    assert_each(&slab.watch(10), &all, 1);
+}
+
+#[test]
+fn what_feeds_the_picture_is_due_at_once_when_light_changes() {
+    let mut slab = Slab::new(on());
+    for _ in 0..2 {
+        slab.update();
+    }
+    slab.ask(Vec3::new(16.0, 24.5, 24.5), Vec3::X, 1.0);
+    let fed: BTreeSet<u32> = [(0, 0), (1, 0), (0, 1), (1, 1)]
+        .map(|(y, z)| 2 + 6 * (y + 3 * z))
+        .into();
+    let asleep = &columns(2..6) - &fed;
+    let updates = slab.watch(20);
+    assert_each(&updates, &fed, 5);
+    assert_each(&updates, &asleep, 2);
+    slab.field.changes.begin_frame(1.0, slab.frame as u32);
+    assert_due(&slab.update(), &fed, &asleep);
+    // A lamp that wanders is no reason to hurry.
+    for _ in 0..200 {
+        slab.field.changes.begin_frame(0.02, slab.frame as u32);
+    }
+    assert_each(&slab.watch(4), &fed, 1);
+}
+
+#[test]
+fn restless_probes_before_surfaces_are_due_in_every_frame() {
+    let mut slab = Slab::new(ProbeParameters {
+        restless: 0.1,
+        ..on()
+    });
+    for _ in 0..2 {
+        slab.update();
+    }
+    // New probes are: nobody asks, but those before the wall do not sleep yet.
+    assert_due(&slab.update(), &columns(2..3), &columns(3..6));
+}
+
+#[test]
+fn an_edit_wakes_what_it_touches_at_once_and_kills_what_it_covers() {
+    let mut slab = Slab::new(ProbeParameters {
+        alive_frames: 3,
+        ..on()
+    });
+    let all = columns(2..6);
+    for _ in 0..4 {
+        slab.update();
+    }
+    // Around the probe of the last column's middle row.
+    let covered = 5 + 6 * (1 + 3);
+    slab.fill(IVec3::new(43, 27, 27), IVec3::new(45, 29, 29), 1);
+    slab.set_rays(covered, -1.0);
+    // Longest distance: 1.5 · √3 · 8 = 20.8. The column before the wall is 22.5 from the box.
+    let (touched, untouched) = (columns(3..6), columns(2..3));
+    assert_due(&slab.update(), &touched, &untouched);
+    assert_eq!(slab.counts().dead, 19);
+    let mut living = all.clone();
+    living.remove(&covered);
+    let mut awake = touched;
+    awake.remove(&covered);
+    let updates = slab.watch(3);
+    assert_each(&updates, &awake, 3);
+    assert!(fewest_and_most(&updates, &untouched)[1] <= 1, "{updates:?}");
+    // What is covered was due once more, to be forgotten.
+    assert_eq!(slab.updates()[covered as usize], 0);
+    let updates = slab.watch(10);
+    assert_each(&updates, &living, 1);
+    assert_eq!(updates[covered as usize], 0);
+    // And back to life: new, so that it is due until it has warmed up.
+    slab.fill(IVec3::new(43, 27, 27), IVec3::new(45, 29, 29), 0);
+    slab.set_rays(covered, 100.0);
+    assert!(slab.update().contains(&covered));
+    assert_eq!(slab.counts().dead, 18);
+}
+
+#[test]
+fn probes_that_an_edit_walls_in_are_no_longer_far() {
+    let mut slab = Slab::new(ProbeParameters {
+        restless: 0.0,
+        alive_frames: 1,
+        ..on()
+    });
+    for _ in 0..3 {
+        slab.update();
+    }
+    // One voxel of stone, exactly a spacing away from the probe along each axis, and no nearer.
+    let home = slab.field.volume().position(5 + 6 * (2 + 3 * 2));
+    let voxel = home.floor().as_ivec3() + 8;
+    slab.fill(voxel, voxel, 1);
+    for _ in 0..3 {
+        slab.update();
+    }
+    assert_eq!((slab.counts().alive, slab.counts().sleeping), (10, 26));
+    slab.fill(voxel, voxel, 0);
+    slab.fill(voxel + IVec3::X, voxel + IVec3::X, 1);
+    for _ in 0..3 {
+        slab.update();
+    }
+    assert_eq!((slab.counts().alive, slab.counts().sleeping), (9, 27));
+}
+
+#[test]
+fn without_states_all_are_due_that_are_not_in_stone() {
+    let mut slab = Slab::new(ProbeParameters {
+        states: Sleep::Off,
+        ..on()
+    });
+    for _ in 0..4 {
+        assert_eq!(slab.update(), columns(2..6));
+    }
+    let counts = slab.counts();
+    assert_eq!((counts.alive, counts.dead, counts.due), (36, 18, 36));
+}

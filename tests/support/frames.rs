@@ -1,0 +1,110 @@
+//! Whole frames of a small world, and what tests ask of pictures.
+
+use std::sync::atomic::AtomicBool;
+
+use grotto::{
+    commands::reference::{TraceRequest, trace},
+    frame::{Frame, Stage},
+    gpu::{Gpu, Recorder},
+    lights::Lights,
+    measure::picture::Picture,
+    parameters::ProbeParameters,
+    passes::view::{View, ViewMode},
+    reference,
+    world::{Camera, LayoutSpec, World},
+};
+
+/// A picture of everything, of the first frame, with neither exposure nor time.
+pub fn view(camera: Camera, size: [u32; 2]) -> View {
+    View {
+        camera,
+        size,
+        frame: 0,
+        seed: 0,
+        exposure_ev: 0.0,
+        mode: ViewMode::Full,
+        time_s: 0.0,
+        textures: true,
+    }
+}
+
+/// A world on the GPU and the frame that draws it.
+pub struct Drawn {
+    pub gpu: Gpu,
+    pub world: World,
+    pub frame: Frame,
+    pub lights: Lights,
+    pub probes: ProbeParameters,
+    /// What the next frame shows. Its number is set by [`draw`](Self::draw).
+    pub view: View,
+}
+
+impl Drawn {
+    /// Under the world's first lamps, seen by its first camera.
+    pub fn new(
+        gpu: Gpu,
+        world: World,
+        layout: &LayoutSpec,
+        probes: ProbeParameters,
+        size: [u32; 2],
+    ) -> Self {
+        let stage = Stage::build(&gpu, &world).expect("the world fits");
+        let frame = Frame::new(&gpu, stage, layout, &probes, size).expect("the frame fits");
+        Self {
+            lights: Lights::at(&world, &world.lamp_presets[0], 0.0),
+            view: view(world.cameras[0].clone(), size),
+            gpu,
+            world,
+            frame,
+            probes,
+        }
+    }
+
+    /// Draws `frames` more frames.
+    pub fn draw(&mut self, frames: u32) {
+        for _ in 0..frames {
+            self.view.frame = self.frame.frames();
+            let mut recorder = Recorder::new(&self.gpu, None);
+            let (view, lights) = (&self.view, &self.lights);
+            self.frame
+                .record(&self.gpu, &mut recorder, view, lights, &self.probes);
+            recorder.submit(&self.gpu).expect("submits");
+            self.gpu.wait().expect("the device lives");
+        }
+    }
+
+    /// What the last frame shows, before the tone mapper.
+    pub fn radiance(&self) -> Picture {
+        self.frame.read_radiance(&self.gpu).expect("reads back")
+    }
+
+    /// What the picture should come to: path tracing on the GPU.
+    pub fn path_traced(&self, view: reference::View, spp: u32) -> Picture {
+        let request = TraceRequest {
+            camera: &self.view.camera,
+            size: self.view.size,
+            view,
+            spp,
+            seed: 5,
+            textures: true,
+            antialias: false,
+        };
+        let (stage, stop) = (&self.frame.stage, AtomicBool::new(false));
+        trace(&self.gpu, stage, &self.lights, &request, &|_, _| {}, &stop)
+            .unwrap_or_else(|failure| panic!("{failure}"))
+            .picture
+    }
+}
+
+/// Mean of the green channel.
+pub fn mean(picture: &Picture) -> f64 {
+    let sum: f64 = picture.rgb.iter().map(|rgb| f64::from(rgb[1])).sum();
+    sum / picture.rgb.len() as f64
+}
+
+/// Mean difference of two pictures, relative to the mean of the second.
+pub fn apart(a: &Picture, b: &Picture) -> f64 {
+    let pairs = a.rgb.iter().zip(&b.rgb);
+    let sum: f64 = pairs.map(|(a, b)| f64::from((a[1] - b[1]).abs())).sum();
+    sum / a.rgb.len() as f64 / mean(b)
+}
