@@ -1,6 +1,6 @@
 //! What Rust and the shaders both know: constants, numbered choices, and structs of buffers.
 //!
-//! Each is declared once, in Rust, by the module that it belongs to, with [`shared!`](crate::shared). The shader's
+//! Each is declared once, in Rust, by the module that it belongs to, with [`shared!`](crate::shared!). The shader's
 //! side is generated: `shared! { in probes; … }` adds to the shader module `package::generated::probes`, which every
 //! [`ShaderLibrary`](crate::gpu::ShaderLibrary) holds. Facts that only shaders know are declared in `shaders/`.
 //!

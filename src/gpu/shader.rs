@@ -13,7 +13,7 @@ use crate::shared;
 const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
 /// The text of every shader module, by its name (`view/shade`): what the binary carries, or a
-/// folder as it was at one moment. The generated ones (`generated/probes`, see [`crate::shared`]) are the binary's own
+/// folder as it was at one moment. The generated ones (`generated/probes`, see [`crate::shared!`]) are the binary's own
 /// either way.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShaderLibrary {
