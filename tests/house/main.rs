@@ -1,6 +1,8 @@
-//! The rules of the house, read from the sources: who may import whom, one shader a pass, and
-//! files that stay readable. Each rule is also shown a planted fault that it must find.
+//! The rules of the house, read from the sources: who may import whom, one shader a pass, documents
+//! that name what exists, and files that stay readable. Each rule is also shown a planted fault that
+//! it must find.
 
+mod documents;
 mod imports;
 mod shaders;
 mod source;
