@@ -237,7 +237,7 @@ fn documents_name_what_exists() {
 }
 
 /// Which documents that are to be short are not.
-fn long_documents<'a>(all: &'a [(PathBuf, String)]) -> Vec<(&'a Path, usize)> {
+fn long_documents(all: &[(PathBuf, String)]) -> Vec<(&Path, usize)> {
     all.iter()
         .filter(|(path, _)| SHORT.iter().any(|short| path == Path::new(short)))
         .map(|(path, text)| (path.as_path(), text.lines().count()))
