@@ -1,10 +1,12 @@
-//! The rules of the house, read from the sources: who may import whom, one shader a pass, and
-//! files that stay readable. Each rule is also shown a planted fault that it must find.
+//! The rules of the house, read from the sources: who may import whom, one shader a pass, documents
+//! that name what exists, and files that stay readable. Each rule is also shown a planted fault that
+//! it must find.
 
 #[path = "../support/mod.rs"]
 mod support;
 
 mod composition;
+mod documents;
 mod imports;
 mod layouts;
 mod shaders;

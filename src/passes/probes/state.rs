@@ -22,6 +22,9 @@ crate::shared! {
     /// Bits of a probe's flags that are its class.
     const CLASS_BITS: u32 = 3;
 
+    /// Set in a probe's flags when there is no stone within a spacing of it.
+    const STATE_FAR: u32 = 4;
+
     /// What a probe knows of its own light.
     pub struct GpuProbeState as ProbeState {
         /// So far; 0 for a probe in stone.
@@ -46,6 +49,11 @@ const _: () = assert!(size_of::<GpuProbeState>() as u64 == atlas::STATE_BYTES);
 const _: () = assert!(size_of::<GpuProbePlace>() as u64 == atlas::PLACE_BYTES);
 
 impl GpuProbeState {
+    /// Whether no stone lies within a spacing of the probe.
+    pub fn is_far(&self) -> bool {
+        self.flags & STATE_FAR != 0
+    }
+
     pub fn class(&self) -> ProbeClass {
         use ProbeClass::{Alive, Asleep, Dead, Fed};
         [Alive, Fed, Asleep, Dead][(self.flags & CLASS_BITS) as usize]

@@ -122,6 +122,7 @@ fn unmoved() -> ProbeParameters {
 const ALIVE: Vec3 = Vec3::new(0.05, 0.52, 0.08);
 const MOVED: Vec3 = Vec3::new(0.89, 0.43, 0.01);
 const TWIN: Vec3 = Vec3::new(0.62, 0.08, 0.75);
+const FED: Vec3 = Vec3::new(0.04, 0.48, 0.58);
 const ASLEEP: Vec3 = Vec3::new(0.03, 0.11, 0.63);
 const DEAD: Vec3 = Vec3::new(0.53, 0.02, 0.02);
 
@@ -283,8 +284,8 @@ fn painted_cubes_count_as_the_states_do() {
     let parameters = ProbeParameters {
         states: ProbeStates::On,
         warmup_frames: 1,
-        // Any unrest keeps awake what has surfaces around it.
-        restless: 0.0,
+        // No probe is merely restless: those that nobody sees are asleep, or feed those that somebody does.
+        restless: 1.0,
         ..few_rays()
     };
     let mut watched = Watched::new("furnace", "fine", [16, 9], parameters);
@@ -317,7 +318,7 @@ fn painted_cubes_count_as_the_states_do() {
             assert!(cube.iter().all(|axis| f32::from_bits(axis[3]) == known));
         }
         let is = |state: Vec3| (colour - state).abs().max_element() < 1e-3;
-        alive += u32::from(is(ALIVE) || is(MOVED) || is(TWIN));
+        alive += u32::from(is(ALIVE) || is(MOVED) || is(TWIN) || is(FED));
         sleeping += u32::from(is(ASLEEP));
         dead += u32::from(is(DEAD) && slot < field.volume().slots());
     }

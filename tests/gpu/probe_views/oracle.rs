@@ -39,7 +39,7 @@ pub struct Oracle {
     moved: Vec<bool>,
 }
 
-// As README.md and the shader have them: radii of spheres in spacings, of lines in those of spheres, and
+// As docs/notes/probe_views.md and the shader have them: radii of spheres in spacings, of lines in those of spheres, and
 // the least of both in pixels.
 const SPHERE: f64 = 0.08;
 const LINE: f64 = 0.2;

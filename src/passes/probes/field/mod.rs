@@ -330,9 +330,18 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        let states: Vec<GpuProbeState> = gpu.read_buffer(&self.states)?;
-        let probes = states.iter().take(self.volume.slots() as usize);
-        Ok(probes.map(|state| state.updates).collect())
+        let states = self.states(gpu)?;
+        Ok(states.iter().map(|state| state.updates).collect())
+    }
+
+    /// What each probe of the lattice knows of its own light.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn states(&self, gpu: &Gpu) -> Result<Vec<GpuProbeState>, GpuError> {
+        let mut states: Vec<GpuProbeState> = gpu.read_buffer(&self.states)?;
+        states.truncate(self.volume.slots() as usize);
+        Ok(states)
     }
 
     /// Bytes of GPU memory.
