@@ -248,93 +248,93 @@ choice! {
 parameters! {
     #[doc = "What is voxelised."]
     world: WorldParameters {
-        #[doc = "Extent in voxels in place of the file's; memory and build time grow with its surface."]
+        #[doc = "Size of the world in voxels, instead of the file's. Memory and build time grow with the area of its surfaces."]
         size: Option<UVec3> = None, Kind::Size { max: 4096 }, World;
-        #[doc = "Seed of noise, scatter and flicker in place of the file's; costs nothing."]
+        #[doc = "Seed of noise, scatter and flicker, instead of the file's."]
         seed: Option<u32> = None, Kind::Seed, World;
     }
 
     #[doc = "Overrides of every material of the world, for closed forms."]
     materials: MaterialParameters {
-        #[doc = "Albedo of every material, both colours of its pattern; near 1 takes many frames to settle."]
+        #[doc = "Albedo of every material, instead of the file's. Values near 1 take many frames to settle."]
         albedo: Option<Vec3> = None, Kind::Colour { max: 1.0 }, World;
-        #[doc = "Emitted radiance of every material; costs nothing."]
+        #[doc = "Emitted radiance of every material, instead of the file's."]
         emission: Option<Vec3> = None, Kind::Colour { max: 65504.0 }, World;
     }
 
     #[doc = "The probe field."]
     probes: ProbeParameters {
-        #[doc = "Rays per probe and frame; time grows with it, noise and boiling shrink with its root."]
+        #[doc = "Rays per probe and update. Twice as many cost twice the tracing time and reduce noise by 30 %."]
         rays: u32 = 128, Kind::Count { min: 8, max: 4096 }, Probes;
-        #[doc = "Share of history kept per update; higher is steadier, lower reacts sooner."]
+        #[doc = "Share of a probe's old light that each update keeps. More is steadier; less reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
-        #[doc = "How a probe behind a wall loses its weight: exact marches and leaks nothing (cages of up to 20 voxels; larger ones take chebyshev), and where there is one level of probes it gives thin walls some on both sides; chebyshev guesses from distances; auto is exact for one level and chebyshev for cascades."]
+        #[doc = "How probes behind walls are left out. exact marches a ray to every surface voxel once and leaks nothing; it needs probe spacings of at most 20 voxels, and larger ones use chebyshev. chebyshev estimates from stored distances and leaks a little at thin walls. auto: exact for one volume, chebyshev for cascades."]
         visibility: Visibility = Visibility::Auto, Visibility::KIND, Probes;
-        #[doc = "Light between the faces of voxels that stand beside each other, which probes are too far apart to tell: on finds the shade at feet of walls and on steps, and the glow of the next voxel; off is faster."]
+        #[doc = "Near-field correction: light between neighbouring voxel faces, which is finer than the spacing of probes. on darkens corners and steps and shows the glow of the next voxel; off is faster."]
         contact: Contact = Contact::On, Contact::KIND, Probes;
-        #[doc = "Whether the faces that the camera sees send rays of their own: on shows light as it falls on each face, off as the nearest probes have it, with contact where that is on."]
+        #[doc = "Whether each visible voxel face traces rays of its own and keeps their light. on shows light as it falls on each face; off interpolates between probes, which is coarser."]
         final_gather: FinalGather = FinalGather::On, FinalGather::KIND, Probes;
-        #[doc = "Final gather: most rays that the light of a quarter of a face is the mean of; more is less noisy, less follows slow changes sooner."]
+        #[doc = "Final gather: most rays that are averaged per quadrant of a face. More is less noisy; less follows slow changes sooner."]
         face_samples: u32 = 8192, Kind::Count { min: 16, max: 1_000_000 }, Nothing;
-        #[doc = "Final gather: pixels of width below which a voxel's faces are left to the probes; more is faster far away, less is truer there."]
+        #[doc = "Final gather: faces of voxels narrower than this many pixels are lit by the probes instead. More is faster in the distance; less is truer there."]
         face_pixels: f32 = 2.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;
-        #[doc = "Final gather: spacings of the probes within which what rays hit looks on for its light, before the probes are asked; more is truer and noisier, 0 asks them at once."]
+        #[doc = "Final gather: hits closer than this (in probe spacings) trace one more bounce before they read the probes. More is truer and noisier; 0 always reads the probes."]
         near_hits: f32 = 2.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;
-        #[doc = "Whether probes sleep that no pixel asks for; on saves most of their time, off updates every probe that is not in stone in every frame."]
+        #[doc = "Whether probes that light nothing visible are updated less often. on saves most of the probes' time; off updates every probe outside of solid voxels in every frame."]
         states: ProbeStates = ProbeStates::On, ProbeStates::KIND, Nothing;
-        #[doc = "Frames that a probe stays awake after it was last asked for; more finds each pixel's probes (64), less sleeps sooner."]
+        #[doc = "Frames that a probe stays awake after a pixel last used it. 64 is enough for every pixel to have its turn; less sleeps sooner."]
         alive_frames: u32 = 64, Kind::Count { min: 1, max: 100_000 }, Nothing;
-        #[doc = "Unrest (how much its light changes now) above which a probe is updated in every frame, whoever asks; less follows lamps sooner, 1 never does."]
+        #[doc = "How much a probe's light must change (0 to 1) for updates in every frame, even if no pixel uses it. Less follows lamps sooner; 1 switches this off."]
         restless: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
-        #[doc = "What becomes of probes in stone: exact moves them to the nearest air, off leaves them dead; exact lights corners truer and traces more probes."]
+        #[doc = "Probes whose place lies in a solid voxel: exact moves them to the nearest air, off leaves them out. exact lights corners truer and traces more probes."]
         relocation: Relocation = Relocation::Exact, Relocation::KIND, Probes;
-        #[doc = "Share of the surfaces in its cages that a probe must miss under exact visibility to get a twin that sees them; less lights thin walls truer and traces more probes, 1 makes none."]
+        #[doc = "A probe that does not see more than this share of the surfaces around it gets a second probe on their side (visibility exact). Less lights thin walls truer and traces more probes; 1 makes none."]
         twin_share: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Probes;
-        #[doc = "Edge of a probe's irradiance map; more resolves sharper bounced light, for memory and blend time by its square."]
+        #[doc = "Width of a probe's irradiance map in texels. More resolves sharper light; memory and time grow with its square."]
         irradiance_texels: u32 = 8, Kind::Count { min: 4, max: 32 }, Probes;
-        #[doc = "Edge of a probe's distance map, which chebyshev reads; more leaks less at thin walls, for memory and blend time by its square."]
+        #[doc = "Width of a probe's distance map in texels (visibility chebyshev). More leaks less at thin walls; memory and time grow with its square."]
         distance_texels: u32 = 16, Kind::Count { min: 4, max: 64 }, Probes;
-        #[doc = "Voxels along the normal that a gather point is moved; more leaks less from behind, less keeps contact shadows."]
+        #[doc = "How far a surface point is moved along its normal before it reads the probes, in voxels. More leaks less from behind; less keeps contact shadows."]
         normal_bias: f32 = 0.1, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
-        #[doc = "Frames of a fresh field in which history is replaced, one bounce each, before it is averaged; more carry bright surfaces farther, fewer settle sooner."]
+        #[doc = "First frames of new probes, in which each update replaces the light instead of averaging; each frame adds one bounce. More suits bright rooms; fewer settle sooner."]
         warmup_frames: u32 = 40, Kind::Count { min: 0, max: 1000 }, Nothing;
-        #[doc = "Standard deviations of its own noise beyond which a probe's light counts as changed and its history is shortened; less reacts sooner, more boils less, and 1000 never reacts."]
+        #[doc = "How far light must depart from a probe's average to count as a change, in standard deviations of its noise. Less reacts sooner; more flickers less; 1000 never reacts."]
         change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;
-        #[doc = "Most luminance of a probe ray in multiples of the probe's mean; less is steadier but loses the light of small bright things, 0 limits nothing."]
+        #[doc = "Limits the luminance of a probe ray to this multiple of the probe's mean. Less is steadier but loses light of small bright things; 0 does not limit."]
         firefly_clamp: f32 = 0.0, Kind::Number { min: 0.0, max: 65504.0 }, Nothing;
-        #[doc = "Whose algorithm lights the picture: grotto's own, or source for that of the DDGI systems that it is compared with (probes alone, no final gather, no light between neighbouring faces); the keys source.* choose its parts."]
+        #[doc = "The lighting algorithm: grotto's own, or source for classic DDGI as other systems have it (probes alone, without final gather or near-field correction). The keys source.* choose its parts."]
         method: Method = Method::Grotto, Method::KIND, Probes;
         within
         #[doc = "The algorithm of `probes.method=source`, part by part."]
         source: SourceParameters {
-            #[doc = "What probes weigh, each with the ones before: trilinear by place, direction less behind the surface, visibility by Chebyshev's bound, perception crushes small weights, adjusted moves the corners of moved probes."]
+            #[doc = "Weights of probes; each choice includes the ones before. trilinear: by distance. direction: less from behind the surface. visibility: Chebyshev's test. perception: small weights are reduced further. adjusted: moved probes move their corner of the cell."]
             weights: SourceWeights = SourceWeights::Perception, SourceWeights::KIND, Probes;
-            #[doc = "What becomes of probes in stone: off leaves them dead, surface lets them walk until their rays are free, clear until they are a voxel away from surfaces too."]
+            #[doc = "Probes in solid voxels: off leaves them out, surface moves them step by step until their rays start in air, clear also keeps them a voxel away from surfaces."]
             relocation: SourceRelocation = SourceRelocation::Off, SourceRelocation::KIND, Probes;
-            #[doc = "What becomes of distances that no cage asks for: clamp counts them as the longest, reject leaves them out and keeps near walls sharper."]
+            #[doc = "Distances too long to matter for any surface point: clamp shortens them, reject ignores them and keeps near walls sharper."]
             depth: SourceDepth = SourceDepth::Clamp, SourceDepth::KIND, Probes;
         }
     }
 
     #[doc = "The lamps."]
     lights: LightParameters {
-        #[doc = "Lamp preset by name; empty takes the world's first. Each lamp costs a shadow ray per pixel and probe ray."]
+        #[doc = "Name of a lamp preset; empty takes the world's first. Each lamp costs a shadow ray per pixel and probe ray."]
         preset: String = String::new(), Kind::Name, Nothing;
-        #[doc = "Whether lamps move with world time; still lamps let the probes settle."]
+        #[doc = "Whether lamps move and flicker with world time. Off lets the light settle."]
         animate: bool = true, Kind::Flag, Nothing;
-        #[doc = "Most lamps lit, the preset's first ones; each costs a shadow ray per pixel and probe ray."]
+        #[doc = "Only this many lamps of the preset are lit, the first ones. Each costs a shadow ray per pixel and probe ray."]
         max_lamps: u32 = 64, Kind::Count { min: 0, max: 64 }, Nothing;
     }
 
     #[doc = "From linear light to the display."]
     picture: PictureParameters {
-        #[doc = "Stops by which PNG and window are brightened; costs nothing, EXR stays linear."]
+        #[doc = "Exposure of PNG files and of the window in stops; 1 is twice as bright. EXR files stay linear."]
         exposure_ev: f32 = 0.0, Kind::Number { min: -20.0, max: 20.0 }, Nothing;
     }
 
     #[doc = "Block textures."]
     textures: TextureParameters {
-        #[doc = "Whether faces carry their procedural textures; off shows plain colours and saves one read a pixel."]
+        #[doc = "Whether voxel faces show their procedural textures. Off shows plain colours."]
         enabled: bool = true, Kind::Flag, Nothing;
     }
 }
