@@ -8,7 +8,7 @@ use super::Failure;
 use crate::parameters::{Key, ParameterError, Parameters, Value};
 
 /// The section whose keys may vary within a table: they change nothing of what is true.
-const SECTION: &str = "probes.";
+const SECTIONS: [&str; 2] = ["probes.", "source."];
 /// Most settings of a table.
 const MOST_SETTINGS: usize = 4096;
 
@@ -37,7 +37,7 @@ impl Varied {
 
     fn of<'t>(name: &str, texts: impl Iterator<Item = &'t str>) -> Result<Self, VaryError> {
         let key = Key::find(name)?;
-        if !key.name.starts_with(SECTION) {
+        if !SECTIONS.iter().any(|section| key.name.starts_with(section)) {
             return Err(VaryError::ChangesTheTruth(key.name));
         }
         let mut values: Vec<Value> = Vec::new();
@@ -66,7 +66,7 @@ pub enum VaryError {
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     #[error(
-        "`{0}` may change the picture that is true, or the display; within one table only {SECTION}* may \
+        "`{0}` may change the picture that is true, or the display; within one table only probes.* and source.* may \
          vary: make one table for each value, with --set"
     )]
     ChangesTheTruth(&'static str),
@@ -172,9 +172,9 @@ impl Setting {
     }
 }
 
-/// The name of a key without its section, which is the same for all.
+/// The name of a key without the section that most have.
 fn short(name: &str) -> &str {
-    name.strip_prefix(SECTION).unwrap_or(name)
+    name.strip_prefix(SECTIONS[0]).unwrap_or(name)
 }
 
 /// `relocation off, distance_texels 8`.

@@ -57,9 +57,8 @@ fn a_world_from_end_to_end() {
 fn a_sealed_room_shows_what_leaks_in() {
     let bench = Bench::new();
     let flags = ["worlds/sealed.ron", "--layout", "straddling"];
-    let leak = |visibility: &str| {
-        let set = ["--set", visibility];
-        let (json, _) = bench.judged(&[&flags[..], &SKIP, &set].concat());
+    let leak = |set: &[&str]| {
+        let (json, _) = bench.judged(&[&flags[..], &SKIP, set].concat());
         let rows = json["rows"].as_array().expect("rows").clone();
         let of = |camera: &str| {
             let row = rows.iter().find(|row| row["camera"] == camera);
@@ -70,12 +69,17 @@ fn a_sealed_room_shows_what_leaks_in() {
     };
     // Without visibility probes light through walls: the planted fault.
     let (kept, leaking) = (
-        leak("probes.visibility=chebyshev"),
-        leak("probes.visibility=none"),
+        leak(&["--set", "probes.visibility=chebyshev"]),
+        leak(&[
+            "--set",
+            "probes.method=source",
+            "--set",
+            "source.weights=direction",
+        ]),
     );
     assert!(leaking > 0.02, "{leaking}");
     assert!(kept < leaking / 10.0, "{kept} {leaking}");
-    assert_eq!(leak("probes.visibility=exact"), 0.0);
+    assert_eq!(leak(&["--set", "probes.visibility=exact"]), 0.0);
 }
 
 #[test]

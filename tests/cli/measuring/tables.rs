@@ -23,7 +23,7 @@ fn settings_make_rows_and_a_table_of_means() {
     let bench = Bench::new();
     let vary = [
         "--vary",
-        "probes.visibility=none,chebyshev",
+        "probes.visibility=exact,chebyshev",
         "--rays",
         "16,32",
         "--direct",
@@ -44,8 +44,8 @@ fn settings_make_rows_and_a_table_of_means() {
     };
     let each = [
         (true, json!({})),
-        setting("none", 16),
-        setting("none", 32),
+        setting("exact", 16),
+        setting("exact", 32),
         setting("chebyshev", 16),
         setting("chebyshev", 32),
     ];

@@ -108,7 +108,6 @@ impl Dice {
                 "probes.rays=150",
             ][..],
             &[
-                "probes.visibility=none",
                 "probes.visibility=chebyshev",
                 "probes.visibility=exact",
                 "probes.visibility=auto",
@@ -123,19 +122,26 @@ impl Dice {
                 "probes.distance_texels=16",
                 "probes.distance_texels=21",
             ],
-            &[
-                "probes.relocation=off",
-                "probes.relocation=exact",
-                "probes.relocation=exact",
-            ],
+            &["probes.relocation=off", "probes.relocation=exact"],
             &["probes.final_gather=on", "probes.final_gather=off"],
             &["probes.contact=on", "probes.contact=off"],
             &["probes.states=on", "probes.states=off"],
             &[
-                "probes.weights=continuous",
-                "probes.weights=adjusted",
-                "probes.weights=lattice",
+                "probes.method=grotto",
+                "probes.method=grotto",
+                "probes.method=source",
             ],
+            &[
+                "source.weights=perception",
+                "source.weights=adjusted",
+                "source.weights=direction",
+            ],
+            &[
+                "source.relocation=off",
+                "source.relocation=surface",
+                "source.relocation=clear",
+            ],
+            &["source.depth=clamp", "source.depth=reject"],
         ] {
             // What is not thrown stays as it was chosen before.
             if self.chance(0.4) {
