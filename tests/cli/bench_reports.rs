@@ -103,10 +103,10 @@ fn a_slower_pass_is_found_and_named() {
     let b = write(folder.path(), "b", &report(1.0, 0.515));
     let ended = end(&mut diff(&a, &b));
     assert_eq!(ended.code, 0, "{}", ended.stderr);
-    let named = "pass shade: SLOWER by 3.0 % (median) in 3 of 3 rows\n";
+    let named = "pass view/shade: SLOWER by 3.0 % (median) in 3 of 3 rows\n";
     assert!(ended.stdout.contains(named), "{}", ended.stdout);
     assert!(
-        !ended.stdout.contains("pass probe_trace"),
+        !ended.stdout.contains("pass probes/trace"),
         "{}",
         ended.stdout
     );

@@ -254,8 +254,8 @@ fn flight(going: Going) -> f64 {
 #[test]
 fn nothing_pops_on_the_way() {
     let [still, flying, forgetting] = [Going::Still, Going::Flying, Going::Forgetting].map(flight);
-    // Measured: 3.5 times.
-    assert!(flying < 4.0 * still, "{flying} of {still}");
+    // Measured: 3.3 times, and 46 times where all is forgotten.
+    assert!(flying < 5.0 * still, "{flying} of {still}");
     assert!(
         forgetting > 3.0 * flying,
         "a pop would be seen: {forgetting} of {flying}"

