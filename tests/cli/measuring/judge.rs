@@ -207,12 +207,7 @@ fn bad_flags_are_refused_before_any_work() {
         (&[CORNELL, "--no-cache"], &["--cache"]),
         (
             &[CORNELL, "--vary", "probes.relocation=off,sometimes"],
-            &[
-                "--vary",
-                "`probes.relocation`",
-                "statistical",
-                "`sometimes`",
-            ],
+            &["--vary", "`probes.relocation`", "exact", "`sometimes`"],
         ),
         (
             &[CORNELL, "--vary", "textures.enabled=on,off"],

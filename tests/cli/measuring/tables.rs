@@ -23,7 +23,9 @@ fn settings_make_rows_and_a_table_of_means() {
     let bench = Bench::new();
     let vary = [
         "--vary",
-        "probes.visibility=exact,chebyshev",
+        "source.weights=direction,visibility",
+        "--set",
+        "probes.method=source",
         "--rays",
         "16,32",
         "--direct",
@@ -38,16 +40,16 @@ fn settings_make_rows_and_a_table_of_means() {
     assert_eq!(judged["complete"], true);
     let rows = judged["rows"].as_array().expect("rows");
     let settings = |row: &Value| (row["direct_alone"] == true, row["settings"].clone());
-    let setting = |visibility: &str, rays: u32| {
-        let values = json!({"probes.visibility": visibility, "probes.rays": rays});
+    let setting = |weights: &str, rays: u32| {
+        let values = json!({"source.weights": weights, "probes.rays": rays});
         (false, values)
     };
     let each = [
         (true, json!({})),
-        setting("exact", 16),
-        setting("exact", 32),
-        setting("chebyshev", 16),
-        setting("chebyshev", 32),
+        setting("direction", 16),
+        setting("direction", 32),
+        setting("visibility", 16),
+        setting("visibility", 32),
     ];
     // Two cameras, the dark one first.
     let found: Vec<_> = rows.iter().map(settings).collect();
@@ -84,12 +86,12 @@ fn settings_make_rows_and_a_table_of_means() {
     assert_eq!(cells.len(), 11);
     let column = cells[0]
         .iter()
-        .position(|name| *name == "probes.visibility")
+        .position(|name| *name == "source.weights")
         .expect("a column");
-    assert_eq!([cells[1][column], cells[2][column]], ["", "none"]);
+    assert_eq!([cells[1][column], cells[2][column]], ["", "direction"]);
     for name in ["judge.html", "judge.md"] {
         let page = bench.result(name);
-        for part in ["probes.visibility", "chebyshev", "direct light alone"] {
+        for part in ["source.weights", "visibility", "direct light alone"] {
             assert!(page.contains(part), "{name}: no {part}");
         }
     }
