@@ -1,13 +1,13 @@
 //! The whole frame on one page, as data flow.
 //!
 //! ```text
-//! probe_states (new probes, volumes that move, edits) ─ where probes stand ─ probe_due ─ which are updated
-//!     ├ probe_sight (exact visibility) ─ what they see
-//!     └ probe_seed (volumes that move) ─ what new ones show until they have looked
-//! probe_rays ─ radiance, distance ─ probe_blend ─ atlas ───┬─────────────┐
-//!     └────────────── atlas of the last frame ◄─────────┤             │
-//! camera_rays ─ surfaces ─ face_mark ─ which are seen ─ face_rays ─ face_blend ─ shade ─ hdr ─ tonemap ─ display
-//!                  └───────────────────────────────────────────────────┘     └ probe_draw, state_view, atlas_view
+//! probes/classify (new probes, volumes that move, edits) ─ where probes stand ─ probes/schedule ─ which are updated
+//!     ├ probes/visibility (exact visibility) ─ what they see
+//!     └ probes/seed (volumes that move) ─ what new ones show until they have looked
+//! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐
+//!     └────────────── atlas of the last frame ◄───────────┤                │
+//! view/camera_rays ─ surfaces ─ surface_cache/{allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/tonemap ─ display
+//!                        └────────────────────────────────────────────────────┘    └ views of the probes
 //! ```
 
 mod inspect;

@@ -55,6 +55,9 @@ impl Learner {
         gpu: &Gpu,
         mut encoder: wgpu::CommandEncoder,
     ) -> wgpu::SubmissionIndex {
+        if self.learning.is_empty() {
+            return gpu.queue.submit([encoder.finish()]);
+        }
         let count = 2 * self.learning.len() as u32;
         let bytes = u64::from(count) * u64::from(wgpu::QUERY_SIZE);
         let buffer = |label, usage| {

@@ -184,7 +184,7 @@ impl ProbeField {
     }
 
     /// Voxels of a box (grid space, from low to high corner) have changed: the passes `probes/classify` and
-    /// `probe_sight` look there before the probes' next update.
+    /// `probes/visibility` look there before the probes' next update.
     pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
         self.plan.change(low_gs, high_gs);
     }
