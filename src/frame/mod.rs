@@ -136,7 +136,6 @@ impl Frame {
             seed: view.seed,
             age: self.frames,
             changes: &self.field.changes,
-            spacing: self.field.volume().levels()[0].spacing().element_sum() / 3.0,
         };
         self.faces.begin_frame(gpu, probes, &next);
         if self.field.misplaced() {

@@ -116,7 +116,7 @@ pub fn offer<'a>(
     resources.extend(field.resources());
     resources.extend(field.schedule_resources());
     resources.extend(cache.resources());
-    let mut constants = field.light_constants().to_vec();
+    let mut constants = field.gather_constants().to_vec();
     constants.extend(cache.constants());
     Offer {
         resources,

@@ -226,16 +226,6 @@ choice! {
 }
 
 choice! {
-    /// Whether the stone beside a point of a face is looked up.
-    Contact {
-        /// Probes alone light it: soft at the feet of walls and on steps.
-        Off = "off",
-        /// The part of its view that the stone takes is lit as the stone is.
-        On = "on",
-    }
-}
-
-choice! {
     /// Whether what the camera sees looks for its light itself.
     FinalGather {
         /// The probes around it say what light it gets.
@@ -270,16 +260,12 @@ parameters! {
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
         #[doc = "How probes behind walls are left out. exact marches a ray to every surface voxel once and leaks nothing; it needs probe spacings of at most 20 voxels, and larger ones use chebyshev. chebyshev estimates from stored distances and leaks a little at thin walls. auto: exact for one volume, chebyshev for cascades."]
         visibility: Visibility = Visibility::Auto, Visibility::KIND, Probes;
-        #[doc = "Near-field correction: light between neighbouring voxel faces, which is finer than the spacing of probes. on darkens corners and steps and shows the glow of the next voxel; off is faster."]
-        contact: Contact = Contact::On, Contact::KIND, Probes;
         #[doc = "Whether each visible voxel face traces rays of its own and keeps their light. on shows light as it falls on each face; off interpolates between probes, which is coarser."]
         final_gather: FinalGather = FinalGather::On, FinalGather::KIND, Probes;
         #[doc = "Final gather: most rays that are averaged per quadrant of a face. More is less noisy; less follows slow changes sooner."]
         face_samples: u32 = 8192, Kind::Count { min: 16, max: 1_000_000 }, Nothing;
         #[doc = "Final gather: faces of voxels narrower than this many pixels are lit by the probes instead. More is faster in the distance; less is truer there."]
         face_pixels: f32 = 2.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;
-        #[doc = "Final gather: hits closer than this (in probe spacings) trace one more bounce before they read the probes. More is truer and noisier; 0 always reads the probes."]
-        near_hits: f32 = 2.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;
         #[doc = "Whether probes that light nothing visible are updated less often. on saves most of the probes' time; off updates every probe outside of solid voxels in every frame."]
         states: ProbeStates = ProbeStates::On, ProbeStates::KIND, Nothing;
         #[doc = "Frames that a probe stays awake after a pixel last used it. 64 is enough for every pixel to have its turn; less sleeps sooner."]
@@ -302,7 +288,7 @@ parameters! {
         change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;
         #[doc = "Limits the luminance of a probe ray to this multiple of the probe's mean. Less is steadier but loses light of small bright things; 0 does not limit."]
         firefly_clamp: f32 = 0.0, Kind::Number { min: 0.0, max: 65504.0 }, Nothing;
-        #[doc = "The lighting algorithm: grotto's own, or source for classic DDGI as other systems have it (probes alone, without final gather or near-field correction). The keys source.* choose its parts."]
+        #[doc = "The lighting algorithm: grotto's own, or source for classic DDGI as other systems have it (probes alone, without final gather). The keys source.* choose its parts."]
         method: Method = Method::Grotto, Method::KIND, Probes;
         within
         #[doc = "The algorithm of `probes.method=source`, part by part."]
@@ -347,7 +333,6 @@ impl ProbeParameters {
             Method::Grotto => Cow::Borrowed(self),
             Method::Source => Cow::Owned(Self {
                 visibility: Visibility::Chebyshev,
-                contact: Contact::Off,
                 final_gather: FinalGather::Off,
                 relocation: Relocation::Off,
                 ..self.clone()

@@ -1,11 +1,13 @@
 //! Keys of earlier versions, and what to write now.
 
 /// Key, and what has taken its place.
-const REMOVED: [(&str, &str); 22] = [
+const REMOVED: [(&str, &str); 24] = [
     (
         "probes.asking",
         "use probes.states=off to update all probes",
     ),
+    ("probes.contact", NO_GAIN),
+    ("probes.near_hits", NO_GAIN),
     (
         "probes.budget",
         "use fewer probes.rays, or a coarser layout",
@@ -42,6 +44,7 @@ const REMOVED: [(&str, &str); 22] = [
 ];
 
 const FIXED: &str = "its default is a constant now";
+const NO_GAIN: &str = "the final gather made it needless, so leave it out";
 
 /// What to write in place of a key that is no more.
 pub fn instead_of(name: &str) -> Option<&'static str> {

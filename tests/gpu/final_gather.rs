@@ -1,11 +1,11 @@
 //! The final gather: faces that the camera sees look for their light themselves. (How near to the truth that
-//! is, is asked in tests/cli/measuring/contact.rs.)
+//! is, is asked in tests/cli/measuring/stairs.rs.)
 
 use glam::IVec3;
 use grotto::{
     lights::Lights,
     measure::picture::Picture,
-    parameters::{Contact, FinalGather, ProbeParameters},
+    parameters::{FinalGather, ProbeParameters},
     passes::view::ViewMode,
     reference,
     world::voxels::Voxels,
@@ -113,7 +113,6 @@ fn quick() -> ProbeParameters {
 #[test]
 fn faces_of_few_pixels_are_lit_by_the_probes_alone() {
     let by_probes = ProbeParameters {
-        contact: Contact::Off,
         final_gather: FinalGather::Off,
         ..quick()
     };

@@ -21,7 +21,7 @@ impl ProbeTrace {
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
         let mut overrides = vec![("COHERENT", 0.0)];
-        overrides.extend(field.light_constants());
+        overrides.extend(field.gather_constants());
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {

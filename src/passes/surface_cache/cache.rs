@@ -50,8 +50,6 @@ pub struct NextFrame<'a> {
     pub age: u32,
     /// How sure it is that light changes now: what is soon out of date counts little.
     pub changes: &'a Changes,
-    /// Of the probes (voxels).
-    pub spacing: f32,
 }
 
 /// The table, the list of a frame's faces, and what the rays of each have found.
@@ -185,7 +183,6 @@ impl SurfaceCache {
             seed: next.seed,
             alert,
             stillness: changes.stillness(),
-            near: parameters.near_hits * next.spacing,
             changed_frame,
             ..Default::default()
         };

@@ -27,11 +27,9 @@ crate::shared! {
         pub alert: f32,
         /// How sure it is that light has not changed for long, from 0 to 1.
         pub stillness: f32,
-        /// Rays that hit something nearer than this look on (voxels).
-        pub near: f32,
         /// The last frame in which light was not still: what was known before it is out of date.
         pub changed_frame: u32,
-        pub _pad: u32,
+        pub _pad: [u32; 2],
     }
 
     /// Words of an entry of the table.
@@ -98,8 +96,7 @@ crate::shared! {
         pub key: u32,
         /// Number of the first of each quarter.
         pub first_ray: u32,
-        /// Whether those that hit near surfaces look on (1) or all ask the probes at once (0).
-        pub may_look_on: u32,
+        pub _pad: u32,
     }
 
     /// A quarter of a face.

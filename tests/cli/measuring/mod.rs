@@ -2,7 +2,6 @@
 //! `grotto bench` about stability and response; and what that says of light.
 
 mod compare;
-mod contact;
 mod dynamics;
 mod judge;
 mod parts;

@@ -1,7 +1,5 @@
-//! Lamps, sky, materials, tone mapping and what stands beside a face on the GPU against the same on the CPU,
+//! Lamps, sky, materials, tone mapping on the GPU against the same on the CPU,
 //! value for value.
-
-mod contact;
 
 use glam::{DVec3, IVec3, Vec3};
 use grotto::{

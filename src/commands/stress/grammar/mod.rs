@@ -114,12 +114,11 @@ fn world(dice: &mut Dice, seed: u32) -> Term {
 }
 
 /// Values of parameters that are drawn, each key at most once.
-const VALUES: [(&str, &[&str]); 22] = [
+const VALUES: [(&str, &[&str]); 20] = [
     ("probes.visibility", &["exact", "chebyshev", "chebyshev"]),
     ("probes.relocation", &["off", "off"]),
     ("probes.states", &["off"]),
     ("probes.final_gather", &["off", "off"]),
-    ("probes.contact", &["off"]),
     ("probes.method", &["source", "source"]),
     ("source.relocation", &["clear"]),
     ("source.weights", &["adjusted", "visibility"]),
@@ -131,7 +130,6 @@ const VALUES: [(&str, &[&str]); 22] = [
     ("probes.hysteresis", &["0", "0.5", "0.999"]),
     ("probes.warmup_frames", &["0", "4"]),
     ("probes.face_pixels", &["0.5", "20"]),
-    ("probes.near_hits", &["0", "8"]),
     ("probes.alive_frames", &["1"]),
     ("probes.normal_bias", &["0", "1"]),
     ("probes.firefly_clamp", &["8"]),

@@ -124,7 +124,6 @@ impl Dice {
             ],
             &["probes.relocation=off", "probes.relocation=exact"],
             &["probes.final_gather=on", "probes.final_gather=off"],
-            &["probes.contact=on", "probes.contact=off"],
             &["probes.states=on", "probes.states=off"],
             &[
                 "probes.method=grotto",

@@ -90,15 +90,4 @@ impl ProbeField {
             ("NESTED", f64::from(u8::from(nested))),
         ]
     }
-
-    /// The constants of kernels that light what rays find: those, and what is looked for.
-    pub fn light_constants(&self) -> [(&'static str, f64); 4] {
-        let [source, exact, nested] = self.gather_constants();
-        [
-            source,
-            exact,
-            nested,
-            ("CONTACT", f64::from(u8::from(self.contact))),
-        ]
-    }
 }

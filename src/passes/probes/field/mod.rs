@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError},
-    parameters::{Contact, ProbeParameters, Visibility},
+    parameters::{ProbeParameters, Visibility},
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, ProbeError, Sight, Volume, atlas::ProbeMemory,
         sampling,
@@ -43,7 +43,6 @@ pub struct ProbeField {
     memory: ProbeMemory,
     plan: UpdateSchedule,
     rays_per_probe: u32,
-    contact: bool,
     source: Option<Source>,
     info: wgpu::Buffer,
     ray_directions: wgpu::Buffer,
@@ -163,7 +162,6 @@ impl ProbeField {
                 ..Default::default()
             }),
             rays_per_probe: parameters.rays,
-            contact: parameters.contact == Contact::On,
             source: Source::new(gpu, volume.slots(), parameters)?,
             motion: Motion::new(&volume),
             volume,
