@@ -19,8 +19,8 @@ mod reload;
 mod screen;
 mod screenshot;
 mod session;
-mod show;
 mod truth;
+mod viewport;
 mod views;
 mod widgets;
 

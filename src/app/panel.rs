@@ -8,7 +8,7 @@ use super::{
     brush::Brush,
     clock::{FrameRate, WorldClock},
     controls, frame_graph,
-    show::{Choice, Show},
+    viewport::{Choice, Viewport},
     views, widgets,
 };
 use crate::{
@@ -34,7 +34,7 @@ pub struct Settings {
 
 /// What the panel tells of.
 pub struct Facts<'a> {
-    pub show: &'a Show,
+    pub viewport: &'a Viewport,
     pub rate: &'a FrameRate,
     pub passes: &'a PassMeans,
     pub camera: &'a Camera,
@@ -80,12 +80,12 @@ const WARNING: Color32 = Color32::from_rgb(255, 190, 80);
 
 /// The states add up to the number that they follow.
 fn told(counts: &StateCounts) -> String {
-    let twins = match counts.twins {
+    let back_side = match counts.back_side {
         0 => String::new(),
-        twins => format!(" with {twins} twins"),
+        back_side => format!(" with {back_side} on back sides"),
     };
     format!(
-        "{}{twins}: {} alive, {} asleep, {} dead; {} due",
+        "{}{back_side}: {} alive, {} asleep, {} dead; {} due",
         counts.total(),
         counts.alive,
         counts.sleeping,
@@ -119,7 +119,7 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
     scene(ui, facts, settings, &mut action);
     section(ui, "Time", true, |ui| time(ui, &mut settings.clock));
     section(ui, "Dig and build", true, |ui| {
-        let world = facts.show.world();
+        let world = facts.viewport.world();
         grid(ui, "brush", |ui| settings.brush.rows(ui, world));
     });
     section(ui, "GPU time of each pass", true, |ui| passes(ui, facts));
@@ -160,7 +160,7 @@ fn grid(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
 
 /// What runs, how fast, and on what.
 fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
-    let gpu = &facts.show.gpu;
+    let gpu = &facts.viewport.gpu;
     ui.horizontal(|ui| {
         let fps = facts.rate.fps().unwrap_or(0.0);
         ui.label(
@@ -178,7 +178,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
             "{}, through {}, driver {}",
             gpu.summary.kind, gpu.summary.backend, gpu.summary.driver
         ));
-    let [width, height] = facts.show.frame().size();
+    let [width, height] = facts.viewport.frame().size();
     if gpu.summary.is_software() {
         ui.colored_label(
             WARNING,
@@ -189,7 +189,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
             ),
         );
     }
-    let frame = facts.show.frame();
+    let frame = facts.viewport.frame();
     let memory = frame.memory();
     let states = match facts.probes {
         Some(counts) => told(&counts),
@@ -233,7 +233,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
 
 /// What of the world is shown, and how.
 fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut Option<Action>) {
-    let world = facts.show.world();
+    let world = facts.viewport.world();
     ui.label(RichText::new(&world.name).strong())
         .on_hover_text(&world.title);
     grid(ui, "scene", |ui| {
@@ -258,7 +258,7 @@ fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut O
         }
         ui.end_row();
 
-        views::rows(ui, facts.show, &mut settings.inspection);
+        views::rows(ui, facts.viewport, &mut settings.inspection);
 
         ui.label("resolution").on_hover_text(
             "Edge of the picture in parts of the window's; time grows with its square",
@@ -346,7 +346,7 @@ fn passes(ui: &mut Ui, facts: &Facts<'_>) {
 /// A section for each of the parameters', in the order of their table but with what needs a new
 /// world last.
 fn parameters(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
-    let presets = &facts.show.world().lamp_presets;
+    let presets = &facts.viewport.world().lamp_presets;
     let presets: Vec<&str> = presets.iter().map(|preset| &*preset.name).collect();
     let sections = [
         ("probes", "Probes", true),

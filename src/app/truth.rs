@@ -101,9 +101,9 @@ impl Truth {
             mode,
             ViewMode::Full | ViewMode::Indirect | ViewMode::Irradiance | ViewMode::TexturesOff
         );
-        if random && let Some(slice) = self.schedule.next_slice() {
-            self.pass.trace(gpu, recorder, &slice, false);
-            self.pending.push_back(slice.work);
+        if random && let Some(chunk) = self.schedule.next_chunk() {
+            self.pass.trace(gpu, recorder, &chunk, false);
+            self.pending.push_back(chunk.work);
         }
         self.resolve.record(recorder);
         self.tonemap.record(recorder);

@@ -3,11 +3,11 @@
 use clap::ValueEnum;
 use egui::{ComboBox, DragValue, Ui};
 
-use super::show::Show;
+use super::viewport::Viewport;
 use crate::passes::view::{AtlasLayer, AtlasMap, Inspection, ProbeColour, ViewMode};
 
 /// Rows of a grid of two columns.
-pub fn rows(ui: &mut Ui, show: &Show, inspection: &mut Inspection) {
+pub fn rows(ui: &mut Ui, viewport: &Viewport, inspection: &mut Inspection) {
     ui.label("view").on_hover_text("What the picture shows");
     combo(ui, "view", name(&inspection.view), |ui| {
         for view in ViewMode::value_variants() {
@@ -15,7 +15,7 @@ pub fn rows(ui: &mut Ui, show: &Show, inspection: &mut Inspection) {
         }
     });
     ui.end_row();
-    if show.choice().traced {
+    if viewport.choice().traced {
         ui.label("probes");
         ui.weak("the reference has none");
         ui.end_row();
@@ -35,12 +35,12 @@ pub fn rows(ui: &mut Ui, show: &Show, inspection: &mut Inspection) {
 
     ui.label("atlas")
         .on_hover_text("A layer of the textures that hold the maps of the probes");
-    ui.horizontal(|ui| atlas(ui, show, &mut inspection.atlas));
+    ui.horizontal(|ui| atlas(ui, viewport, &mut inspection.atlas));
     ui.end_row();
 }
 
-fn atlas(ui: &mut Ui, show: &Show, atlas: &mut Option<AtlasLayer>) {
-    let field = show.frame().field();
+fn atlas(ui: &mut Ui, viewport: &Viewport, atlas: &mut Option<AtlasLayer>) {
+    let field = viewport.frame().field();
     let shown = atlas.map_or_else(none, |atlas| atlas.map.name().to_owned());
     combo(ui, "atlas", shown, |ui| {
         ui.selectable_value(atlas, None, none());

@@ -3,9 +3,9 @@
 pub mod bench;
 mod check;
 mod compare;
-mod driver;
 mod dynamics;
 mod failure;
+mod frame_loop;
 mod info;
 mod judge;
 mod memory;
@@ -22,7 +22,7 @@ mod settings;
 mod shard;
 mod stop;
 pub mod stress;
-mod subject;
+mod test_case;
 
 use std::panic::PanicHookInfo;
 

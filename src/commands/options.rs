@@ -137,7 +137,7 @@ impl RunOptions {
 }
 
 /// A world with the parts of it that a picture is made of.
-pub struct Scene {
+pub struct Setup {
     pub world: World,
     pub parameters: Parameters,
     pub camera: Camera,
@@ -148,7 +148,7 @@ pub struct Scene {
     pub lamp_time_s: f64,
 }
 
-impl Scene {
+impl Setup {
     /// Reads a world and finds in it what the options name.
     pub fn load(path: &Path, run: &RunOptions, picture: &PictureOptions) -> Result<Self, Failure> {
         let parameters = run.parameters()?;

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{
     Failure,
     options::{
-        InspectionOptions, OutputOptions, PictureOptions, RunOptions, Scene, assignment,
+        InspectionOptions, OutputOptions, PictureOptions, RunOptions, Setup, assignment,
         picture_size,
     },
     output,
@@ -99,14 +99,14 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         seed: arguments.seed,
         view: arguments.view,
     };
-    let scene = Scene::load(&arguments.world, &run, &picture)?;
-    let world = scene.world.name.clone();
+    let setup = Setup::load(&arguments.world, &run, &picture)?;
+    let world = setup.world.name.clone();
     let frames = app::run(app::Options {
         world_path: arguments.world,
-        world: scene.world,
-        parameters: scene.parameters,
-        camera: scene.camera,
-        layout: scene.layout.name,
+        world: setup.world,
+        parameters: setup.parameters,
+        camera: setup.camera,
+        layout: setup.layout.name,
         inspection: arguments.inspection.with(arguments.view),
         traced: arguments.reference,
         size: arguments.size,

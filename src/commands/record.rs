@@ -93,7 +93,7 @@ pub struct ProbeCounts {
     /// Updated in the last frame.
     pub due: u32,
     /// How many of `total` are twins, which the layout does not count.
-    pub twins: u32,
+    pub back_side: u32,
 }
 
 impl ProbeCounts {
@@ -109,7 +109,7 @@ impl ProbeCounts {
             sleeping: counts.sleeping,
             dead: counts.dead,
             due: counts.due,
-            twins: counts.twins,
+            back_side: counts.back_side,
         })
     }
 }

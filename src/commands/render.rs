@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum as _};
 
 use super::{
     Failure, memory,
-    options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Scene},
+    options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup},
     output,
     record::{FrameTimes, ProbeCounts, Rays, Record, frame_spans, median_passes, mrays_per_s},
 };
@@ -58,16 +58,16 @@ pub(super) const VOXELISING: &str = "building the voxels";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     picture_file::check_writable(&arguments.output)?;
-    let scene = Scene::load(&arguments.world, &arguments.run, &arguments.picture)?;
+    let setup = Setup::load(&arguments.world, &arguments.run, &arguments.picture)?;
     let (picture, record) = if arguments.cpu {
-        on_the_cpu(arguments, &scene)?
+        on_the_cpu(arguments, &setup)?
     } else {
-        on_the_gpu(arguments, &scene)?
+        on_the_gpu(arguments, &setup)?
     };
     if shows_as_displayed(arguments)? {
         picture_file::write_png(&arguments.output, &picture)?;
     } else {
-        let exposure_ev = scene.parameters.picture.exposure_ev;
+        let exposure_ev = setup.parameters.picture.exposure_ev;
         let view = arguments.picture.view;
         store(&arguments.output, &picture, view, exposure_ev)?;
     }
@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record), Failure> {
+fn on_the_cpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record), Failure> {
     let (picture_options, run) = (&arguments.picture, &arguments.run);
     let view = traced_view(picture_options.view)?;
     note_without_probes(picture_options, run, "--cpu");
@@ -97,22 +97,22 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         "a picture of this size",
         u64::from(width) * u64::from(height) * 40,
     )?;
-    let grid_bytes = grid_cells(scene.world.size).as_u64vec3().element_product() * 4;
+    let grid_bytes = grid_cells(setup.world.size).as_u64vec3().element_product() * 4;
     memory::check("a world of this size", grid_bytes)?;
 
     let spinner = output::spinner(run, VOXELISING);
-    let voxels = generate::generate(&scene.world);
+    let voxels = generate::generate(&setup.world);
     spinner.finish_and_clear();
     let samples = u64::from(width) * u64::from(height) * u64::from(arguments.spp);
     let bar = output::progress(run, "samples", samples);
     let start = Instant::now();
     let options = reference::RenderOptions {
-        lamps: &scene.lamps,
-        time_s: scene.lamp_time_s,
-        textures: scene.parameters.textures.enabled
+        lamps: &setup.lamps,
+        time_s: setup.lamp_time_s,
+        textures: setup.parameters.textures.enabled
             && picture_options.view != ViewMode::TexturesOff,
         film: reference::FilmOptions {
-            camera: &scene.camera,
+            camera: &setup.camera,
             size: picture_options.size,
             samples: arguments.spp,
             seed: u64::from(picture_options.seed),
@@ -126,7 +126,7 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
         bar.set_position(done);
     };
     let mut picture = reference::render(
-        &scene.world,
+        &setup.world,
         &voxels,
         &options,
         &progress,
@@ -141,8 +141,8 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     let frame_ms = FrameTimes::of(&[elapsed_ms]).expect("one frame was rendered");
     let camera_rays = Some(u64::from(width) * u64::from(height));
     let record = Record {
-        world: scene.world.name.clone(),
-        camera: scene.camera.name.clone(),
+        world: setup.world.name.clone(),
+        camera: setup.camera.name.clone(),
         layout: None,
         view: view_name(picture_options.view),
         size: picture_options.size,
@@ -171,18 +171,18 @@ fn on_the_cpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     Ok((picture, record))
 }
 
-fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record), Failure> {
+fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record), Failure> {
     let (options, run) = (&arguments.picture, &arguments.run);
     let gpu = output::open_gpu(run)?;
     check_size(&gpu, options.size)?;
     let spinner = output::spinner(run, VOXELISING);
-    let stage = Stage::build(&gpu, &scene.world)?;
+    let stage = Stage::build(&gpu, &setup.world)?;
     spinner.finish_and_clear();
-    let probes = &scene.parameters.probes;
-    let mut frame = Frame::new(&gpu, stage, &scene.layout, probes, options.size)?;
+    let probes = &setup.parameters.probes;
+    let mut frame = Frame::new(&gpu, stage, &setup.layout, probes, options.size)?;
     frame.inspect(&gpu, arguments.inspection.with(options.view))?;
     let mut timing = Timing::new(&gpu)?;
-    let lights = Lights::at(&scene.world, &scene.lamps, scene.lamp_time_s);
+    let lights = Lights::at(&setup.world, &setup.lamps, setup.lamp_time_s);
     let settling = options.frames.unwrap_or(DEFAULT_FRAMES);
     let bar = output::progress(run, "frames", u64::from(settling) + 1);
     let mut wall_ms = Vec::new();
@@ -190,14 +190,14 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     for index in 0..=settling {
         let start = Instant::now();
         let view = View {
-            camera: scene.camera.clone(),
+            camera: setup.camera.clone(),
             size: options.size,
             frame: index,
             seed: options.seed,
-            exposure_ev: scene.parameters.picture.exposure_ev,
+            exposure_ev: setup.parameters.picture.exposure_ev,
             mode: options.view,
             time_s: options.time,
-            textures: scene.parameters.textures.enabled,
+            textures: setup.parameters.textures.enabled,
         };
         let mut recorder = if index / 2 % 2 == 1 {
             Recorder::new_whole(&gpu, &mut timing)
@@ -241,9 +241,9 @@ fn on_the_gpu(arguments: &Arguments, scene: &Scene) -> Result<(Picture, Record),
     };
     let rate = |rays, pass: &str| mrays_per_s(rays, passes.get(pass).copied());
     let record = Record {
-        world: scene.world.name.clone(),
-        camera: scene.camera.name.clone(),
-        layout: Some(scene.layout.name.clone()),
+        world: setup.world.name.clone(),
+        camera: setup.camera.name.clone(),
+        layout: Some(setup.layout.name.clone()),
         view: match arguments.inspection.atlas {
             Some(_) => "atlas".to_owned(),
             None => view_name(options.view),

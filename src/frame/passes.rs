@@ -71,20 +71,20 @@ impl Passes {
     /// From the camera's rays to the light of the probes and, if there is a `cache`, that of the surfaces that
     /// the camera sees.
     pub fn record_light(&self, recorder: &mut Recorder<'_>, cache: bool) {
-        recorder.together(|recorder| {
+        recorder.concurrent(|recorder| {
             self.camera_rays.record(recorder);
             self.schedule.record_list(recorder);
         });
-        recorder.together(|recorder| {
+        recorder.concurrent(|recorder| {
             self.schedule.record_arguments(recorder);
             if cache {
                 self.allocate.record(recorder);
             }
         });
         if cache {
-            self.allocate.record_asked(recorder);
+            self.allocate.record_requested(recorder);
         }
-        recorder.together(|recorder| {
+        recorder.concurrent(|recorder| {
             self.probe_trace.record(recorder);
             if cache {
                 self.surface_trace.record(recorder);

@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     GpuError, Kernel, ShaderLibrary,
-    slices::{self, Pace},
+    dispatch_chunks::{self, ChunkTime},
 };
 
 /// Whether shader modules get the run-time checks that wgpu adds (bounds, loop counters, division).
@@ -36,11 +36,11 @@ pub struct Gpu {
     pub first_groups: u32,
     /// Where dispatches begin (`slices` knows).
     pub(super) first_rows: wgpu::Buffer,
-    pub(super) slice_arguments: slices::SliceArguments,
+    pub(super) chunk_arguments: dispatch_chunks::ChunkArguments,
     /// What has been compiled so far, so that a resize need not compile again.
     pub(super) kernels: Arc<Mutex<HashMap<u64, Kernel>>>,
     /// How fast each kernel is here, by [`super::KernelSpec`].
-    pub(super) paces: Arc<Mutex<HashMap<u64, Arc<Pace>>>>,
+    pub(super) chunk_times: Arc<Mutex<HashMap<u64, Arc<ChunkTime>>>>,
 }
 
 /// An adapter in words, as `--json` and `grotto info` print it.
@@ -212,15 +212,15 @@ impl Gpu {
             reason: format!("`{}`: {error}", adapter.get_info().name),
         })?;
         let summary = AdapterSummary::of(&adapter.get_info());
-        let first_rows = slices::table(&device);
+        let first_rows = dispatch_chunks::table(&device);
         Ok(Self {
             first_groups: FIRST_GROUPS,
-            slice_arguments: slices::SliceArguments::new(&device, &first_rows),
+            chunk_arguments: dispatch_chunks::ChunkArguments::new(&device, &first_rows),
             first_rows,
             summary,
             shaders: Arc::new(ShaderLibrary::embedded()),
             kernels: Arc::default(),
-            paces: Arc::default(),
+            chunk_times: Arc::default(),
             instance,
             adapter,
             device,
@@ -251,7 +251,7 @@ impl Gpu {
         Self {
             shaders: Arc::new(shaders),
             kernels: Arc::default(),
-            paces: Arc::default(),
+            chunk_times: Arc::default(),
             ..self.clone()
         }
     }

@@ -10,9 +10,9 @@ use std::{
 
 use super::{
     Composed, Gpu, GpuError, ShaderChecks,
+    dispatch_chunks::{self, ChunkTime, FIRST_ROW},
     reflect::{Group, reflect},
     shader::base_name,
-    slices::{self, FIRST_ROW, Pace},
 };
 
 /// Which shader, with which constants.
@@ -56,7 +56,7 @@ pub struct Kernel {
 /// The resources of a [`Kernel`], ready to be set, and how fast it is on this device.
 pub struct Bindings {
     groups: Vec<Option<wgpu::BindGroup>>,
-    pub(super) pace: Arc<Pace>,
+    pub(super) chunk_time: Arc<ChunkTime>,
 }
 
 impl Kernel {
@@ -168,9 +168,9 @@ impl Kernel {
                 entries: &entries,
             })
         };
-        let mut paces = gpu.paces.lock().expect("nobody panics holding it");
+        let mut chunk_times = gpu.chunk_times.lock().expect("nobody panics holding it");
         Bindings {
-            pace: paces.entry(self.key).or_default().clone(),
+            chunk_time: chunk_times.entry(self.key).or_default().clone(),
             groups: self
                 .groups
                 .iter()
@@ -244,7 +244,7 @@ impl Kernel {
         let groups = bindings.groups.iter().zip(self.groups.iter());
         for (index, (group, shape)) in groups.enumerate() {
             if group.is_some() {
-                let offset = [first_row * slices::STRIDE];
+                let offset = [first_row * dispatch_chunks::STRIDE];
                 let offsets = &offset[..usize::from(shape.has_first_row())];
                 pass.set_bind_group(index as u32, group, offsets);
             }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Gpu, slices::Pace};
+use super::{Gpu, dispatch_chunks::ChunkTime};
 
 /// Passes of one submission that are timed so.
 const MOST_PASSES: u32 = 64;
@@ -11,7 +11,7 @@ const MOST_PASSES: u32 = 64;
 pub(super) struct Learner {
     stamps: wgpu::QuerySet,
     /// What learns of each pair of stamps, and how many workgroups ran between them.
-    learning: Vec<(Arc<Pace>, u32)>,
+    learning: Vec<(Arc<ChunkTime>, u32)>,
 }
 
 impl Learner {
@@ -34,14 +34,14 @@ impl Learner {
     /// What a compute pass of `groups` workgroups is to be begun with; `None` when there is no room for more.
     pub(super) fn stamps(
         &mut self,
-        pace: &Arc<Pace>,
+        chunk_time: &Arc<ChunkTime>,
         groups: u32,
     ) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let first = 2 * self.learning.len() as u32;
         if first >= 2 * MOST_PASSES {
             return None;
         }
-        self.learning.push((pace.clone(), groups));
+        self.learning.push((chunk_time.clone(), groups));
         Some(wgpu::ComputePassTimestampWrites {
             query_set: &self.stamps,
             beginning_of_pass_write_index: Some(first),
@@ -89,10 +89,10 @@ impl Learner {
                 return;
             };
             let pairs = view.chunks_exact(2 * wgpu::QUERY_SIZE as usize);
-            for ((pace, groups), pair) in learning.iter().zip(pairs) {
+            for ((chunk_time, groups), pair) in learning.iter().zip(pairs) {
                 let [begun, ended]: [u64; 2] = bytemuck::pod_read_unaligned(pair);
                 let ticks = ended.saturating_sub(begun);
-                pace.learn(*groups, ticks as f64 * period_ms);
+                chunk_time.learn(*groups, ticks as f64 * period_ms);
             }
         });
         index

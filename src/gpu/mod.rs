@@ -4,7 +4,8 @@
 
 mod buffers;
 mod device;
-mod faults;
+mod device_errors;
+mod dispatch_chunks;
 mod kernel;
 mod learner;
 mod memory;
@@ -12,18 +13,17 @@ mod offer;
 mod recorder;
 mod reflect;
 mod shader;
-mod slices;
 mod timing;
 
 pub use buffers::Structured;
 pub use device::{AdapterReport, AdapterSummary, Gpu, ShaderChecks, adapters, instance};
-pub use faults::Faults;
+pub use device_errors::DeviceErrors;
+pub use dispatch_chunks::rectangle;
 pub use kernel::{Bindings, Kernel, KernelSpec};
 pub use memory::available_memory;
 pub use offer::Offer;
 pub use recorder::Recorder;
 pub use shader::{Composed, ShaderLibrary};
-pub use slices::rectangle;
 pub use timing::{PassTimes, Timing};
 
 /// What can go wrong between the program and the GPU.

@@ -6,8 +6,8 @@ use wgpu_profiler::GpuProfilerQuery;
 
 use super::{
     Bindings, Gpu, GpuError, Kernel, Timing,
+    dispatch_chunks::{ChunkArguments, ChunkTime, DispatchChunks, MOST_ROWS},
     learner::Learner,
-    slices::{MOST_ROWS, Pace, SliceArguments, Slices},
     timing::{Clock, WHOLE},
 };
 
@@ -22,7 +22,7 @@ pub struct Recorder<'a> {
     /// The pass that those recorded [`together`](Self::together) share.
     shared: Option<wgpu::ComputePass<'static>>,
     first_groups: u32,
-    arguments: SliceArguments,
+    arguments: ChunkArguments,
     /// A CPU does the work: it writes its timestamps when it gets round to it.
     is_software: bool,
     /// Times the passes whose pace nobody else learns.
@@ -60,7 +60,7 @@ impl<'a> Recorder<'a> {
             whole: None,
             shared: None,
             first_groups: gpu.first_groups,
-            arguments: gpu.slice_arguments.clone(),
+            arguments: gpu.chunk_arguments.clone(),
             is_software: gpu.summary.is_software(),
             learner: None,
             dispatches: 0,
@@ -116,43 +116,43 @@ impl<'a> Recorder<'a> {
         indirect: Option<(&wgpu::Buffer, u64)>,
     ) {
         assert!(rows <= MOST_ROWS, "`{}` has {rows} rows", kernel.label);
-        let (label, pace) = (&*kernel.label, &bindings.pace);
-        let learning = self.learning(pace);
+        let (label, chunk_time) = (&*kernel.label, &bindings.chunk_time);
+        let learning = self.learning(chunk_time);
         if matches!(learning, Learning::Stamped | Learning::Waiting) {
             // What runs side by side has no time of its own.
             self.shared = None;
         }
-        let slices = Slices::new(pace, [width, rows], self.first_groups);
+        let dispatch_chunks = DispatchChunks::new(chunk_time, [width, rows], self.first_groups);
         let one_by_one = indirect.is_some() || self.waits() || learning == Learning::Waiting;
         if one_by_one {
-            for slice in slices {
+            for chunk in dispatch_chunks {
                 self.dispatches += 1;
-                let groups = (slice.end - slice.start) * width;
-                let learner = (learning, pace, groups);
+                let groups = (chunk.end - chunk.start) * width;
+                let learner = (learning, chunk_time, groups);
                 let elapsed_ms = match indirect {
                     Some(arguments) => {
-                        self.run_some_rows(kernel, bindings, slice, rows, arguments, learner)
+                        self.run_some_rows(kernel, bindings, chunk, rows, arguments, learner)
                     }
                     None => self.compute_timed(label, learner, |pass| {
-                        kernel.dispatch_rows(pass, bindings, width, slice);
+                        kernel.dispatch_rows(pass, bindings, width, chunk);
                     }),
                 };
                 if let Some(elapsed_ms) = elapsed_ms {
                     tracing::trace!("{label}: {groups} workgroups in {elapsed_ms:.1} ms");
-                    pace.learn(groups, elapsed_ms);
+                    chunk_time.learn(groups, elapsed_ms);
                 }
             }
         } else {
-            let slices: Vec<_> = slices.collect();
-            self.dispatches += slices.len() as u32;
-            self.compute_timed(label, (learning, pace, rows * width), |pass| {
-                for slice in slices {
-                    kernel.dispatch_rows(pass, bindings, width, slice);
+            let dispatch_chunks: Vec<_> = dispatch_chunks.collect();
+            self.dispatches += dispatch_chunks.len() as u32;
+            self.compute_timed(label, (learning, chunk_time, rows * width), |pass| {
+                for chunk in dispatch_chunks {
+                    kernel.dispatch_rows(pass, bindings, width, chunk);
                 }
             });
         }
         if let (Some(timing), Learning::Timed) = (&mut self.timing, learning) {
-            let all = (pace.clone(), rows * width);
+            let all = (chunk_time.clone(), rows * width);
             timing.learning.insert(label.to_owned(), all);
         }
     }
@@ -164,11 +164,11 @@ impl<'a> Recorder<'a> {
     }
 
     /// How a pass that is to run next teaches its kernel's pace.
-    fn learning(&mut self, pace: &Pace) -> Learning {
+    fn learning(&mut self, chunk_time: &ChunkTime) -> Learning {
         match self.timing.as_ref().map(|timing| &timing.clock) {
             Some(Clock::Wall { .. }) => Learning::Waiting,
             Some(Clock::Gpu { .. }) if self.whole.is_none() => Learning::Timed,
-            _ if !pace.is_due() => Learning::Not,
+            _ if !chunk_time.is_due() => Learning::Not,
             _ if self.is_software => Learning::Waiting,
             _ => {
                 self.learner = self.learner.take().or_else(|| Learner::new(&self.device));
@@ -187,7 +187,7 @@ impl<'a> Recorder<'a> {
 
     /// Passes that the GPU may run side by side, where they are not timed one by one. One that writes what
     /// another binds waits for it as ever.
-    pub fn together(&mut self, record: impl FnOnce(&mut Self)) {
+    pub fn concurrent(&mut self, record: impl FnOnce(&mut Self)) {
         let one_by_one = match self.timing.as_ref().map(|timing| &timing.clock) {
             Some(Clock::Gpu { .. }) => self.whole.is_none(),
             Some(Clock::Wall { .. }) => true,
@@ -207,22 +207,22 @@ impl<'a> Recorder<'a> {
         &mut self,
         kernel: &Kernel,
         bindings: &Bindings,
-        slice: Range<u32>,
+        chunk: Range<u32>,
         rows: u32,
         (buffer, offset): (&wgpu::Buffer, u64),
-        learner: (Learning, &Arc<Pace>, u32),
+        learner: (Learning, &Arc<ChunkTime>, u32),
     ) -> Option<f64> {
         let arguments = self.arguments.clone();
-        let is_whole = slice == (0..rows);
+        let is_whole = chunk == (0..rows);
         if let (Some(pass), true) = (&mut self.shared, is_whole) {
-            kernel.dispatch_indirect(pass, bindings, slice.start, buffer, offset);
+            kernel.dispatch_indirect(pass, bindings, chunk.start, buffer, offset);
             return None;
         }
         // A copy between passes ends the shared one.
         self.shared = None;
         self.pass(&kernel.label, Some(learner), |encoder, stamps| {
             if !is_whole {
-                arguments.write(encoder, (buffer, offset), slice.end - slice.start);
+                arguments.write(encoder, (buffer, offset), chunk.end - chunk.start);
             }
             let pass = &mut begin_compute_pass(encoder, &kernel.label, stamps);
             let (buffer, offset) = if is_whole {
@@ -230,7 +230,7 @@ impl<'a> Recorder<'a> {
             } else {
                 (arguments.buffer(), 0)
             };
-            kernel.dispatch_indirect(pass, bindings, slice.start, buffer, offset);
+            kernel.dispatch_indirect(pass, bindings, chunk.start, buffer, offset);
         })
     }
 
@@ -249,7 +249,7 @@ impl<'a> Recorder<'a> {
     fn compute_timed(
         &mut self,
         label: &str,
-        learner: (Learning, &Arc<Pace>, u32),
+        learner: (Learning, &Arc<ChunkTime>, u32),
         record: impl FnOnce(&mut wgpu::ComputePass<'_>),
     ) -> Option<f64> {
         if let Some(pass) = &mut self.shared {
@@ -296,7 +296,7 @@ impl<'a> Recorder<'a> {
     fn pass(
         &mut self,
         label: &str,
-        learner: Option<(Learning, &Arc<Pace>, u32)>,
+        learner: Option<(Learning, &Arc<ChunkTime>, u32)>,
         record: impl FnOnce(&mut wgpu::CommandEncoder, Stamps<'_>),
     ) -> Option<f64> {
         let whole = self.whole.is_some();
@@ -319,8 +319,8 @@ impl<'a> Recorder<'a> {
             }
             _ => match (learner, &mut self.learner) {
                 (Some((Learning::Waiting, ..)), _) => Some(self.wait_for(record)),
-                (Some((Learning::Stamped, pace, groups)), Some(learner)) => {
-                    let stamps = learner.stamps(pace, groups);
+                (Some((Learning::Stamped, chunk_time, groups)), Some(learner)) => {
+                    let stamps = learner.stamps(chunk_time, groups);
                     record(&mut self.encoder, stamps.map_or(Stamps::None, Stamps::Own));
                     None
                 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use naga::{AddressSpace, ImageClass, TypeInner};
 
-use super::{Composed, Gpu, shader::base_name, slices::FIRST_ROW};
+use super::{Composed, Gpu, dispatch_chunks::FIRST_ROW, shader::base_name};
 
 /// A bind group of a shader.
 pub(super) struct Group {

@@ -7,7 +7,7 @@ use std::{
 
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
 
-use super::{Gpu, GpuError, slices::Pace};
+use super::{Gpu, GpuError, dispatch_chunks::ChunkTime};
 
 /// Milliseconds of each pass in one frame, by label, in the order of the alphabet (none where the frame was
 /// timed as a whole), and the span from the first one's start to the last one's end.
@@ -24,7 +24,7 @@ pub(super) const WHOLE: &str = "";
 pub struct Timing {
     pub(super) clock: Clock,
     /// What learns from the time of a pass, by its label, and of how many workgroups.
-    pub(super) learning: BTreeMap<String, (Arc<Pace>, u32)>,
+    pub(super) learning: BTreeMap<String, (Arc<ChunkTime>, u32)>,
 }
 
 pub(super) enum Clock {
@@ -81,8 +81,8 @@ impl Timing {
                 let results = profiler.process_finished_frame(*period)?;
                 let times = PassTimes::of(&results);
                 for (label, ms) in &times.passes_ms {
-                    if let Some((pace, groups)) = self.learning.get(label) {
-                        pace.learn(*groups, *ms);
+                    if let Some((chunk_time, groups)) = self.learning.get(label) {
+                        chunk_time.learn(*groups, *ms);
                     }
                 }
                 Some(times)

@@ -271,11 +271,9 @@ parameters! {
         #[doc = "Frames that a probe stays awake after a pixel last used it. 64 is enough for every pixel to have its turn; less sleeps sooner."]
         alive_frames: u32 = 64, Kind::Count { min: 1, max: 100_000 }, Nothing;
         #[doc = "How much a probe's light must change (0 to 1) for updates in every frame, even if no pixel uses it. Less follows lamps sooner; 1 switches this off."]
-        restless: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
+        variability: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Nothing;
         #[doc = "Probes whose place lies in a solid voxel: exact moves them to the nearest air, off leaves them out. exact lights corners truer and traces more probes."]
         relocation: Relocation = Relocation::Exact, Relocation::KIND, Probes;
-        #[doc = "A probe that does not see more than this share of the surfaces around it gets a second probe on their side (visibility exact). Less lights thin walls truer and traces more probes; 1 makes none."]
-        twin_share: f32 = 0.1, Kind::Number { min: 0.0, max: 1.0 }, Probes;
         #[doc = "Width of a probe's irradiance map in texels. More resolves sharper light; memory and time grow with its square."]
         irradiance_texels: u32 = 8, Kind::Count { min: 4, max: 32 }, Probes;
         #[doc = "Width of a probe's distance map in texels (visibility chebyshev). More leaks less at thin walls; memory and time grow with its square."]

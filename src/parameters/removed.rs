@@ -1,11 +1,13 @@
 //! Keys of earlier versions, and what to write now.
 
 /// Key, and what has taken its place.
-const REMOVED: [(&str, &str); 24] = [
+const REMOVED: [(&str, &str); 26] = [
     (
         "probes.asking",
         "use probes.states=off to update all probes",
     ),
+    ("probes.restless", "it is called probes.variability now"),
+    ("probes.twin_share", FIXED),
     ("probes.contact", NO_GAIN),
     ("probes.near_hits", NO_GAIN),
     (
@@ -26,7 +28,7 @@ const REMOVED: [(&str, &str); 24] = [
         "probes.clearance",
         "use probes.method=source and source.relocation=clear",
     ),
-    ("probes.fed_interval", FIXED),
+    ("probes.indirect_interval", FIXED),
     ("probes.still_interval", FIXED),
     ("probes.asleep_interval", FIXED),
     ("probes.still_hysteresis", FIXED),

@@ -27,10 +27,10 @@ const IRRADIANCE_HISTORY_BYTES: u64 = 16;
 const DISTANCE_HISTORY_BYTES: u64 = 8;
 /// Radiance and distance of one ray (f32).
 const RAY_BYTES: u64 = 16;
-/// Updates so far, the mean luminance, unrest, and flags.
+/// Updates so far, the mean luminance, variability, and flags.
 pub const STATE_BYTES: u64 = 16;
 /// Means by which changes are told from noise, and what they have in common.
-const TREND_BYTES: u64 = TREND_VECTORS * 16;
+const VARIABILITY_BYTES: u64 = VARIABILITY_VECTORS * 16;
 /// Where it stands, and whether it gives light.
 pub const PLACE_BYTES: u64 = 16;
 /// Irradiance along six axes (f16), and whether there is any.
@@ -42,10 +42,10 @@ crate::shared! {
     in probes;
 
     /// Means that are watched for change: RGB, and direction times luminance.
-    const TREND_MEANS: u64 = 6;
+    const VARIABILITY_MEANS: u64 = 6;
 
     /// Vectors of a probe's trends: of each mean, and of its pulse.
-    const TREND_VECTORS: u64 = TREND_MEANS + 1;
+    const VARIABILITY_VECTORS: u64 = VARIABILITY_MEANS + 1;
 
     /// Vectors of a packed cube, one for each axis: three halves low, three halves high, and a word that is 1.0
     /// when the probe gives light at all.
@@ -65,8 +65,8 @@ pub struct ProbeMemory {
     pub places: u64,
     pub ambient_cubes: u64,
     /// What probes see under exact visibility; not a matter of the atlas.
-    pub sight: u64,
-    pub plan: u64,
+    pub visibility_bits: u64,
+    pub update_schedule: u64,
 }
 
 impl ProbeMemory {
@@ -80,8 +80,8 @@ impl ProbeMemory {
             + self.trends
             + self.places
             + self.ambient_cubes
-            + self.sight
-            + self.plan
+            + self.visibility_bits
+            + self.update_schedule
     }
 }
 
@@ -171,11 +171,11 @@ impl AtlasLayout {
             distance_history: slots * square(self.distance_texels) * DISTANCE_HISTORY_BYTES,
             rays: slots * u64::from(rays) * RAY_BYTES,
             states: slots * STATE_BYTES,
-            trends: slots * TREND_BYTES,
+            trends: slots * VARIABILITY_BYTES,
             places: slots * PLACE_BYTES,
             ambient_cubes: self.ambient_cube_bytes(),
-            sight: 0,
-            plan: slots * PLAN_BYTES,
+            visibility_bits: 0,
+            update_schedule: slots * PLAN_BYTES,
         }
     }
 }

@@ -12,14 +12,14 @@ mod level;
 mod motion;
 pub mod octahedral;
 pub mod sampling;
-pub mod sight;
+pub mod visibility_bits;
 pub mod volume;
 
 pub use atlas::AtlasLayout;
 pub use changes::Changes;
 pub use level::Level;
 pub use motion::Motion;
-pub use sight::{Sight, SightBox};
+pub use visibility_bits::{VisibilityBits, VisibilityBox};
 pub use volume::Volume;
 
 use glam::Vec3;

@@ -85,39 +85,39 @@ pub enum Outcome {
 /// Deviation: the distance to a boundary is computed from the boundary, not summed up, so that it
 /// does not depend on the way there. Rays may start outside the grid, which costs a step a voxel.
 pub fn march_plain(voxels: &Voxels, ray: &Ray) -> Outcome {
-    let mut walk = Walk::new(voxels, ray);
-    while walk.distance < ray.max_distance && !walk.has_left() {
-        let material = voxels.material(walk.cell);
+    let mut state = TraversalState::new(voxels, ray);
+    while state.distance < ray.max_distance && !state.has_left() {
+        let material = voxels.material(state.cell);
         if material != 0 {
-            return walk.arrived(material);
+            return state.arrived(material);
         }
-        walk.cross_next_boundary();
+        state.cross_next_boundary();
     }
     Outcome::Miss
 }
 
 /// As [`march_plain`], crossing the space before the grid and every empty 8³ cell in one step.
 pub fn march(voxels: &Voxels, ray: &Ray) -> Outcome {
-    let mut walk = Walk::new(voxels, ray);
-    if !walk.enter_grid() {
+    let mut state = TraversalState::new(voxels, ray);
+    if !state.enter_grid() {
         return Outcome::Miss;
     }
     let edge = CELL as i32;
-    while walk.distance < ray.max_distance && !walk.is_outside() {
-        let block = walk.cell.as_uvec3() / CELL;
+    while state.distance < ray.max_distance && !state.is_outside() {
+        let block = state.cell.as_uvec3() / CELL;
         let low = block.as_ivec3() * edge;
         match voxels.cell(block) {
-            Cell::Empty => walk.leave_box(low, low + edge),
-            Cell::Uniform(material) => return walk.arrived(material),
+            Cell::Empty => state.leave_box(low, low + edge),
+            Cell::Uniform(material) => return state.arrived(material),
             Cell::Brick(materials) => loop {
-                let local = (walk.cell - low).as_uvec3();
+                let local = (state.cell - low).as_uvec3();
                 let material = materials[(local.x | local.y << 3 | local.z << 6) as usize];
                 if material != 0 {
-                    return walk.arrived(material);
+                    return state.arrived(material);
                 }
-                walk.cross_next_boundary();
-                let same_block = (walk.cell.as_uvec3() / CELL) == block;
-                if !same_block || walk.distance >= ray.max_distance || walk.is_outside() {
+                state.cross_next_boundary();
+                let same_block = (state.cell.as_uvec3() / CELL) == block;
+                if !same_block || state.distance >= ray.max_distance || state.is_outside() {
                     break;
                 }
             },
@@ -127,7 +127,7 @@ pub fn march(voxels: &Voxels, ray: &Ray) -> Outcome {
 }
 
 /// The state of a march: the voxel, and the boundary that comes next on each axis.
-struct Walk {
+struct TraversalState {
     origin: DVec3,
     direction: DVec3,
     size: IVec3,
@@ -142,11 +142,11 @@ struct Walk {
     axis: Option<usize>,
 }
 
-impl Walk {
+impl TraversalState {
     fn new(voxels: &Voxels, ray: &Ray) -> Self {
         let direction = ray.direction;
         let sign = |d: f64| if d == 0.0 { 0 } else { d.signum() as i32 };
-        let mut walk = Self {
+        let mut state = Self {
             origin: ray.origin,
             direction,
             size: voxels.size().as_ivec3(),
@@ -157,9 +157,9 @@ impl Walk {
             axis: None,
         };
         for axis in 0..3 {
-            walk.aim(axis);
+            state.aim(axis);
         }
-        walk
+        state
     }
 
     /// Distance to the plane `axis` = `boundary`. It never falls as the boundary moves along the

@@ -10,5 +10,5 @@ pub mod path_trace;
 pub mod random;
 pub mod render;
 
-pub use path_trace::Scene;
+pub use path_trace::TracedWorld;
 pub use render::{FilmOptions, RenderOptions, View, render, render_scene};

@@ -21,7 +21,7 @@ const MOST_LIKELY_SURVIVAL: f64 = 0.95;
 
 /// What a ray can meet, and what lights it.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct TracedWorld<'a> {
     pub voxels: &'a Voxels,
     /// World-space coordinates of the grid's first voxel.
     pub origin: IVec3,
@@ -33,12 +33,12 @@ pub struct Scene<'a> {
 
 /// What a camera ray meets.
 #[derive(Clone, Copy, Debug)]
-pub enum Sight {
+pub enum CameraHit {
     /// The sky, with its radiance.
     Sky(DVec3),
     Surface(Vertex),
     /// The camera stands in stone, and sees what that emits.
-    Stone(DVec3),
+    Solid(DVec3),
 }
 
 /// A point of a surface. Grid space but where the name says otherwise; linear RGB.
@@ -71,15 +71,17 @@ impl Vertex {
     }
 }
 
-impl Scene<'_> {
+impl TracedWorld<'_> {
     /// Follows a camera ray (world space, unit direction). `pixel_angle` is the angle (radians)
     /// over which textures are averaged.
-    pub fn look(&self, origin_ws: DVec3, direction: DVec3, pixel_angle: f64) -> Sight {
+    pub fn look(&self, origin_ws: DVec3, direction: DVec3, pixel_angle: f64) -> CameraHit {
         let ray = Ray::new(origin_ws - self.origin.as_dvec3(), direction);
         match march(self.voxels, &ray) {
-            Outcome::Inside(material) => Sight::Stone(self.materials.emission(material).as_dvec3()),
-            Outcome::Miss => Sight::Sky(sky::radiance(&self.lights.sky, direction)),
-            Outcome::Hit(hit) => Sight::Surface(self.vertex(&ray, hit, pixel_angle)),
+            Outcome::Inside(material) => {
+                CameraHit::Solid(self.materials.emission(material).as_dvec3())
+            }
+            Outcome::Miss => CameraHit::Sky(sky::radiance(&self.lights.sky, direction)),
+            Outcome::Hit(hit) => CameraHit::Surface(self.vertex(&ray, hit, pixel_angle)),
         }
     }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::path_trace::{Scene, Sight, Vertex};
+use super::path_trace::{CameraHit, TracedWorld, Vertex};
 use super::random::Pcg;
 use crate::lights::Lights;
 use crate::measure::picture::Picture;
@@ -81,7 +81,7 @@ pub fn render(
 ) -> Picture {
     let materials = MaterialSet::bake(&world.materials, world.seed);
     let lights = Lights::at(world, options.lamps, options.time_s);
-    let scene = Scene {
+    let scene = TracedWorld {
         voxels,
         origin: world.origin,
         materials: &materials,
@@ -93,7 +93,7 @@ pub fn render(
 
 /// As [`render`], of a scene whose materials and lights are ready.
 pub fn render_scene(
-    scene: &Scene,
+    scene: &TracedWorld,
     options: &FilmOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
     cancel: &AtomicBool,
@@ -157,7 +157,7 @@ impl Row {
 
 /// From pixels to samples of what the camera sees through them.
 struct Film<'a> {
-    scene: &'a Scene<'a>,
+    scene: &'a TracedWorld<'a>,
     options: &'a FilmOptions<'a>,
     camera: CameraBasis,
     /// Samples per pixel that make a difference to this view.
@@ -173,7 +173,7 @@ struct Look {
 }
 
 impl<'a> Film<'a> {
-    fn new(scene: &'a Scene<'a>, options: &'a FilmOptions<'a>) -> Self {
+    fn new(scene: &'a TracedWorld<'a>, options: &'a FilmOptions<'a>) -> Self {
         let [width, height] = options.size.map(f64::from);
         let camera = options.camera.basis(width / height);
         let random = options.antialias || options.view.is_random();
@@ -209,18 +209,18 @@ impl<'a> Film<'a> {
     fn look(&self, pixel: DVec2) -> Look {
         let size = DVec2::from(self.options.size.map(f64::from));
         let direction = self.camera.direction_ws(pixel, size).normalize();
-        let sight = self
+        let hit = self
             .scene
             .look(self.camera.origin, direction, self.pixel_angle);
-        match sight {
-            Sight::Sky(radiance) | Sight::Stone(radiance) => Look {
+        match hit {
+            CameraHit::Sky(radiance) | CameraHit::Solid(radiance) => Look {
                 sure: match self.options.view {
                     View::Full | View::Direct => radiance,
                     _ => DVec3::ZERO,
                 },
                 surface: None,
             },
-            Sight::Surface(vertex) => Look {
+            CameraHit::Surface(vertex) => Look {
                 sure: match self.options.view {
                     View::Full | View::Direct => {
                         vertex.emission + self.scene.lamps_reflected(&vertex)

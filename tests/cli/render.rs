@@ -74,7 +74,7 @@ fn a_picture_from_the_gpu_with_its_record() {
     }
     assert_eq!(fields.len(), expected.len());
     let probes = &record["probes"];
-    let [total, alive, sleeping, dead, twins] = ["total", "alive", "sleeping", "dead", "twins"]
+    let [total, alive, sleeping, dead, back_side] = ["total", "alive", "sleeping", "dead", "back_side"]
         .map(|key| probes[key].as_u64().expect("a count"));
     assert_eq!(alive + sleeping + dead, total, "{probes}");
     let cave = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(CAVE);
@@ -82,8 +82,8 @@ fn a_picture_from_the_gpu_with_its_record() {
     let mut layouts = cave.layouts.iter();
     let layout = layouts.find(|layout| layout.name == "layout1");
     let of_layout = layout.map_or(0, |layout| u64::from(layout.counts.element_product()));
-    assert_eq!(total - twins, of_layout, "{probes}");
-    assert!(twins > 0, "{probes}");
+    assert_eq!(total - back_side, of_layout, "{probes}");
+    assert!(back_side > 0, "{probes}");
     assert_eq!(record["world"], "cave");
     assert_eq!(record["layout"], "layout1");
     assert_eq!(record["view"], "full");

@@ -270,7 +270,7 @@ fn probes_of_every_level_leave_stone_that_comes() {
     hall.settle(eye, 2);
     let mut voxels = hall.frame.stage.read_back(&hall.gpu).expect("reads back");
     let origin = hall.world.origin;
-    let is_stone = |voxels: &grotto::world::voxels::Voxels, place: [f32; 4]| {
+    let is_solid = |voxels: &grotto::world::voxels::Voxels, place: [f32; 4]| {
         let voxel = Vec3::new(place[0], place[1], place[2]).floor().as_ivec3() - origin;
         voxels.material(voxel) != 0
     };
@@ -278,7 +278,7 @@ fn probes_of_every_level_leave_stone_that_comes() {
     let edit = voxels.fill_box(low, low + IVec3::new(9, 12, 9), 1);
     let level_slots = hall.volume().level_slots() as usize;
     for (level, places) in hall.places().chunks(level_slots).enumerate() {
-        let caught = |place: &&[f32; 4]| place[3] != 0.0 && is_stone(&voxels, **place);
+        let caught = |place: &&[f32; 4]| place[3] != 0.0 && is_solid(&voxels, **place);
         let caught = places.iter().filter(caught).count();
         assert!(caught > 0, "the edit reaches level {level}");
     }
@@ -289,7 +289,7 @@ fn probes_of_every_level_leave_stone_that_comes() {
     assert_eq!(hall.frame.field().fresh(), 0, "an edit moves no volume");
     for (slot, place) in hall.places().iter().enumerate() {
         assert!(
-            place[3] == 0.0 || !is_stone(&voxels, *place),
+            place[3] == 0.0 || !is_solid(&voxels, *place),
             "slot {slot} is alive in stone at {place:?}"
         );
     }

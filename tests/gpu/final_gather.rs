@@ -183,10 +183,10 @@ fn what_rays_hit_knows_its_own_light() {
     );
 }
 
-/// Quarters of a face that differ by no more than their noise show the same: other rays find another picture, but not
+/// Quadrants of a face that differ by no more than their noise show the same: other rays find another picture, but not
 /// by much.
 #[test]
-fn noise_between_quarters_is_not_shown() {
+fn noise_between_quadrants_is_not_shown() {
     let seen_by = |seed| {
         let mut room = Room::new(quick());
         room.drawn.view.seed = seed;

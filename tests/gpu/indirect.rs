@@ -97,12 +97,12 @@ impl Stage {
         resources.extend(materials.resources());
         resources.extend(on_gpu.resources());
         let states = ProbeClassify::new(&gpu, &field, &resources).expect("compiles");
-        let sight = ProbeVisibility::new(&gpu, &field, &resources).expect("compiles");
+        let visibility_bits = ProbeVisibility::new(&gpu, &field, &resources).expect("compiles");
         field.begin_frame(&gpu, &parameters, 3, 0);
         let mut recorder = Recorder::new(&gpu, None);
         states.record(&mut recorder);
         if field.exact() {
-            sight.record(&mut recorder);
+            visibility_bits.record(&mut recorder);
         }
         recorder.submit(&gpu).expect("submits");
         let due = ProbeSchedule::new(&gpu, &field).expect("compiles");

@@ -5,6 +5,7 @@
 mod support;
 
 mod cascades;
+mod dispatch_chunks;
 mod distances;
 mod edits;
 mod energy;
@@ -16,6 +17,5 @@ mod light;
 mod marching;
 mod probe_views;
 mod probes;
-mod slices;
 mod tonemap;
 mod voxelise;

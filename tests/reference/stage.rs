@@ -6,7 +6,7 @@ use glam::{IVec3, UVec3, Vec3};
 use grotto::lights::Lights;
 use grotto::measure::picture::Picture;
 use grotto::measure::statistics::MeanEstimate;
-use grotto::reference::{FilmOptions, Scene, View, render_scene};
+use grotto::reference::{FilmOptions, TracedWorld, View, render_scene};
 use grotto::world::generate::generate;
 use grotto::world::materials::MaterialSet;
 use grotto::world::voxels::Voxels;
@@ -93,8 +93,8 @@ impl Stage {
         self
     }
 
-    pub fn scene(&self) -> Scene<'_> {
-        Scene {
+    pub fn scene(&self) -> TracedWorld<'_> {
+        TracedWorld {
             voxels: &self.voxels,
             origin: self.origin,
             materials: &self.materials,

@@ -26,13 +26,13 @@ pub(super) struct Benchmarks {
 impl Session {
     /// Begins a benchmark.
     pub(super) fn begin_benchmark(&mut self) {
-        if self.show.choice().traced {
+        if self.viewport.choice().traced {
             self.messages
                 .toast("The benchmark is of light by probes: F6 returns to them");
             return;
         }
-        let world = self.show.world().clone();
-        let course = match self.show.voxels() {
+        let world = self.viewport.world().clone();
+        let course = match self.viewport.voxels() {
             Ok(voxels) => Course::new(&world, voxels, &self.camera),
             Err(error) => return self.messages.toast_error(error.to_string()),
         };
@@ -40,7 +40,7 @@ impl Session {
             camera: self.camera.clone(),
             clock: self.settings.clock,
         };
-        let software = self.show.gpu.summary.is_software();
+        let software = self.viewport.gpu.summary.is_software();
         let benchmark = Benchmark::new(course, before, world.voxel_m, software, Instant::now());
         self.messages.status = Some(benchmark.status());
         self.benchmarks.summary = None;
@@ -55,11 +55,11 @@ impl Session {
             return;
         };
         let mode = self.screen.unpaced_mode();
-        let summary = &self.show.gpu.summary;
+        let summary = &self.viewport.gpu.summary;
         let surroundings = Surroundings {
-            world: self.show.world().name.clone(),
-            layout: self.show.choice().layout.clone(),
-            size: self.show.frame().size(),
+            world: self.viewport.world().name.clone(),
+            layout: self.viewport.choice().layout.clone(),
+            size: self.viewport.frame().size(),
             adapter: summary.name.clone(),
             software: summary.is_software(),
             presented: format!("{mode:?}"),
@@ -109,14 +109,14 @@ impl Session {
         match phase {
             Some(Phase::WarmedUp) => {
                 // The times that arrive from now on are of frames that count.
-                self.show.gpu.wait()?;
+                self.viewport.gpu.wait()?;
                 self.hear_times(0.0);
                 if let Some(run) = &mut self.benchmarks.running {
                     run.start_counting(Instant::now());
                 }
             }
             Some(Phase::Over) => {
-                self.show.gpu.wait()?;
+                self.viewport.gpu.wait()?;
                 self.hear_times(0.0);
                 self.end_benchmark();
             }

@@ -135,7 +135,7 @@ impl Session {
     }
 
     pub(super) fn jump_to(&mut self, index: usize) {
-        if let Some(camera) = self.show.world().cameras.get(index) {
+        if let Some(camera) = self.viewport.world().cameras.get(index) {
             self.camera = camera.clone();
             self.messages.toast(format!("camera {}", camera.name));
         }

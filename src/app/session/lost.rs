@@ -10,7 +10,7 @@ use crate::{
         AppError,
         screen::{self, Screen},
     },
-    gpu::{Faults, Gpu, Timing},
+    gpu::{DeviceErrors, Gpu, Timing},
     passes::view::overlay::Overlay,
 };
 
@@ -29,15 +29,15 @@ impl Session {
             return self.check();
         }
         tracing::error!("the device was lost; another one takes its place");
-        let surface = screen::surface(&self.show.gpu.instance, &self.window)?;
-        let gpu = self.show.gpu.reopened(Some(&surface))?;
-        self.faults = Faults::watch(&gpu);
+        let surface = screen::surface(&self.viewport.gpu.instance, &self.window)?;
+        let gpu = self.viewport.gpu.reopened(Some(&surface))?;
+        self.device_errors = DeviceErrors::watch(&gpu);
         self.screen = Screen::new(&gpu, self.window.clone(), surface)?;
         self.overlay = Overlay::new(&gpu, self.screen.format())?;
         self.timing = Timing::new(&gpu)?;
         // The textures of the panel were on the old device: a new context gives all of them again.
         self.egui = panel_state(event_loop, &self.window, &gpu);
-        self.show.move_to(gpu)?;
+        self.viewport.move_to(gpu)?;
         self.messages
             .toast("The GPU was lost and opened again; edits are kept, light is found anew");
         self.remade();

@@ -29,12 +29,12 @@ use super::{
     reload::Watch,
     screen::{self, Acquired, Screen},
     screenshot,
-    show::{Choice, Show},
+    viewport::{Choice, Viewport},
     without_place,
 };
 use crate::{
     frame::FrameError,
-    gpu::{self, Faults, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
+    gpu::{self, DeviceErrors, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
     passes::view::overlay::Overlay,
     world::Camera,
@@ -50,10 +50,10 @@ const FRAMES_TO_TIME: u32 = 8;
 pub struct Session {
     window: Arc<Window>,
     screen: Screen,
-    faults: Faults,
+    device_errors: DeviceErrors,
     timing: Timing,
     overlay: Overlay,
-    show: Show,
+    viewport: Viewport,
     egui: egui_winit::State,
     settings: Settings,
     panel_open: bool,
@@ -103,7 +103,7 @@ impl Session {
         let surface = screen::surface(&instance, &window)?;
         let adapter = options.adapter.as_deref();
         let gpu = Gpu::open_with(instance, adapter, Some(&surface), ShaderChecks::default())?;
-        let faults = Faults::watch(&gpu);
+        let device_errors = DeviceErrors::watch(&gpu);
         let screen = Screen::new(&gpu, window.clone(), surface)?;
         let scale = if gpu.summary.is_software() {
             SOFTWARE_SCALE
@@ -117,13 +117,13 @@ impl Session {
             traced: options.traced,
         };
         let mut messages = Messages::default();
-        let show = build(&gpu, options, choice, &mut messages)?;
+        let viewport = build(&gpu, options, choice, &mut messages)?;
         messages.toast("Click into the picture to look around; F1 hides the panel");
         let mut session = Self {
-            overlay: Overlay::new(&show.gpu, screen.format())?,
+            overlay: Overlay::new(&viewport.gpu, screen.format())?,
             timing: Timing::new(&gpu)?,
             settings: Settings {
-                choice: show.choice().clone(),
+                choice: viewport.choice().clone(),
                 inspection: options.inspection,
                 scale,
                 vsync: true,
@@ -133,11 +133,11 @@ impl Session {
                 },
                 brush: Brush::default(),
             },
-            egui: lost::panel_state(event_loop, &window, &show.gpu),
+            egui: lost::panel_state(event_loop, &window, &viewport.gpu),
             window,
             screen,
-            faults,
-            show,
+            device_errors,
+            viewport,
             replaced: None,
             lose_device_at: options.lose_device_at,
             panel_open: true,
@@ -202,14 +202,14 @@ impl Session {
     /// # Errors
     /// [`AppError`] when the GPU failed: there will be no further frame.
     pub fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
-        if self.faults.is_lost() {
+        if self.device_errors.is_lost() {
             self.replace_device(event_loop)?;
         }
         let drawn = self.draw_frame(event_loop);
         self.drawn = Instant::now();
         match drawn {
             // The next frame has another device.
-            Err(_) if self.faults.is_lost() => Ok(()),
+            Err(_) if self.device_errors.is_lost() => Ok(()),
             drawn => drawn,
         }
     }
@@ -235,7 +235,7 @@ impl Session {
         let acquired = if self.occluded || self.window.is_minimized() == Some(true) {
             Acquired::Hidden
         } else {
-            self.screen.acquire(&self.show.gpu)?
+            self.screen.acquire(&self.viewport.gpu)?
         };
         self.hidden = matches!(acquired, Acquired::Hidden);
         let Acquired::Texture(texture) = acquired else {
@@ -247,9 +247,9 @@ impl Session {
         };
         let shapes = self.run_panel(event_loop);
         let target = texture.texture.create_view(&Default::default());
-        let gpu = self.show.gpu.clone();
+        let gpu = self.viewport.gpu.clone();
         // The path tracer learns from its own time how much to do in a frame.
-        let is_timed = self.show.truth().is_some()
+        let is_timed = self.viewport.truth().is_some()
             || (self.presented.is_multiple_of(FRAMES_TO_TIME) && !is_benchmark);
         let mut recorder = if is_timed {
             Recorder::new(&gpu, Some(&mut self.timing))
@@ -257,14 +257,14 @@ impl Session {
             Recorder::new_whole(&gpu, &mut self.timing)
         };
         let time_s = self.settings.clock.time_s;
-        self.show
+        self.viewport
             .record(&mut recorder, &self.camera, time_s, self.seed)?;
-        if self.faults.is_lost() {
+        if self.device_errors.is_lost() {
             // The panel cannot be drawn with a lost device.
             return self.check();
         }
         let size = [texture.texture.width(), texture.texture.height()];
-        let picture = self.show.display();
+        let picture = self.viewport.display();
         self.overlay
             .record(&gpu, &mut recorder, picture, &target, size, shapes);
         recorder.submit(&gpu)?;
@@ -282,14 +282,20 @@ impl Session {
         if std::mem::take(&mut self.screenshot_wanted) {
             self.save_screenshot();
         }
-        if !is_benchmark && self.show.frame().frames().is_multiple_of(FRAMES_TO_COUNT) {
-            self.probes = Some(self.show.frame().field().state_counts(&gpu)?);
+        if !is_benchmark
+            && self
+                .viewport
+                .frame()
+                .frames()
+                .is_multiple_of(FRAMES_TO_COUNT)
+        {
+            self.probes = Some(self.viewport.frame().field().state_counts(&gpu)?);
         }
         self.check()
     }
 
     fn check(&self) -> Result<(), AppError> {
-        self.faults
+        self.device_errors
             .first()
             .map_or(Ok(()), |fault| Err(fault.into()))
     }
@@ -298,7 +304,7 @@ impl Session {
     fn strike(&mut self, stroke: Stroke) {
         let (brush, camera) = (&mut self.settings.brush, &self.camera);
         let made = self
-            .show
+            .viewport
             .edit(|voxels, world| brush.stroke(voxels, world, camera, stroke));
         if let Err(error) = made {
             self.messages.toast_error(error.to_string());
@@ -326,9 +332,9 @@ impl Session {
     fn reload(&mut self, world: bool, shaders: bool) {
         if shaders && let Some((folder, _)) = &self.shaders {
             let reloaded = self
-                .show
+                .viewport
                 .reload_shaders(folder)
-                .and_then(|()| Ok(self.overlay.rebuild(&self.show.gpu)?));
+                .and_then(|()| Ok(self.overlay.rebuild(&self.viewport.gpu)?));
             self.messages.shaders = reloaded.err().map(|error| error.to_string());
             if self.messages.shaders.is_none() {
                 self.messages.toast("shaders compiled");
@@ -337,21 +343,21 @@ impl Session {
         }
         if world {
             self.world_watch.follow_world();
-            self.messages.world = match self.show.reload_world() {
+            self.messages.world = match self.viewport.reload_world() {
                 Ok(()) => {
                     self.messages.toast("world read again");
                     None
                 }
                 Err(error) => Some(error.to_string()),
             };
-            self.settings.choice = self.show.choice().clone();
+            self.settings.choice = self.viewport.choice().clone();
             self.remade();
         }
     }
 
     fn save_screenshot(&mut self) {
         let path = screenshot::free_name(Path::new(""), SystemTime::now());
-        let picture = self.show.read_display();
+        let picture = self.viewport.read_display();
         let saved = picture
             .map_err(|error| error.to_string())
             .and_then(|picture| {
@@ -372,10 +378,10 @@ fn build(
     options: &Options,
     choice: Choice,
     messages: &mut Messages,
-) -> Result<Show, FrameError> {
+) -> Result<Viewport, FrameError> {
     let new = |gpu: Gpu| {
         let world = options.world.clone();
-        Show::new(gpu, &options.world_path, world, choice.clone())
+        Viewport::new(gpu, &options.world_path, world, choice.clone())
     };
     if let Some(folder) = &options.shaders {
         let shown = ShaderLibrary::from_folder(folder)

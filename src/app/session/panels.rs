@@ -17,7 +17,7 @@ impl Session {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
         let facts = Facts {
-            show: &self.show,
+            viewport: &self.viewport,
             rate: &self.rate,
             passes: &self.passes,
             camera: &self.camera,

@@ -6,7 +6,7 @@ impl Session {
     /// Hears the times of passes that have arrived. `frame_ms`: milliseconds since the last frame.
     pub(super) fn hear_times(&mut self, frame_ms: f64) {
         // A CPU's time of its passes is no GPU's: there the wall's clock alone counts.
-        let is_gpu_time = !self.show.gpu.summary.is_software();
+        let is_gpu_time = !self.viewport.gpu.summary.is_software();
         while let Some(times) = self.timing.next_frame() {
             if !times.passes_ms.is_empty() {
                 self.passes.push(&times);
@@ -14,12 +14,12 @@ impl Session {
             if is_gpu_time && let Some(run) = &mut self.benchmarks.running {
                 run.gpu_took(times.frame_ms);
             }
-            if let Some(truth) = self.show.truth() {
+            if let Some(truth) = self.viewport.truth() {
                 truth.took(Some(&times), frame_ms);
             }
         }
         let benchmark = self.benchmarks.running.as_ref().map(Benchmark::status);
-        let traced = self.show.truth().map(|truth| {
+        let traced = self.viewport.truth().map(|truth| {
             if !self.timing.supported() {
                 truth.took(None, frame_ms);
             }

@@ -16,16 +16,16 @@ impl Session {
         let minimised = self.screen.size().contains(&0);
         let mut next = self.settings.choice.clone();
         next.size = if dragging || minimised {
-            self.show.frame().size()
+            self.viewport.frame().size()
         } else {
             scaled(self.screen.size(), self.settings.scale)
         };
-        let shown = self.show.choice();
+        let shown = self.viewport.choice();
         let remake = shown.parameters.remake_for(&next.parameters);
         if next == *shown || (dragging && remake != Remake::Nothing) {
             return;
         }
-        match self.show.apply(next) {
+        match self.viewport.apply(next) {
             Ok(true) => {
                 self.abandon_benchmark("The picture has another size: the benchmark was stopped");
                 self.remade();
@@ -36,12 +36,12 @@ impl Session {
             }
         }
         // What the world lacks or the adapter cannot hold is taken back.
-        self.settings.choice = self.show.choice().clone();
+        self.settings.choice = self.viewport.choice().clone();
     }
 
     /// Shows what was chosen of the probes. What cannot be shown is taken back.
     pub(super) fn inspect_probes(&mut self) {
-        if let Err(error) = self.show.inspect(&mut self.settings.inspection) {
+        if let Err(error) = self.viewport.inspect(&mut self.settings.inspection) {
             self.messages.toast_error(error.to_string());
             self.settings.inspection = Inspection::default();
         }

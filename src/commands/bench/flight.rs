@@ -12,7 +12,7 @@ use super::{
         options::RunOptions,
         output,
         settings::Setting,
-        subject::{Subject, SubjectOptions},
+        test_case::{TestCase, TestCaseOptions},
     },
     flight_look::{Look, Meters},
     suite::LightSuite,
@@ -45,7 +45,7 @@ use crate::{
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
-    subjects: SubjectOptions,
+    subjects: TestCaseOptions,
     /// How far to fly
     #[arg(long, value_name = "M", default_value_t = 200.0, value_parser = positive, allow_negative_numbers = true)]
     metres: f32,
@@ -131,7 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         size: Some(options.size),
     };
     suite.run(
-        |gpu, subject| measure(gpu, subject, arguments),
+        |gpu, case| measure(gpu, case, arguments),
         |adapter, rows| {
             let rows: String = rows.iter().map(lines).collect();
             format!("{adapter}\n{rows}")
@@ -139,18 +139,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     )
 }
 
-fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Row>, Failure> {
+fn measure(gpu: &Gpu, case: &TestCase, arguments: &Arguments) -> Result<Vec<Row>, Failure> {
     let options = &arguments.subjects;
     let mut rows = Vec::new();
-    for layout in &subject.layouts {
-        for setting in &subject.settings {
-            let probes = setting.of(&subject.parameters).probes;
+    for layout in &case.layouts {
+        for setting in &case.settings {
+            let probes = setting.of(&case.parameters).probes;
             let frames = (arguments.metres / arguments.speed * arguments.rate as f32).ceil() as u32;
             let rest = u64::from(frames.min(options.frames));
             let length = 3 * u64::from(options.frames) + u64::from(frames) + rest + 2;
             let bar = output::progress(&arguments.run, "frames", length);
-            let mut flyer = Flyer::new(gpu, subject, layout, &probes, &bar)?;
-            let mut row = flyer.fly(subject, arguments, frames)?;
+            let mut flyer = Flyer::new(gpu, case, layout, &probes, &bar)?;
+            let mut row = flyer.fly(case, arguments, frames)?;
             row.settings = setting.clone();
             bar.finish_and_clear();
             rows.push(row);
@@ -165,7 +165,7 @@ struct Flyer<'a> {
     frame: Frame,
     timing: Timing,
     view: View,
-    subject: &'a Subject,
+    case: &'a TestCase,
     layout: &'a LayoutSpec,
     probes: &'a ProbeParameters,
     bar: &'a ProgressBar,
@@ -174,20 +174,20 @@ struct Flyer<'a> {
 impl<'a> Flyer<'a> {
     fn new(
         gpu: &'a Gpu,
-        subject: &'a Subject,
+        case: &'a TestCase,
         layout: &'a LayoutSpec,
         probes: &'a ProbeParameters,
         bar: &'a ProgressBar,
     ) -> Result<Self, Failure> {
-        let mut view = subject.view(&subject.cameras[0]);
+        let mut view = case.view(&case.cameras[0]);
         view.mode = ViewMode::Irradiance;
-        let stage = Stage::build(gpu, &subject.world)?;
+        let stage = Stage::build(gpu, &case.world)?;
         Ok(Self {
             gpu,
             frame: Frame::new(gpu, stage, layout, probes, view.size)?,
             timing: Timing::new(gpu)?,
             view,
-            subject,
+            case,
             layout,
             probes,
             bar,
@@ -199,7 +199,7 @@ impl<'a> Flyer<'a> {
         self.view.camera = camera.clone();
         self.view.frame = self.frame.frames();
         let mut recorder = Recorder::new(self.gpu, Some(&mut self.timing));
-        let lights = &self.subject.lights;
+        let lights = &self.case.lights;
         self.frame
             .record(self.gpu, &mut recorder, &self.view, lights, self.probes);
         recorder.submit(self.gpu)?;
@@ -247,18 +247,13 @@ impl<'a> Flyer<'a> {
         Ok(self.frame.read_radiance(self.gpu)?)
     }
 
-    fn fly(
-        &mut self,
-        subject: &Subject,
-        arguments: &Arguments,
-        frames: u32,
-    ) -> Result<Row, Failure> {
+    fn fly(&mut self, case: &TestCase, arguments: &Arguments, frames: u32) -> Result<Row, Failure> {
         let settling = arguments.subjects.frames;
         let voxels = self.frame.stage.read_back(self.gpu)?;
-        let per_metre = 1.0 / subject.world.voxel_m;
+        let per_metre = 1.0 / case.world.voxel_m;
         let length = arguments.metres * per_metre;
-        let path = Path::new(&subject.world, &voxels, &subject.cameras, length)
-            .map_err(Failure::bad_input)?;
+        let path =
+            Path::new(&case.world, &voxels, &case.cameras, length).map_err(Failure::bad_input)?;
         let start = path.at(0.0);
         let floor = FLOOR * mean_lit(&self.settle(&start, settling)?);
         let mut last = self.seen()?;
@@ -296,8 +291,8 @@ impl<'a> Flyer<'a> {
         let scrolling_ms = statistics::median(&scrolling);
         let still_ms = statistics::median(&still);
         Ok(Row {
-            world: subject.world.name.clone(),
-            cameras: subject.cameras.iter().map(|c| c.name.clone()).collect(),
+            world: case.world.name.clone(),
+            cameras: case.cameras.iter().map(|c| c.name.clone()).collect(),
             layout: self.layout.name.clone(),
             settings: Setting::default(),
             probes: self.frame.field().volume().slots(),
@@ -324,7 +319,7 @@ impl<'a> Flyer<'a> {
     /// Jumps to the camera that is farthest from `here`.
     fn teleport(&mut self, here: &Camera, settling: u32, floor: f64) -> Result<Teleport, Failure> {
         let distance = |camera: &&Camera| camera.position.distance_squared(here.position);
-        let cameras = self.subject.world.cameras.iter();
+        let cameras = self.case.world.cameras.iter();
         let there = cameras.max_by(|a, b| distance(a).total_cmp(&distance(b)));
         let there = there.expect("a world has a camera").clone();
         self.step(&there)?;

@@ -8,12 +8,12 @@ use serde::Serialize;
 use super::{
     super::{
         Failure,
-        driver::Driver,
         dynamics::{self, Responses, WATCHED_FRAMES},
+        frame_loop::FrameLoop,
         options::RunOptions,
         output,
         settings::Setting,
-        subject::{Subject, SubjectOptions},
+        test_case::{TestCase, TestCaseOptions},
     },
     suite::LightSuite,
 };
@@ -29,7 +29,7 @@ use crate::{frame::Stage, gpu::Gpu};
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
-    subjects: SubjectOptions,
+    subjects: TestCaseOptions,
     /// Frames to watch after each change
     #[arg(long, value_name = "N", default_value_t = WATCHED_FRAMES, value_parser = clap::value_parser!(u32).range(16..=100_000))]
     response_frames: u32,
@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         size: None,
     };
     suite.run(
-        |gpu, subject| measure(gpu, subject, arguments),
+        |gpu, case| measure(gpu, case, arguments),
         |adapter, rows| {
             let rows: String = rows.iter().map(lines).collect();
             format!("{adapter}, frames to 90 % · 99 %\n{rows}")
@@ -72,23 +72,23 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     )
 }
 
-fn measure(gpu: &Gpu, subject: &Subject, arguments: &Arguments) -> Result<Vec<Row>, Failure> {
+fn measure(gpu: &Gpu, case: &TestCase, arguments: &Arguments) -> Result<Vec<Row>, Failure> {
     let (options, run) = (&arguments.subjects, &arguments.run);
-    let world = &subject.world;
+    let world = &case.world;
     let stage = Stage::build(gpu, world)?;
-    let view = subject.view(&subject.cameras[0]);
-    let mut driver = Driver::new(gpu, stage, &subject.layouts[0], &subject.parameters, view)?;
+    let view = case.view(&case.cameras[0]);
+    let mut frame_loop = FrameLoop::new(gpu, stage, &case.layouts[0], &case.parameters, view)?;
     let mut rows = Vec::new();
-    for camera in &subject.cameras {
-        for layout in &subject.layouts {
-            for setting in &subject.settings {
-                let probes = setting.of(&subject.parameters).probes;
-                driver.replace_probes(layout, &probes)?;
+    for camera in &case.cameras {
+        for layout in &case.layouts {
+            for setting in &case.settings {
+                let probes = setting.of(&case.parameters).probes;
+                frame_loop.replace_probes(layout, &probes)?;
                 let frames = [options.frames, arguments.response_frames];
                 let length = Responses::frames(frames[0], frames[1]);
                 let bar = output::progress(run, "frames", length);
                 let after = || bar.inc(1);
-                let response = dynamics::responses(&mut driver, subject, camera, frames, &after)?;
+                let response = dynamics::responses(&mut frame_loop, case, camera, frames, &after)?;
                 bar.finish_and_clear();
                 rows.push(Row {
                     world: world.name.clone(),

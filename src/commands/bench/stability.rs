@@ -8,12 +8,12 @@ use serde::Serialize;
 use super::{
     super::{
         Failure,
-        driver::Driver,
         dynamics::{self, STILL_FRAMES},
+        frame_loop::FrameLoop,
         options::RunOptions,
         output,
         settings::Setting,
-        subject::{Subject, SubjectOptions},
+        test_case::{TestCase, TestCaseOptions},
     },
     suite::LightSuite,
 };
@@ -27,7 +27,7 @@ use crate::{frame::Stage, gpu::Gpu, measure::stability::Stability};
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
-    subjects: SubjectOptions,
+    subjects: TestCaseOptions,
     /// Also write stability.json into this folder, made if need be
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         size: Some(options.size),
     };
     suite.run(
-        |gpu, subject| measure(gpu, subject, options, &arguments.run),
+        |gpu, case| measure(gpu, case, options, &arguments.run),
         |adapter, rows| {
             let [width, height] = options.size;
             let mut text = format!(
@@ -92,26 +92,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn measure(
     gpu: &Gpu,
-    subject: &Subject,
-    options: &SubjectOptions,
+    case: &TestCase,
+    options: &TestCaseOptions,
     run: &RunOptions,
 ) -> Result<Vec<Row>, Failure> {
-    let view = subject.view(&subject.cameras[0]);
-    let (world, layout) = (&subject.world, &subject.layouts[0]);
+    let view = case.view(&case.cameras[0]);
+    let (world, layout) = (&case.world, &case.layouts[0]);
     let stage = Stage::build(gpu, world)?;
-    let mut driver = Driver::new(gpu, stage, layout, &subject.parameters, view.clone())?;
+    let mut frame_loop = FrameLoop::new(gpu, stage, layout, &case.parameters, view.clone())?;
     let each = u64::from(options.frames + STILL_FRAMES);
-    let count = subject.cameras.len() * subject.layouts.len() * subject.settings.len();
+    let count = case.cameras.len() * case.layouts.len() * case.settings.len();
     let bar = output::progress(run, "frames", each * count as u64);
     let mut rows = Vec::new();
-    for camera in &subject.cameras {
-        driver.look(camera, view.mode);
-        for layout in &subject.layouts {
-            for setting in &subject.settings {
-                let probes = setting.of(&subject.parameters).probes;
-                driver.replace_probes(layout, &probes)?;
+    for camera in &case.cameras {
+        frame_loop.look(camera, view.mode);
+        for layout in &case.layouts {
+            for setting in &case.settings {
+                let probes = setting.of(&case.parameters).probes;
+                frame_loop.replace_probes(layout, &probes)?;
                 let after = || bar.inc(1);
-                driver.advance(&subject.lights, options.frames, &after)?;
+                frame_loop.advance(&case.lights, options.frames, &after)?;
                 rows.push(Row {
                     world: world.name.clone(),
                     camera: camera.name.clone(),
@@ -120,7 +120,7 @@ fn measure(
                     rays: probes.rays,
                     hysteresis: probes.hysteresis,
                     frames: options.frames,
-                    stability: dynamics::stability(&mut driver, &subject.lights, &after)?,
+                    stability: dynamics::stability(&mut frame_loop, &case.lights, &after)?,
                 });
             }
         }

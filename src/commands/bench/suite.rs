@@ -9,14 +9,14 @@ use super::super::{
     options::RunOptions,
     out_file::OutFile,
     output,
-    subject::{Subject, SubjectOptions, Unnamed},
+    test_case::{TestCase, TestCaseOptions, Unnamed},
 };
 use crate::gpu::{AdapterSummary, Gpu};
 
 /// A suite as it was asked for.
 pub struct LightSuite<'a> {
     pub name: &'static str,
-    pub subjects: &'a SubjectOptions,
+    pub subjects: &'a TestCaseOptions,
     pub run: &'a RunOptions,
     /// The folder that is to hold `NAME.json`, if any.
     pub out: Option<&'a Path>,
@@ -45,7 +45,7 @@ impl LightSuite<'_> {
     /// written, and those of `measure`.
     pub fn run<R: Serialize>(
         &self,
-        measure: impl Fn(&Gpu, &Subject) -> Result<Vec<R>, Failure>,
+        measure: impl Fn(&Gpu, &TestCase) -> Result<Vec<R>, Failure>,
         text: impl Fn(&str, &[R]) -> String,
     ) -> Result<(), Failure> {
         let subjects = subjects(self.subjects, self.run, self.otherwise)?;
@@ -54,8 +54,8 @@ impl LightSuite<'_> {
         let file = file.transpose()?;
         let gpu = output::open_gpu(self.run)?;
         let mut rows = Vec::new();
-        for subject in &subjects {
-            rows.extend(measure(&gpu, subject)?);
+        for case in &subjects {
+            rows.extend(measure(&gpu, case)?);
         }
         let record = Record {
             suite: self.name,
@@ -80,10 +80,10 @@ impl LightSuite<'_> {
 /// # Errors
 /// For a world that cannot be read, and for cameras and layouts that no world has.
 fn subjects(
-    options: &SubjectOptions,
+    options: &TestCaseOptions,
     run: &RunOptions,
     otherwise: &str,
-) -> Result<Vec<Subject>, Failure> {
+) -> Result<Vec<TestCase>, Failure> {
     let otherwise = [PathBuf::from(otherwise)];
     let paths = match &options.worlds[..] {
         [] => &otherwise[..],
@@ -91,7 +91,7 @@ fn subjects(
     };
     let mut subjects = Vec::new();
     for path in paths {
-        subjects.extend(Subject::load(path, run, options, Unnamed::First)?);
+        subjects.extend(TestCase::load(path, run, options, Unnamed::First)?);
     }
     if subjects.is_empty() {
         return Err(Failure::bad_input(

@@ -144,7 +144,7 @@ mod tests {
         voxels
     }
 
-    fn stone(voxels: &Voxels) -> Vec<(IVec3, u8)> {
+    fn solid(voxels: &Voxels) -> Vec<(IVec3, u8)> {
         let edge = || 0..32;
         edge()
             .flat_map(|z| edge().flat_map(move |y| edge().map(move |x| IVec3::new(x, y, z))))
@@ -167,9 +167,9 @@ mod tests {
             let mut voxels = before.clone();
             opening.shut(&mut voxels, &before);
             assert_eq!(voxels.material(min), filled);
-            let shut = stone(&voxels);
+            let shut = solid(&voxels);
             opening.open(&mut voxels);
-            let open = stone(&voxels);
+            let open = solid(&voxels);
             let mut cut = 0;
             for ((voxel, was), (_, is)) in shut.iter().zip(&open) {
                 assert!(was == is || (inside(*voxel) && *is == 0), "{voxel}");
@@ -177,9 +177,9 @@ mod tests {
             }
             assert!(cut > 80, "{cut}");
             opening.shut(&mut voxels, &before);
-            assert_eq!(stone(&voxels), shut);
+            assert_eq!(solid(&voxels), shut);
             opening.restore(&mut voxels, &before);
-            assert_eq!(stone(&voxels), stone(&before));
+            assert_eq!(solid(&voxels), solid(&before));
         }
     }
 

@@ -5,7 +5,7 @@ mod edits;
 use serde::{Deserialize, Serialize};
 
 use self::edits::{Opening, moved_lamp};
-use super::{Failure, driver::Driver, subject::Subject};
+use super::{Failure, frame_loop::FrameLoop, test_case::TestCase};
 use crate::{
     lights::Lights,
     measure::{
@@ -27,14 +27,14 @@ const RESPONSE_EDGE: u32 = 160;
 
 /// Measures the pictures that follow, in the view that the driver shows; the probes have settled.
 pub fn stability(
-    driver: &mut Driver<'_>,
+    frame_loop: &mut FrameLoop<'_>,
     lights: &Lights,
     after: &dyn Fn(),
 ) -> Result<Stability, Failure> {
     let mut meter = StabilityMeter::new();
     for _ in 0..STILL_FRAMES {
-        driver.advance(lights, 1, after)?;
-        meter.add(driver.display()?).map_err(Failure::fault)?;
+        frame_loop.advance(lights, 1, after)?;
+        meter.add(frame_loop.display()?).map_err(Failure::fault)?;
     }
     Ok(meter.result().expect("more than one picture was measured"))
 }
@@ -82,24 +82,24 @@ impl Responses {
 /// free way towards the camera, at most eight voxels; a sphere of radius 3 where the camera's central ray
 /// hits. Leaves the world as it was, and the driver at another size and view.
 pub fn responses(
-    driver: &mut Driver<'_>,
-    subject: &Subject,
+    frame_loop: &mut FrameLoop<'_>,
+    case: &TestCase,
     camera: &Camera,
     [settling, watched]: [u32; 2],
     after: &dyn Fn(),
 ) -> Result<Responses, Failure> {
-    let (world, lights) = (&subject.world, &subject.lights);
-    driver.look(camera, ViewMode::Indirect);
-    driver.resize(response_size(driver.view().size))?;
-    let before = driver.voxels()?;
+    let (world, lights) = (&case.world, &case.lights);
+    frame_loop.look(camera, ViewMode::Indirect);
+    frame_loop.resize(response_size(frame_loop.view().size))?;
+    let before = frame_loop.voxels()?;
     let mut watch = Watch {
-        driver,
+        frame_loop,
         settling,
         watched,
         after,
     };
     let mut all = Responses::default();
-    let named = subject.named_lamp;
+    let named = case.named_lamp;
     let switched = named.unwrap_or(0);
     if switched < lights.lamps.len() {
         let mut dark = lights.clone();
@@ -113,23 +113,23 @@ pub fn responses(
     if let Some(opening) = Opening::of(&before, world, camera) {
         let mut voxels = before.clone();
         let shut = opening.shut(&mut voxels, &before);
-        watch.driver.apply(&voxels, &shut)?;
+        watch.frame_loop.apply(&voxels, &shut)?;
         let cut = opening.open(&mut voxels);
-        let opened = |driver: &mut Driver<'_>| driver.apply(&voxels, &cut);
+        let opened = |frame_loop: &mut FrameLoop<'_>| frame_loop.apply(&voxels, &cut);
         all.wall_opened = watch.change(lights, lights, opened)?;
         // It is still open.
         let fill = opening.shut(&mut voxels, &before);
-        let closed = |driver: &mut Driver<'_>| driver.apply(&voxels, &fill);
+        let closed = |frame_loop: &mut FrameLoop<'_>| frame_loop.apply(&voxels, &fill);
         all.wall_closed = watch.change(lights, lights, closed)?;
         let restored = opening.restore(&mut voxels, &before);
-        watch.driver.apply(&voxels, &restored)?;
+        watch.frame_loop.apply(&voxels, &restored)?;
     }
     Ok(all)
 }
 
 /// One change after another, each on fresh probes.
 struct Watch<'a, 'b> {
-    driver: &'a mut Driver<'b>,
+    frame_loop: &'a mut FrameLoop<'b>,
     settling: u32,
     watched: u32,
     after: &'a dyn Fn(),
@@ -144,16 +144,17 @@ impl Watch<'_, '_> {
         &mut self,
         before: &Lights,
         then: &Lights,
-        edit: impl FnOnce(&mut Driver<'_>) -> Result<(), Failure>,
+        edit: impl FnOnce(&mut FrameLoop<'_>) -> Result<(), Failure>,
     ) -> Result<Option<Response>, Failure> {
-        self.driver.forget()?;
-        self.driver.advance(before, self.settling + 1, self.after)?;
-        let start = self.driver.radiance()?;
-        edit(self.driver)?;
+        self.frame_loop.forget()?;
+        self.frame_loop
+            .advance(before, self.settling + 1, self.after)?;
+        let start = self.frame_loop.radiance()?;
+        edit(self.frame_loop)?;
         let mut pictures: Vec<Picture> = Vec::new();
         for _ in 0..self.watched {
-            self.driver.advance(then, 1, self.after)?;
-            pictures.push(self.driver.radiance()?);
+            self.frame_loop.advance(then, 1, self.after)?;
+            pictures.push(self.frame_loop.radiance()?);
         }
         response(&start, &pictures).map_err(Failure::fault)
     }

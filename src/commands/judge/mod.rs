@@ -5,10 +5,10 @@ mod page;
 mod part;
 mod report;
 pub(super) mod row;
+mod runner;
 mod summary;
 mod table;
 pub(super) mod truth;
-mod work;
 
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -19,12 +19,12 @@ use self::{
     cache::Cache,
     page::Page,
     report::Files,
+    runner::{Judge, Missed, Progress},
     truth::Against,
-    work::{Judge, Missed, Progress},
 };
 use super::{
     EXIT_FAULT, Failure, dynamics::WATCHED_FRAMES, memory, options::RunOptions, output,
-    settings::Varied, shard::Shard, stop, subject::SubjectOptions,
+    settings::Varied, shard::Shard, stop, test_case::TestCaseOptions,
 };
 use crate::measure::{picture_file, selection::Selection};
 
@@ -44,7 +44,7 @@ use crate::measure::{picture_file, selection::Selection};
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
-    subjects: SubjectOptions,
+    subjects: TestCaseOptions,
     /// The folder for the tables, made if need be
     #[arg(long, value_name = "DIR")]
     out: PathBuf,

@@ -21,8 +21,8 @@ use super::{
     page::{Fragment, PICTURES, Page},
     report::{Files, Missing, Report},
     row::Row,
+    runner::{Judge, Missed},
     summary, verdict,
-    work::{Judge, Missed},
 };
 use crate::{
     gpu::{AdapterSummary, Gpu},

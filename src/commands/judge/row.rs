@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::{
     super::{
         Failure,
-        driver::Driver,
         dynamics::{self, Responses},
+        frame_loop::FrameLoop,
         settings::Setting,
-        subject::Subject,
+        test_case::TestCase,
     },
     cache::Truth,
 };
@@ -156,7 +156,7 @@ impl Plan {
 
 /// Whose row it is.
 pub struct Names<'a> {
-    pub subject: &'a Subject,
+    pub case: &'a TestCase,
     pub camera: &'a Camera,
     pub layout: &'a str,
     pub settings: &'a Setting,
@@ -168,32 +168,32 @@ const NO_LAYOUT: &str = "direct light alone";
 /// Fills a row; the driver has fresh probes. Its pictures are rounded to what the adapter's f16
 /// holds.
 pub fn judge(
-    driver: &mut Driver<'_>,
+    frame_loop: &mut FrameLoop<'_>,
     names: &Names<'_>,
     target: &Target,
     plan: &Plan,
     after: &dyn Fn(),
 ) -> Result<(Row, Pictures), Failure> {
-    let lights = &names.subject.lights;
-    let size = driver.view().size;
-    let exposure_ev = driver.view().exposure_ev;
-    driver.look(names.camera, ViewMode::Full);
-    driver.advance(lights, plan.frames + 1, after)?;
-    let full = Shown::from_linear(driver.radiance()?, exposure_ev);
+    let lights = &names.case.lights;
+    let size = frame_loop.view().size;
+    let exposure_ev = frame_loop.view().exposure_ev;
+    frame_loop.look(names.camera, ViewMode::Full);
+    frame_loop.advance(lights, plan.frames + 1, after)?;
+    let full = Shown::from_linear(frame_loop.radiance()?, exposure_ev);
     let stability = plan
         .stability
-        .then(|| dynamics::stability(driver, lights, after))
+        .then(|| dynamics::stability(frame_loop, lights, after))
         .transpose()?;
-    driver.look(names.camera, ViewMode::Indirect);
-    driver.advance(lights, 1, after)?;
-    let indirect = Shown::from_linear(driver.radiance()?, exposure_ev);
-    let (rays, hysteresis) = (driver.rays(), driver.hysteresis());
-    let probe_bytes = driver.probe_bytes();
+    frame_loop.look(names.camera, ViewMode::Indirect);
+    frame_loop.advance(lights, 1, after)?;
+    let indirect = Shown::from_linear(frame_loop.radiance()?, exposure_ev);
+    let (rays, hysteresis) = (frame_loop.rays(), frame_loop.hysteresis());
+    let probe_bytes = frame_loop.probe_bytes();
     let response = match plan.watched {
         Some(watched) => {
             let frames = [plan.frames, watched];
-            let all = dynamics::responses(driver, names.subject, names.camera, frames, after)?;
-            driver.resize(size)?;
+            let all = dynamics::responses(frame_loop, names.case, names.camera, frames, after)?;
+            frame_loop.resize(size)?;
             Some(all)
         }
         None => None,
@@ -213,14 +213,14 @@ pub fn judge(
 
 /// A row of what is there without probes: direct light, and no bounced light at all.
 pub fn direct_alone(
-    driver: &mut Driver<'_>,
+    frame_loop: &mut FrameLoop<'_>,
     names: &Names<'_>,
     target: &Target,
 ) -> Result<(Row, Pictures), Failure> {
-    let exposure_ev = driver.view().exposure_ev;
-    driver.look(names.camera, ViewMode::Direct);
-    driver.advance(&names.subject.lights, 1, &|| {})?;
-    let direct = driver.radiance()?;
+    let exposure_ev = frame_loop.view().exposure_ev;
+    frame_loop.look(names.camera, ViewMode::Direct);
+    frame_loop.advance(&names.case.lights, 1, &|| {})?;
+    let direct = frame_loop.radiance()?;
     let dark = Picture::new(direct.width, direct.height);
     let [full, indirect] = [direct, dark].map(|light| Shown::from_linear(light, exposure_ev));
     let (row, pictures) = compared(names, full, indirect, target)?;
@@ -250,7 +250,7 @@ fn compared(
         added / dark.bright
     };
     let row = Row {
-        world: names.subject.world.name.clone(),
+        world: names.case.world.name.clone(),
         camera: names.camera.name.clone(),
         layout: names.layout.to_owned(),
         settings: names.settings.clone(),

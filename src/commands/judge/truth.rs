@@ -165,7 +165,7 @@ impl<'a> Tracer<'a> {
         let world = self.world;
         let voxels = self.voxels.get_or_insert_with(|| generate::generate(world));
         let materials = MaterialSet::bake(&world.materials, world.seed);
-        let scene = reference::Scene {
+        let scene = reference::TracedWorld {
             voxels,
             origin: world.origin,
             materials: &materials,

@@ -15,7 +15,7 @@ pub(super) use self::{
 };
 use super::{
     Failure, memory,
-    options::{PictureOptions, RunOptions, Scene},
+    options::{PictureOptions, RunOptions, Setup},
     output, render,
     shard::Shard,
     stop,
@@ -80,7 +80,7 @@ struct Record {
 /// A scene on its adapter, ready to be traced.
 struct Job<'a> {
     arguments: &'a Arguments,
-    scene: &'a Scene,
+    scene: &'a Setup,
     view: View,
     gpu: &'a Gpu,
     stage: Stage,
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => picture_file::check_writable(&arguments.output)?,
         Some(_) => PictureFormat::of(&arguments.output)?,
     };
-    let scene = Scene::load(&arguments.world, run, options)?;
+    let scene = Setup::load(&arguments.world, run, options)?;
     let view = render::traced_view(options.view)?;
     render::note_without_probes(options, run, "`reference`");
     let pixels = options.size.map(u64::from).iter().product::<u64>();
@@ -244,6 +244,6 @@ impl Record {
     }
 }
 
-fn shows_textures(scene: &Scene, options: &PictureOptions) -> bool {
+fn shows_textures(scene: &Setup, options: &PictureOptions) -> bool {
     scene.parameters.textures.enabled && options.view != ViewMode::TexturesOff
 }

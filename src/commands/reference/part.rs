@@ -9,7 +9,7 @@ use super::{
     super::{
         Failure,
         judge::cache::fnv1a,
-        options::Scene,
+        options::Setup,
         output,
         part::{self, Head, Part, PartFile},
         render,
@@ -54,7 +54,7 @@ struct Description {
 /// When the tracer's shader cannot be composed.
 pub fn head(
     arguments: &Arguments,
-    scene: &Scene,
+    scene: &Setup,
     lights: &Lights,
     gpu: &Gpu,
     shard: Shard,

@@ -13,7 +13,7 @@ use crate::{
     lights::Lights,
     measure::{block_sums::BlockSums, picture::Picture},
     passes::{
-        path_trace::{Schedule, Slice, trace::PathTrace},
+        path_trace::{Chunk, Schedule, trace::PathTrace},
         scene::GpuLights,
         view::ViewMode,
     },
@@ -166,9 +166,9 @@ pub fn trace_blocks(
         Ok(start.elapsed().as_secs_f64() * 1e3)
     };
     let mut schedule = Schedule::new(pass.tiles(), 1);
-    while let Some(slice) = schedule.next_slice() {
-        let ms = record(&|recorder| pass.begin(gpu, recorder, &slice, request.antialias))?;
-        schedule.took(slice.work, ms);
+    while let Some(chunk) = schedule.next_chunk() {
+        let ms = record(&|recorder| pass.begin(gpu, recorder, &chunk, request.antialias))?;
+        schedule.took(chunk.work, ms);
     }
     let certain = pass.read_certain(gpu)?;
 
@@ -184,14 +184,14 @@ pub fn trace_blocks(
         record(&|recorder| pass.clear(recorder))?;
         let stopped = || cancel.load(Ordering::Relaxed);
         while !stopped()
-            && let Some(slice) = schedule.next_slice()
+            && let Some(chunk) = schedule.next_chunk()
         {
-            let slice = Slice {
-                samples: slice.samples.start + samples.start..slice.samples.end + samples.start,
-                ..slice
+            let chunk = Chunk {
+                samples: chunk.samples.start + samples.start..chunk.samples.end + samples.start,
+                ..chunk
             };
-            let ms = record(&|recorder| pass.trace(gpu, recorder, &slice, request.antialias))?;
-            schedule.took(slice.work, ms);
+            let ms = record(&|recorder| pass.trace(gpu, recorder, &chunk, request.antialias))?;
+            schedule.took(chunk.work, ms);
             let before = u64::from(samples.start - first) * tiles;
             progress(before + schedule.done(), in_all);
         }

@@ -14,7 +14,7 @@ use super::{
     fault::Fault,
     play::{Part, Play},
     scene::Scene,
-    subject::Subject,
+    test_case::TestCase,
     watched::Watched,
 };
 use crate::{frame::Stage, measure::picture::Picture, world::file::Summary};
@@ -68,10 +68,10 @@ pub fn examine(watched: &mut Watched, scene: &Scene, examination: Examination) -
     };
     let before = memory::allocated(&watched.gpu);
     let played = panic::catch_unwind(AssertUnwindSafe(|| {
-        let subject = Subject::of(world, &scene.set, scene.seed)?;
+        let case = TestCase::of(world, &scene.set, scene.seed)?;
         Judge {
             examination,
-            subject: &subject,
+            case: &case,
             findings: &mut findings,
         }
         .judge(watched)
@@ -106,7 +106,7 @@ pub fn examine(watched: &mut Watched, scene: &Scene, examination: Examination) -
 
 struct Judge<'a> {
     examination: Examination,
-    subject: &'a Subject,
+    case: &'a TestCase,
     findings: &'a mut Findings,
 }
 
@@ -130,7 +130,7 @@ impl Judge<'_> {
         if self.plants(Fault::Buffer) {
             watched.kept.push(gpu.storage_buffer("planted", 1 << 16)?);
         }
-        let stage = Stage::build(&gpu, &self.subject.world)?;
+        let stage = Stage::build(&gpu, &self.case.world)?;
         let built = stage.read_back(&gpu)?;
         if self.plants(Fault::Distance) {
             voxels::overstate(&gpu, &stage.voxels, &built);
@@ -139,7 +139,7 @@ impl Judge<'_> {
         self.findings.note(Check::Distances, found.validate());
         if self.wants(&[Check::Voxels]) {
             self.findings
-                .note(Check::Voxels, voxels::against_the_cpu(self.subject, &found));
+                .note(Check::Voxels, voxels::against_the_cpu(self.case, &found));
         }
         let early = [Check::Voxels, Check::Distances];
         if self
@@ -149,18 +149,17 @@ impl Judge<'_> {
         {
             return Ok(());
         }
-        let mut play = Play::new(&gpu, self.subject, stage, self.examination.fault)?;
+        let mut play = Play::new(&gpu, self.case, stage, self.examination.fault)?;
         if self.wants(&[Check::Marching]) {
             let on_gpu = &play.frame.stage.voxels;
-            let hits =
-                marching::against_plain(&gpu, self.subject, on_gpu, &play.voxels, &play.view)?;
+            let hits = marching::against_plain(&gpu, self.case, on_gpu, &play.voxels, &play.view)?;
             self.findings.note(Check::Marching, hits);
         }
         gpu.wait()?;
         let taken = memory::allocated(&gpu)
             .zip(before)
             .map(|(now, before)| now.saturating_sub(before));
-        let summary = Summary::of(&self.subject.world);
+        let summary = Summary::of(&self.case.world);
         self.findings.note(
             Check::Predicted,
             memory::predicted(&play.frame, &summary, taken),
@@ -170,8 +169,8 @@ impl Judge<'_> {
         let mut longest_ms = std::mem::take(&mut play.longest_ms);
         drop(play);
         if self.wants(&[Check::Repeat, Check::Dispatch]) {
-            let stage = Stage::build(&gpu, &self.subject.world)?;
-            let mut again = Play::new(&gpu, self.subject, stage, self.examination.fault)?;
+            let stage = Stage::build(&gpu, &self.case.world)?;
+            let mut again = Play::new(&gpu, self.case, stage, self.examination.fault)?;
             let mut second = self.take(&mut again, |_, _, _| {})?;
             if self.plants(Fault::Order)
                 && let Some((_, values)) = second.last_mut()
@@ -215,15 +214,14 @@ impl Judge<'_> {
     }
 
     fn play(&mut self, play: &mut Play<'_>) -> Result<Take, Failure> {
-        let subject = self.subject;
+        let case = self.case;
         self.take(play, |judge, part, picture| {
             judge
                 .findings
                 .note(Check::Finite, finite::picture(part.name(), picture));
-            judge.findings.note(
-                Check::Energy,
-                energy::picture(part.name(), picture, subject),
-            );
+            judge
+                .findings
+                .note(Check::Energy, energy::picture(part.name(), picture, case));
         })
     }
 
@@ -243,7 +241,7 @@ impl Judge<'_> {
         self.findings.note(Check::Finite, finite::buffers(play)?);
         if let Some((_, atlas)) = take.last() {
             self.findings
-                .note(Check::Energy, energy::atlas(atlas, self.subject));
+                .note(Check::Energy, energy::atlas(atlas, self.case));
         }
         if self.wants(&[Check::Dark, Check::Band]) {
             let shown = play.frame.read_radiance(gpu)?;

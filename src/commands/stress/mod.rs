@@ -12,7 +12,7 @@ mod scene;
 mod scenes;
 mod shrink;
 pub mod storms;
-mod subject;
+mod test_case;
 mod watched;
 
 use std::path::PathBuf;

@@ -7,7 +7,7 @@ use glam::{DVec3, IVec3, Vec3};
 use super::{
     super::Failure,
     fault::Fault,
-    subject::{EditPlan, Subject},
+    test_case::{EditPlan, TestCase},
 };
 use crate::{
     frame::{Frame, Stage},
@@ -62,7 +62,7 @@ impl Part {
 
 pub struct Play<'a> {
     pub gpu: &'a Gpu,
-    pub subject: &'a Subject,
+    pub case: &'a TestCase,
     pub frame: Frame,
     /// The CPU's copy, edited along.
     pub voxels: Voxels,
@@ -79,11 +79,11 @@ impl<'a> Play<'a> {
     /// When the adapter cannot hold the scene.
     pub fn new(
         gpu: &'a Gpu,
-        subject: &'a Subject,
+        case: &'a TestCase,
         stage: Stage,
         fault: Option<Fault>,
     ) -> Result<Self, Failure> {
-        let parameters = &subject.parameters;
+        let parameters = &case.parameters;
         let mut probes = parameters.probes.clone();
         if fault == Some(Fault::Leak) {
             // The weights of others, without what hides probes behind walls.
@@ -93,17 +93,17 @@ impl<'a> Play<'a> {
         let voxels = stage.read_back(gpu)?;
         Ok(Self {
             gpu,
-            subject,
-            frame: Frame::new(gpu, stage, &subject.layout, &probes, SIZE)?,
+            case,
+            frame: Frame::new(gpu, stage, &case.layout, &probes, SIZE)?,
             voxels,
             view: View {
-                camera: subject.camera().clone(),
+                camera: case.camera().clone(),
                 size: SIZE,
                 frame: 0,
                 seed: 0,
                 exposure_ev: parameters.picture.exposure_ev,
                 mode: ViewMode::Full,
-                time_s: subject.script.start_s,
+                time_s: case.script.start_s,
                 textures: parameters.textures.enabled,
             },
             probes,
@@ -115,7 +115,7 @@ impl<'a> Play<'a> {
 
     /// The lights of the last frame.
     pub fn lights(&self) -> Lights {
-        self.subject.lights(self.elapsed_s)
+        self.case.lights(self.elapsed_s)
     }
 
     /// # Errors
@@ -125,23 +125,22 @@ impl<'a> Play<'a> {
             Part::First => self.frames(FIRST),
             Part::Moving => self.walk(),
             Part::Edits => {
-                for plan in &self.subject.script.edits {
+                for plan in &self.case.script.edits {
                     self.edit(plan)?;
                     self.frames(AFTER_EDIT)?;
                 }
                 Ok(())
             }
             Part::Jump => {
-                self.elapsed_s += self.subject.script.jump_s;
-                self.view.camera.position =
-                    self.place(self.subject.script.goal) + Vec3::splat(999.0);
+                self.elapsed_s += self.case.script.jump_s;
+                self.view.camera.position = self.place(self.case.script.goal) + Vec3::splat(999.0);
                 self.frames(1)?;
-                self.view.camera = self.subject.camera().clone();
+                self.view.camera = self.case.camera().clone();
                 self.frames(JUMPED)
             }
             Part::Settled => {
                 self.frame
-                    .replace_probes(self.gpu, &self.subject.layout, &self.probes)?;
+                    .replace_probes(self.gpu, &self.case.layout, &self.probes)?;
                 self.frames(SETTLING)
             }
         }
@@ -149,8 +148,8 @@ impl<'a> Play<'a> {
 
     /// Time runs, and the camera goes to the goal and back.
     fn walk(&mut self) -> Result<(), Failure> {
-        let start = self.subject.camera().clone();
-        let goal = self.place(self.subject.script.goal);
+        let start = self.case.camera().clone();
+        let goal = self.place(self.case.script.goal);
         for step in 1..=MOVING {
             self.elapsed_s += FRAME_S;
             let way = step as f32 / MOVING as f32;
@@ -166,7 +165,7 @@ impl<'a> Play<'a> {
         for _ in 0..count {
             let lights = self.lights();
             self.view.frame = self.frame.frames();
-            self.view.time_s = self.subject.script.start_s + self.elapsed_s;
+            self.view.time_s = self.case.script.start_s + self.elapsed_s;
             // Where a CPU plays the GPU, timing would run one pass after the other, which no frame in use does.
             let timed = !self.gpu.summary.is_software();
             let mut recorder = Recorder::new(self.gpu, timed.then_some(&mut self.timing));
@@ -186,13 +185,13 @@ impl<'a> Play<'a> {
 
     /// World space of a share of the world's box.
     fn place(&self, share: [f64; 3]) -> Vec3 {
-        let world = &self.subject.world;
+        let world = &self.case.world;
         let share = DVec3::from_array(share);
         (world.origin.as_dvec3() + share * world.size.as_dvec3()).as_vec3()
     }
 
     fn edit(&mut self, plan: &EditPlan) -> Result<(), Failure> {
-        let world = &self.subject.world;
+        let world = &self.case.world;
         let centre_gs = self.place(plan.at) - world.origin.as_vec3();
         let materials = world.materials.len() as u32;
         let material = plan

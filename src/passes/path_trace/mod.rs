@@ -3,4 +3,4 @@
 mod schedule;
 pub mod trace;
 
-pub use schedule::{Schedule, Slice};
+pub use schedule::{Chunk, Schedule};

@@ -11,7 +11,7 @@ const GROWTH: f64 = 4.0;
 /// Some samples of some tiles. Places count tiles in the order of `tile_of` of
 /// `shaders/path_trace/trace.wesl`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Slice {
+pub struct Chunk {
     pub places: Range<u32>,
     pub samples: Range<u32>,
     /// 0: places are tiles, row by row; else log2 of their number when they are scattered.
@@ -45,8 +45,8 @@ impl Schedule {
     }
 
     /// One sample of every tile at once.
-    pub fn whole(tiles: u32) -> Slice {
-        Slice {
+    pub fn whole(tiles: u32) -> Chunk {
+        Chunk {
             places: 0..tiles,
             samples: 0..1,
             scatter_bits: 0,
@@ -85,7 +85,7 @@ impl Schedule {
     }
 
     /// The next slice; `None` when all is done.
-    pub fn next_slice(&mut self) -> Option<Slice> {
+    pub fn next_chunk(&mut self) -> Option<Chunk> {
         if self.place == 0 {
             let first = self.round.end;
             if first == self.samples {
@@ -117,7 +117,7 @@ impl Schedule {
         if scatter_bits == 0 || self.place == self.places() {
             self.place = 0;
         }
-        Some(Slice {
+        Some(Chunk {
             places,
             samples: self.round.clone(),
             scatter_bits,
@@ -169,23 +169,23 @@ mod tests {
         let mut schedule = Schedule::new(tiles, samples);
         let mut seen = vec![0; tiles as usize];
         let mut longest = 0.0f64;
-        while let Some(slice) = schedule.next_slice() {
+        while let Some(chunk) = schedule.next_chunk() {
             let mut work = 0;
-            for place in slice.places.clone() {
-                let tile = tile_of(place, slice.scatter_bits) as usize;
+            for place in chunk.places.clone() {
+                let tile = tile_of(place, chunk.scatter_bits) as usize;
                 if tile < seen.len() {
                     assert_eq!(
-                        seen[tile], slice.samples.start,
+                        seen[tile], chunk.samples.start,
                         "each sample once, in order"
                     );
-                    seen[tile] = slice.samples.end;
-                    work += slice.samples.len();
+                    seen[tile] = chunk.samples.end;
+                    work += chunk.samples.len();
                 }
             }
-            assert_eq!(slice.work, work as u64);
+            assert_eq!(chunk.work, work as u64);
             let ms = work as f64 * ms_per_work + 0.05;
             longest = longest.max(ms);
-            schedule.took(slice.work, ms);
+            schedule.took(chunk.work, ms);
             let fewest = seen.iter().copied().min().expect("there are tiles");
             // The last places of a round may hold no tile.
             assert!(schedule.complete() <= fewest);
@@ -218,12 +218,12 @@ mod tests {
     fn a_restart_keeps_what_was_learnt_of_the_speed() {
         let mut schedule = Schedule::new(64, 1000);
         for _ in 0..6 {
-            let slice = schedule.next_slice().expect("more to do");
-            schedule.took(slice.work, 0.1);
+            let chunk = schedule.next_chunk().expect("more to do");
+            schedule.took(chunk.work, 0.1);
         }
         schedule.restart(1000);
         assert_eq!((schedule.complete(), schedule.done()), (0, 0));
-        let first = schedule.next_slice().expect("all to do");
+        let first = schedule.next_chunk().expect("all to do");
         assert!(first.samples.len() > 1, "{first:?}");
     }
 }

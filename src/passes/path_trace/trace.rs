@@ -1,6 +1,6 @@
 //! Pass `path_trace/trace`: an unbiased picture of the world, sample by sample. Knows no probes.
 
-use super::Slice;
+use super::Chunk;
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
     measure::picture::Picture,
@@ -113,13 +113,13 @@ impl PathTrace {
 
     /// Forgets all samples of these tiles, and finds what is not random about them. One slice a
     /// submission, as for [`trace`](Self::trace).
-    pub fn begin(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, slice: &Slice, antialias: bool) {
-        self.record(gpu, recorder, &self.begin, slice, antialias);
+    pub fn begin(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, chunk: &Chunk, antialias: bool) {
+        self.record(gpu, recorder, &self.begin, chunk, antialias);
     }
 
     /// Adds these samples. One slice a submission: its numbers lie in one uniform.
-    pub fn trace(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, slice: &Slice, antialias: bool) {
-        self.record(gpu, recorder, &self.trace, slice, antialias);
+    pub fn trace(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, chunk: &Chunk, antialias: bool) {
+        self.record(gpu, recorder, &self.trace, chunk, antialias);
     }
 
     fn record(
@@ -127,22 +127,22 @@ impl PathTrace {
         gpu: &Gpu,
         recorder: &mut Recorder<'_>,
         (kernel, bindings): &(Kernel, Bindings),
-        slice: &Slice,
+        chunk: &Chunk,
         antialias: bool,
     ) {
         let job = GpuTraceJob {
-            first_tile: slice.places.start,
-            end_tile: slice.places.end,
+            first_tile: chunk.places.start,
+            end_tile: chunk.places.end,
             tiles_across: self.size[0].div_ceil(TILE),
             tiles: self.tiles(),
-            first_sample: slice.samples.start,
-            end_sample: slice.samples.end,
-            scatter_bits: slice.scatter_bits,
+            first_sample: chunk.samples.start,
+            end_sample: chunk.samples.end,
+            scatter_bits: chunk.scatter_bits,
             antialias: u32::from(antialias),
         };
         gpu.queue
             .write_buffer(&self.job, 0, bytemuck::bytes_of(&job));
-        let groups = slice.places.len() as u32;
+        let groups = chunk.places.len() as u32;
         recorder.compute("path_trace/trace", |pass| {
             let [width, rows] = rectangle(groups);
             kernel.dispatch(pass, bindings, [width, rows, 1]);

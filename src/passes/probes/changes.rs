@@ -5,8 +5,8 @@ use crate::{
     probes::changes::{Changes, EDITS},
 };
 
-/// Share of its unrest that a probe keeps per update after a change: late bounces come in while it fades.
-const UNREST_KEPT: f32 = 0.9;
+/// Share of its variability that a probe keeps per update after a change: late bounces come in while it fades.
+const VARIABILITY_KEPT: f32 = 0.9;
 
 crate::shared! {
     in probes;
@@ -17,8 +17,8 @@ crate::shared! {
         pub alert: f32,
         /// Standard deviations of a probe's own noise beyond which its light counts as changed.
         pub deviations: f32,
-        /// Share of its unrest that a probe keeps per update.
-        pub unrest_kept: f32,
+        /// Share of its variability that a probe keeps per update.
+        pub variability_kept: f32,
         pub frame: u32,
         pub edit_count: u32,
         pub _pad: [u32; 3],
@@ -49,7 +49,7 @@ impl GpuChanges {
         Self {
             alert: changes.alert(),
             deviations: parameters.change_deviations,
-            unrest_kept: UNREST_KEPT,
+            variability_kept: VARIABILITY_KEPT,
             frame,
             edit_count: changes.edits().len() as u32,
             edits,

@@ -3,7 +3,7 @@
 use super::{GpuProbeLevel, ProbeField, level::LEVELS};
 use crate::{
     parameters::{ProbeParameters, Relocation},
-    probes::{Layout as _, MOVE_REACH, Sight},
+    probes::{Layout as _, MOVE_REACH, VisibilityBits},
 };
 
 crate::shared! {
@@ -37,13 +37,16 @@ crate::shared! {
         pub move_reach: f32,
         /// Slots of all levels; the twin of slot s is s + lattice_slots.
         pub lattice_slots: u32,
-        /// Words of `probe_sight` before those of the twins.
-        pub sight_lattice_words: u32,
+        /// Words of `probe_visibility` before those of the twins.
+        pub visibility_lattice_words: u32,
         /// Share of the surfaces in its cages that a probe must miss to get a twin; 1: none gets one.
-        pub twin_share: f32,
+        pub back_side_share: f32,
         pub _pad: u32,
     }
 }
+
+/// A probe that misses more than this share of the surfaces in its cages gets a back-side probe.
+const BACK_SIDE_SHARE: f32 = 0.1;
 
 /// Share of history that an update keeps when no lamp and no voxel has changed for long: more noise is averaged away.
 const STILL_HYSTERESIS: f32 = 0.998;
@@ -58,13 +61,13 @@ impl GpuProbeInfo {
     /// Of a field in a frame.
     pub(super) fn new(field: &ProbeField, parameters: &ProbeParameters, frame: u64) -> Self {
         let (volume, atlas) = (field.volume(), field.atlas());
-        let sight = field.sight();
+        let visibility_bits = field.visibility_bits();
         let scale = |texels: u32| {
             let [width, height, _] = atlas.texture_extent(texels);
             [1.0 / width as f32, 1.0 / height as f32]
         };
         Self {
-            levels: GpuProbeLevel::all(volume, field.motion(), sight, parameters, frame),
+            levels: GpuProbeLevel::all(volume, field.motion(), visibility_bits, parameters, frame),
             counts: volume.counts().to_array(),
             slots: atlas.slots,
             level_count: volume.levels().len() as u32,
@@ -85,9 +88,9 @@ impl GpuProbeInfo {
                 Relocation::Exact => MOVE_REACH,
             },
             lattice_slots: volume.slots(),
-            sight_lattice_words: sight.map_or(0, Sight::lattice_words),
-            twin_share: match sight {
-                Some(sight) if sight.twins() => parameters.twin_share,
+            visibility_lattice_words: visibility_bits.map_or(0, VisibilityBits::lattice_words),
+            back_side_share: match visibility_bits {
+                Some(visibility_bits) if visibility_bits.back_side() => BACK_SIDE_SHARE,
                 _ => 1.0,
             },
             ..Self::default()

@@ -3,7 +3,7 @@
 use super::source;
 use crate::{
     parameters::ProbeParameters,
-    probes::{Level, Motion, Sight, Volume, volume::MAX_LEVELS},
+    probes::{Level, Motion, VisibilityBits, Volume, volume::MAX_LEVELS},
 };
 
 crate::shared! {
@@ -30,17 +30,17 @@ crate::shared! {
         /// Frames since most of the level was new.
         pub age: u32,
         pub reach: [f32; 3],
-        /// First word of `probe_sight` that is the level's, and words of each of its probes.
-        pub sight_first_word: u32,
+        /// First word of `probe_visibility` that is the level's, and words of each of its probes.
+        pub visibility_first_word: u32,
         /// World-space position of lattice point (0, 0, 0).
         pub anchor_ws: [f32; 3],
-        pub sight_words: u32,
+        pub visibility_words: u32,
         /// Lattice point at the window's lowest corner, and that modulo the counts.
         pub base: [i32; 3],
         /// Words of a probe's sight in a row of bricks along x, and in a layer of rows.
-        pub sight_row: u32,
+        pub visibility_row: u32,
         pub wrap: [u32; 3],
-        pub sight_layer: u32,
+        pub visibility_layer: u32,
         /// The same corner in the frame before.
         pub base_before: [i32; 3],
         pub _pad4: u32,
@@ -48,7 +48,7 @@ crate::shared! {
         pub inwards_ws: [f32; 3],
         pub _pad5: u32,
         /// Voxels of the box that a probe's sight covers.
-        pub sight_counts: [u32; 3],
+        pub visibility_counts: [u32; 3],
         pub _pad6: u32,
     }
 }
@@ -65,7 +65,7 @@ impl GpuProbeLevel {
     pub fn all(
         volume: &Volume,
         motion: &Motion,
-        sight: Option<&Sight>,
+        visibility_bits: Option<&VisibilityBits>,
         parameters: &ProbeParameters,
         frame: u64,
     ) -> [Self; LEVELS] {
@@ -73,13 +73,13 @@ impl GpuProbeLevel {
         let mut all = [Self::default(); LEVELS];
         let levels = volume.levels().iter().zip(motion.before().levels());
         for (index, (gpu_level, (level, before))) in all.iter_mut().zip(levels).enumerate() {
-            let seen = sight.map(|sight| sight.boxes()[index]);
+            let seen = visibility_bits.map(|visibility_bits| visibility_bits.boxes()[index]);
             *gpu_level = Self {
-                sight_first_word: seen.map_or(0, |seen| seen.first_word),
-                sight_row: seen.map_or(0, |seen| seen.bricks().x),
-                sight_layer: seen.map_or(0, |seen| seen.bricks().x * seen.bricks().y),
-                sight_words: seen.map_or(0, |seen| seen.words()),
-                sight_counts: seen.map_or([0; 3], |seen| seen.counts.to_array()),
+                visibility_first_word: seen.map_or(0, |seen| seen.first_word),
+                visibility_row: seen.map_or(0, |seen| seen.bricks().x),
+                visibility_layer: seen.map_or(0, |seen| seen.bricks().x * seen.bricks().y),
+                visibility_words: seen.map_or(0, |seen| seen.words()),
+                visibility_counts: seen.map_or([0; 3], |seen| seen.counts.to_array()),
                 longest: longest * level.cage_diagonal(),
                 fade: volume.fade(FADE_CELLS),
                 age: motion.age(index, frame),

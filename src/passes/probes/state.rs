@@ -8,7 +8,7 @@ pub enum ProbeClass {
     /// In every frame.
     Alive,
     /// Now and then: it lights what the rays of those alive hit.
-    Fed,
+    IndirectOnly,
     Asleep,
     /// Never: it lies in stone.
     Dead,
@@ -17,7 +17,7 @@ pub enum ProbeClass {
 crate::shared! {
     in probes;
 
-    enum ProbeClass as CLASS { Alive, Fed, Asleep, Dead }
+    enum ProbeClass as CLASS { Alive, IndirectOnly, Asleep, Dead }
 
     /// Bits of a probe's flags that are its class.
     const CLASS_BITS: u32 = 3;
@@ -32,7 +32,7 @@ crate::shared! {
         /// Mean of its rays.
         pub luminance: f32,
         /// How much its light changes now.
-        pub unrest: f32,
+        pub variability: f32,
         /// What pass `probes/classify` knows of it, and its class.
         pub flags: u32,
     }
@@ -55,7 +55,7 @@ impl GpuProbeState {
     }
 
     pub fn class(&self) -> ProbeClass {
-        use ProbeClass::{Alive, Asleep, Dead, Fed};
-        [Alive, Fed, Asleep, Dead][(self.flags & CLASS_BITS) as usize]
+        use ProbeClass::{Alive, Asleep, Dead, IndirectOnly};
+        [Alive, IndirectOnly, Asleep, Dead][(self.flags & CLASS_BITS) as usize]
     }
 }

@@ -25,14 +25,14 @@ crate::shared! {
         /// Frames that a probe stays as it is asked for after it was last asked for.
         pub alive_frames: u32,
         /// Frames from update to update of a probe that only the rays of other probes ask for.
-        pub fed_interval: u32,
+        pub indirect_interval: u32,
         /// Of a probe that nobody asks for.
         pub asleep_interval: u32,
         /// Rows of workgroups of pass `probes/trace`, and of those with a workgroup a probe.
         pub rays_rows: u32,
         pub probe_rows: u32,
         /// Unrest from which a probe is updated in every frame, whoever asks.
-        pub restless: f32,
+        pub least_variability: f32,
         /// Frames from update to update of a probe that is asked for and whose light is still.
         pub still_interval: u32,
         pub _pad: u32,
@@ -51,7 +51,7 @@ pub struct StateCounts {
     /// Updated in the last frame.
     pub due: u32,
     /// How many of those that are not dead are twins: beyond the probes of the lattice.
-    pub twins: u32,
+    pub back_side: u32,
 }
 
 impl StateCounts {
@@ -62,7 +62,7 @@ impl StateCounts {
 }
 
 /// Frames between updates of a probe that only the rays of other probes ask for.
-const FED_INTERVAL: u32 = 4;
+const INDIRECT_INTERVAL: u32 = 4;
 /// Frames between updates of a probe that nobody asks for.
 const ASLEEP_INTERVAL: u32 = 10;
 /// By how much the times between other updates grow when no lamp and no voxel has changed for long.
@@ -74,8 +74,8 @@ crate::shared! {
     /// Threads of a workgroup of pass `probes/trace`.
     const RAY_GROUP: u32 = 64;
 
-    /// What `probe_work` begins with: how many probes are due.
-    struct GpuWorkHead as WorkHead {
+    /// What `active_list` begins with: how many probes are due.
+    struct GpuActiveListHead as ActiveListHead {
         due: u32,
     }
 
@@ -91,7 +91,7 @@ crate::shared! {
     }
 
     /// In the list: the rays of the probe ask for others.
-    const ASKING: u32 = 1 << 31;
+    const MAKES_REQUESTS: u32 = 1 << 31;
 
     /// Probes outside of stone are updated in every frame.
     const STATES_OFF: u32 = 0;
@@ -100,7 +100,7 @@ crate::shared! {
     const STATES_ON: u32 = 1;
 }
 
-const HEAD_BYTES: u64 = size_of::<GpuWorkHead>() as u64;
+const HEAD_BYTES: u64 = size_of::<GpuActiveListHead>() as u64;
 /// Alerts above this are of a lamp that is switched, or of an edit, and not of one that wanders.
 const SUDDEN: f32 = 0.5;
 /// Farther than any world reaches (voxels).
@@ -128,8 +128,8 @@ impl UpdateSchedule {
             rays_rows: rectangle((slots * rays).div_ceil(RAY_GROUP))[1],
             probe_rows: rectangle(slots)[1],
             changed: Some((Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE))),
-            uniform: gpu.uniform_buffer("probe_plan", &GpuUpdateSchedule::default()),
-            work: gpu.storage_buffer("probe_work", HEAD_BYTES + 3 * all * 4)?,
+            uniform: gpu.uniform_buffer("update_schedule", &GpuUpdateSchedule::default()),
+            work: gpu.storage_buffer("active_list", HEAD_BYTES + 3 * all * 4)?,
             face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + 3 * all * 4)?,
             dispatch: gpu.storage_buffer("probe_dispatch", size_of::<GpuProbeDispatch>() as u64)?,
         })
@@ -146,7 +146,7 @@ impl UpdateSchedule {
         let is_still = changes.stillness() == 1.0 && parameters.states == ProbeStates::On;
         let still_interval = if is_still { STILL_INTERVAL } else { 1 };
         let (low, high) = self.changed.unwrap_or((Vec3::INFINITY, Vec3::NEG_INFINITY));
-        let plan = GpuUpdateSchedule {
+        let update_schedule = GpuUpdateSchedule {
             changed_low_gs: low.to_array(),
             frame: frame as u32,
             changed_high_gs: high.to_array(),
@@ -156,20 +156,20 @@ impl UpdateSchedule {
             },
             alive_frames: parameters.alive_frames,
             // Where light changes at once, what feeds the picture is wanted at once.
-            fed_interval: if changes.alert() > SUDDEN {
+            indirect_interval: if changes.alert() > SUDDEN {
                 1
             } else {
-                FED_INTERVAL * still_interval
+                INDIRECT_INTERVAL * still_interval
             },
             asleep_interval: ASLEEP_INTERVAL,
             rays_rows: self.rays_rows,
             probe_rows: self.probe_rows,
-            restless: parameters.restless,
+            least_variability: parameters.variability,
             still_interval,
             ..Default::default()
         };
         gpu.queue
-            .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&plan));
+            .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&update_schedule));
         if frame == 0 {
             // The probes begin anew, and nobody has asked for them yet.
             let none = vec![0; self.work.size() as usize];
@@ -196,8 +196,8 @@ impl UpdateSchedule {
 
     pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
         [
-            ("probe_plan", self.uniform.as_entire_binding()),
-            ("probe_work", self.work.as_entire_binding()),
+            ("update_schedule", self.uniform.as_entire_binding()),
+            ("active_list", self.work.as_entire_binding()),
         ]
     }
 
@@ -206,9 +206,9 @@ impl UpdateSchedule {
         ("face_requests", self.face_requests.as_entire_binding())
     }
 
-    /// `probe_work` of pass `surface_cache/trace`.
+    /// `active_list` of pass `surface_cache/trace`.
     pub fn requests_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
-        ("probe_work", self.face_requests.as_entire_binding())
+        ("active_list", self.face_requests.as_entire_binding())
     }
 
     pub fn dispatch(&self) -> &wgpu::Buffer {
@@ -220,10 +220,13 @@ impl UpdateSchedule {
         let due = self.head(gpu)?.due as usize;
         let list: Vec<u32> =
             gpu.read_buffer_range(&self.work, HEAD_BYTES, u64::from(self.slots) * 4)?;
-        Ok(list[..due].iter().map(|word| word & !ASKING).collect())
+        Ok(list[..due]
+            .iter()
+            .map(|word| word & !MAKES_REQUESTS)
+            .collect())
     }
 
-    fn head(&self, gpu: &Gpu) -> Result<GpuWorkHead, GpuError> {
+    fn head(&self, gpu: &Gpu) -> Result<GpuActiveListHead, GpuError> {
         Ok(gpu.read_buffer_range(&self.work, 0, HEAD_BYTES)?[0])
     }
 
@@ -240,14 +243,14 @@ impl UpdateSchedule {
         };
         let states: Vec<GpuProbeState> = gpu.read_buffer(states)?;
         for (slot, state) in (0..self.slots).zip(&states) {
-            let is_twin = slot >= lattice;
+            let is_back_side = slot >= lattice;
             match state.class() {
-                ProbeClass::Alive | ProbeClass::Fed => counts.alive += 1,
+                ProbeClass::Alive | ProbeClass::IndirectOnly => counts.alive += 1,
                 ProbeClass::Asleep => counts.sleeping += 1,
                 // A slot that no twin has taken is no probe.
-                ProbeClass::Dead => counts.dead += u32::from(!is_twin),
+                ProbeClass::Dead => counts.dead += u32::from(!is_back_side),
             }
-            counts.twins += u32::from(is_twin && state.class() != ProbeClass::Dead);
+            counts.back_side += u32::from(is_back_side && state.class() != ProbeClass::Dead);
         }
         Ok(counts)
     }

@@ -39,7 +39,7 @@ crate::shared! {
         pub parts_at: u32,
         pub part_count: u32,
         /// `fill`: entries are cells of stone throughout, not indices of stone records.
-        pub all_stone: u32,
+        pub all_solid: u32,
         /// Entries of `fill`, for `place`.
         pub entry_count: u32,
         pub _pad: [u32; 3],
@@ -69,7 +69,7 @@ const ENTRY_BYTES: u64 = 8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Classify,
-    Stone,
+    Solid,
     Survey,
     Exposed,
     Fill,
@@ -96,7 +96,7 @@ pub struct VoxeliseReport {
 /// The kernels for one world.
 pub struct Voxelise {
     classify: Kernel,
-    stone: Kernel,
+    solid: Kernel,
     survey: Kernel,
     exposed: Kernel,
     fill: Kernel,
@@ -123,7 +123,7 @@ impl Voxelise {
         };
         Ok(Self {
             classify: kernel("classify")?,
-            stone: kernel("stone")?,
+            solid: kernel("stone")?,
             survey: kernel("survey")?,
             exposed: kernel("exposed")?,
             fill: kernel("fill")?,
@@ -179,20 +179,20 @@ impl Voxelise {
         let counted = work.counted()?;
 
         let candidate_count = u64::from(counted.candidates);
-        let stone_records = held.take(gpu, "stone records", candidate_count * RECORD_BYTES)?;
+        let solid_records = held.take(gpu, "stone records", candidate_count * RECORD_BYTES)?;
         let mixed = held.take(gpu, "mixed cells", candidate_count * ENTRY_BYTES)?;
         let lists = [
             ("candidates", &candidates),
-            ("stone_records", &stone_records),
+            ("solid_records", &solid_records),
             ("entries", &mixed),
         ];
-        let bindings = bind(&self.stone, &lists);
-        work.dispatch(Stage::Stone, &self.stone, &bindings, counted.candidates)?;
+        let bindings = bind(&self.solid, &lists);
+        work.dispatch(Stage::Solid, &self.solid, &bindings, counted.candidates)?;
         held.release(candidates);
 
         let exposed_cells = held.take(gpu, "exposed cells", list_bytes)?;
         let lists = [
-            ("stone_records", &stone_records),
+            ("solid_records", &solid_records),
             ("exposed_cells", &exposed_cells),
         ];
         let bindings = bind(&self.survey, &lists);
@@ -216,10 +216,10 @@ impl Voxelise {
         let parts = [(&mixed, counted.mixed, 0), (&varied, counted.varied, 1)];
         // All bricks before any is placed: until then the grid tells where stone is.
         for stage in [Stage::Fill, Stage::Place] {
-            for (entries, count, all_stone) in parts {
-                work.job.all_stone = all_stone;
+            for (entries, count, all_solid) in parts {
+                work.job.all_solid = all_solid;
                 work.job.entry_count = count;
-                let records = ("stone_records", &stone_records);
+                let records = ("solid_records", &solid_records);
                 if stage == Stage::Fill {
                     let bricks = [("masks_out", &masks), ("materials_out", &materials)];
                     let lists = [records, ("entries", entries), bricks[0], bricks[1]];
@@ -294,9 +294,9 @@ struct Work<'a> {
 /// 50 ms after which a slow device would be felt, because cells differ in their cost.
 const SLICE: Duration = Duration::from_millis(30);
 /// Slices do not shrink below this many workgroups: software devices take some 5 ms to begin one.
-const SMALLEST_SLICE: u32 = 8;
+const SMALLEST_CHUNK: u32 = 8;
 /// Workgroups of a kernel's first slice.
-const FIRST_SLICE: u32 = 64;
+const FIRST_CHUNK: u32 = 64;
 /// Workgroups along x; more go into further rows.
 const ROW: u32 = 32_768;
 
@@ -343,10 +343,10 @@ impl<'a> Work<'a> {
         bindings: &Bindings,
         count: u32,
     ) -> Result<(), GpuError> {
-        let mut slice = FIRST_SLICE;
+        let mut chunk = FIRST_CHUNK;
         self.job.first = 0;
         while self.job.first < count {
-            self.job.end = count.min(self.job.first.saturating_add(slice));
+            self.job.end = count.min(self.job.first.saturating_add(chunk));
             self.gpu
                 .queue
                 .write_buffer(&self.job_buffer, 0, bytemuck::bytes_of(&self.job));
@@ -363,11 +363,11 @@ impl<'a> Work<'a> {
             }
             let elapsed = start.elapsed();
             if elapsed < SLICE / 16 {
-                slice = slice.saturating_mul(8);
+                chunk = chunk.saturating_mul(8);
             } else if elapsed < SLICE / 2 {
-                slice = slice.saturating_mul(2);
+                chunk = chunk.saturating_mul(2);
             } else if elapsed > SLICE {
-                slice = (slice / 2).max(SMALLEST_SLICE);
+                chunk = (chunk / 2).max(SMALLEST_CHUNK);
             }
             self.job.first = self.job.end;
         }

@@ -2,16 +2,16 @@
 
 use super::{
     SurfaceCache,
-    shared::{ASKED_A_GROUP, ASKED_ROOM},
+    shared::{REQUEST_ROOM, REQUESTS_A_GROUP},
 };
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 /// Workgroups for all faces that rays may have asked for.
-const ASKED_GROUPS: u32 = ASKED_ROOM / ASKED_A_GROUP;
+const REQUEST_GROUPS: u32 = REQUEST_ROOM / REQUESTS_A_GROUP;
 
 pub struct SurfaceAllocate {
     mark: (Kernel, Bindings),
-    asked: [(Kernel, Bindings); 3],
+    requested: [(Kernel, Bindings); 3],
     arguments: (Kernel, Bindings),
     groups: [u32; 2],
 }
@@ -47,10 +47,10 @@ impl SurfaceAllocate {
         let [columns, rows] = mark.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
         Ok(Self {
             mark,
-            asked: [
-                entry("claim_asked")?,
-                entry("take_asked")?,
-                entry("mark_asked")?,
+            requested: [
+                entry("claim_requested")?,
+                entry("take_requested")?,
+                entry("mark_requested")?,
             ],
             arguments: entry("arguments")?,
             groups: rectangle(columns * rows),
@@ -65,11 +65,11 @@ impl SurfaceAllocate {
 
     /// The faces that rays have asked for, and then how much there is to do in all. After
     /// [`record`](Self::record), before pass `surface_cache/trace`.
-    pub fn record_asked(&self, recorder: &mut Recorder<'_>) {
+    pub fn record_requested(&self, recorder: &mut Recorder<'_>) {
         let (arguments, bindings) = &self.arguments;
         recorder.compute(&arguments.label, |pass| {
-            for (kernel, bindings) in &self.asked {
-                kernel.dispatch(pass, bindings, [ASKED_GROUPS, 1, 1]);
+            for (kernel, bindings) in &self.requested {
+                kernel.dispatch(pass, bindings, [REQUEST_GROUPS, 1, 1]);
             }
             arguments.dispatch(pass, bindings, [1, 1, 1]);
         });

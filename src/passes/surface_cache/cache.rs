@@ -6,8 +6,9 @@ use std::mem::offset_of;
 use glam::Vec3;
 
 use super::shared::{
-    ASKED_ROOM, ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuAskedFace, GpuFaceBatch, GpuFaceCounts,
-    GpuFaceDispatch, GpuFaceHistory, GpuListedFace, GpuSurfaceCacheInfo, RAYS_A_GROUP,
+    ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuFaceBatch, GpuFaceCounts, GpuFaceDispatch,
+    GpuFaceHistory, GpuListedFace, GpuRequestedFace, GpuSurfaceCacheInfo, RAYS_A_GROUP,
+    REQUEST_ROOM,
 };
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
@@ -20,7 +21,7 @@ const LISTED_BYTES: u64 = size_of::<GpuListedFace>() as u64;
 const BATCH_BYTES: u64 = size_of::<GpuFaceBatch>() as u64;
 const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
 /// A count, and then the faces.
-const ASKED_LIST_BYTES: u64 = 4 + (ASKED_ROOM as usize * size_of::<GpuAskedFace>()) as u64;
+const REQUEST_LIST_BYTES: u64 = 4 + (REQUEST_ROOM as usize * size_of::<GpuRequestedFace>()) as u64;
 /// Faces that look the same way and have a place in the table.
 const BUCKETS: u32 = 1 << 16;
 /// Batches of rays that faces can send in a frame.
@@ -34,7 +35,7 @@ const LEAST_BATCHES: u32 = 1 << 15;
 const LEAST_IN_SOFTWARE: u32 = 1 << 12;
 /// Frames that probes take to settle after their warm-up.
 const SETTLING_FRAMES: u32 = 24;
-/// Rays that a quarter's light is the mean of until then, and while light changes: at full alert this many,
+/// Rays that a quadrant's light is the mean of until then, and while light changes: at full alert this many,
 /// and the more the less sure it is.
 const LEAST_SAMPLES: f32 = 64.0;
 const SAMPLES_AT_ALERT: f32 = 16.0;
@@ -68,7 +69,7 @@ pub struct SurfaceCache {
     list: wgpu::Buffer,
     batches: wgpu::Buffer,
     rays: wgpu::Buffer,
-    asked: wgpu::Buffer,
+    requested: wgpu::Buffer,
     histories: wgpu::Buffer,
     dispatch: wgpu::Buffer,
 }
@@ -93,7 +94,7 @@ impl SurfaceCache {
         let batches = u64::from(most_batches);
         let bytes = all * (Self::ENTRY_BYTES + LISTED_BYTES + HISTORY_BYTES)
             + batches * (BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
-            + ASKED_LIST_BYTES;
+            + REQUEST_LIST_BYTES;
         let what = "the faces of the final gather (probes.final_gather)";
         gpu.making(what, bytes, || {
             Ok(Self {
@@ -115,7 +116,7 @@ impl SurfaceCache {
                 batches: gpu.storage_buffer("face_batches", (1 + batches) * BATCH_BYTES)?,
                 rays: gpu
                     .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
-                asked: gpu.storage_buffer("asked_faces", ASKED_LIST_BYTES)?,
+                requested: gpu.storage_buffer("requested_faces", REQUEST_LIST_BYTES)?,
                 histories: gpu.storage_buffer("face_histories", all * HISTORY_BYTES)?,
                 dispatch: gpu
                     .storage_buffer("face_dispatch", size_of::<GpuFaceDispatch>() as u64)?,
@@ -145,7 +146,7 @@ impl SurfaceCache {
     pub fn forget(&mut self, encoder: &mut wgpu::CommandEncoder) {
         self.frame = 0;
         self.edited = None;
-        for buffer in [&self.table, &self.histories, &self.counts, &self.asked] {
+        for buffer in [&self.table, &self.histories, &self.counts, &self.requested] {
             encoder.clear_buffer(buffer, 0, None);
         }
     }
@@ -208,7 +209,7 @@ impl SurfaceCache {
     /// for other faces.
     pub fn blend_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         let seen = width.div_ceil(2) * height.div_ceil(2);
-        let listed = self.entries.min(seen + ASKED_ROOM);
+        let listed = self.entries.min(seen + REQUEST_ROOM);
         rectangle(listed.div_ceil(FACES_A_GROUP))
     }
 
@@ -248,7 +249,7 @@ impl SurfaceCache {
             ("face_dispatch", of(&self.dispatch)),
             // Pass `surface_cache/trace` writes these.
             ("face_rays", of(&self.rays)),
-            ("asked_faces", of(&self.asked)),
+            ("requested_faces", of(&self.requested)),
         ]
     }
 
@@ -287,7 +288,7 @@ impl SurfaceCache {
             &self.list,
             &self.batches,
             &self.rays,
-            &self.asked,
+            &self.requested,
             &self.histories,
         ];
         buffers.iter().map(|buffer| buffer.size()).sum()

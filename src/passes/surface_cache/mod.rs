@@ -7,4 +7,4 @@ mod shared;
 pub mod trace;
 
 pub use cache::{NextFrame, SurfaceCache};
-pub use shared::{GpuFaceHistory, GpuFaceQuarter, GpuSurfaceCacheInfo};
+pub use shared::{GpuFaceHistory, GpuFaceQuadrant, GpuSurfaceCacheInfo};

@@ -18,7 +18,7 @@ crate::shared! {
         pub most_batches: u32,
         pub rays_rows: u32,
         pub blend_rows: u32,
-        /// Rays that the light of a quarter of a face is at most the mean of.
+        /// Rays that the light of a quadrant of a face is at most the mean of.
         pub most_samples: f32,
         /// Width of a pixel (voxels) from which faces are too small to be lit on their own.
         pub widest_pixel: f32,
@@ -35,11 +35,11 @@ crate::shared! {
     /// Words of an entry of the table.
     pub(super) const ENTRY_WORDS: u32 = 12;
 
-    /// Rays of a quarter of a face in a batch; those of a batch lie one quarter after the other.
-    pub(super) const QUARTER_RAYS: u32 = 8;
+    /// Rays of a quadrant of a face in a batch; those of a batch lie one quadrant after the other.
+    pub(super) const QUADRANT_RAYS: u32 = 8;
 
     /// Rays of a batch.
-    pub(super) const FACE_RAYS: u32 = 4 * QUARTER_RAYS;
+    pub(super) const FACE_RAYS: u32 = 4 * QUADRANT_RAYS;
 
     /// Threads of a workgroup of pass `surface_cache/trace`.
     pub(super) const RAYS_A_GROUP: u32 = 64;
@@ -71,10 +71,10 @@ crate::shared! {
     }
 
     /// Room for faces that rays ask for: twice as many as may, for they do so by chance.
-    pub(super) const ASKED_ROOM: u32 = 4096;
+    pub(super) const REQUEST_ROOM: u32 = 4096;
 
     /// Of those the faces of a workgroup.
-    pub(super) const ASKED_A_GROUP: u32 = 64;
+    pub(super) const REQUESTS_A_GROUP: u32 = 64;
 
     /// A face of the list of a frame.
     pub(super) struct GpuListedFace as ListedFace {
@@ -90,23 +90,23 @@ crate::shared! {
         pub is_seen: u32,
     }
 
-    /// Rays that a face sends side by side: `QUARTER_RAYS` of each quarter.
+    /// Rays that a face sends side by side: `QUADRANT_RAYS` of each quadrant.
     pub(super) struct GpuFaceBatch as FaceBatch {
         pub entry: u32,
         pub key: u32,
-        /// Number of the first of each quarter.
+        /// Number of the first of each quadrant.
         pub first_ray: u32,
         pub _pad: u32,
     }
 
-    /// A quarter of a face.
-    pub struct GpuFaceQuarter as FaceQuarter {
+    /// A quadrant of a face.
+    pub struct GpuFaceQuadrant as FaceQuadrant {
         /// Mean radiance, weighted by the cosine: irradiance over π (linear RGB).
         pub light: [f32; 3],
         /// Rays that it is the mean of.
         pub samples: f32,
         /// What the probes believed of it, as a mean over the same frames.
-        pub believed: [f32; 3],
+        pub by_probes: [f32; 3],
         /// Mean square of by how much their belief departs from that mean, relative to it: their noise.
         pub noise: f32,
     }
@@ -114,9 +114,9 @@ crate::shared! {
     /// What the rays of a face have found so far.
     pub struct GpuFaceHistory as FaceHistory {
         /// See package::surface_cache::quadrant.
-        pub quarters: [GpuFaceQuarter; 4],
+        pub quadrants: [GpuFaceQuadrant; 4],
         pub key: u32,
-        /// Rays that each quarter has had in all.
+        /// Rays that each quadrant has had in all.
         pub drawn: u32,
         /// The frame in which it last had any.
         pub updated: u32,
@@ -125,7 +125,7 @@ crate::shared! {
     }
 
     /// A face that a ray has hit.
-    pub(super) struct GpuAskedFace as AskedFace {
+    pub(super) struct GpuRequestedFace as RequestedFace {
         pub key: u32,
         pub face: u32,
     }

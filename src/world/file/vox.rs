@@ -242,7 +242,7 @@ impl Pose {
 
 /// All voxels of the scene with their palette index, in our axes (+Y up); later models win.
 fn scene_voxels(data: &DotVoxData) -> Result<BTreeMap<[i32; 3], u8>, String> {
-    let mut scene = Scene {
+    let mut scene = VoxScene {
         data,
         voxels: BTreeMap::new(),
         work: 0,
@@ -257,14 +257,14 @@ fn scene_voxels(data: &DotVoxData) -> Result<BTreeMap<[i32; 3], u8>, String> {
     Ok(scene.voxels)
 }
 
-struct Scene<'a> {
+struct VoxScene<'a> {
     data: &'a DotVoxData,
     voxels: BTreeMap<[i32; 3], u8>,
     /// Nodes and voxels visited: groups that share children could be walked for ever.
     work: usize,
 }
 
-impl Scene<'_> {
+impl VoxScene<'_> {
     fn spend(&mut self, work: usize) -> Result<(), String> {
         self.work += work;
         if self.work > MAX_WORK {

@@ -36,7 +36,7 @@ pub fn generate(world: &World) -> Voxels {
 
 /// What the shape makes of one cell. Voxels beyond the world do not count.
 #[derive(Clone, Debug, PartialEq)]
-enum Stone {
+enum Solid {
     None,
     All,
     /// Bit x | y << 3 of word z.
@@ -69,11 +69,11 @@ impl<'a> Generator<'a> {
     }
 
     fn voxels(&self) -> Voxels {
-        let stones: Vec<Stone> = (0..self.cells.element_product())
+        let solidities: Vec<Solid> = (0..self.cells.element_product())
             .into_par_iter()
-            .map(|index| self.stone(self.cell_at(index)))
+            .map(|index| self.solidity(self.cell_at(index)))
             .collect();
-        Voxels::from_cells(self.world.size, |cell| self.fill(cell, &stones))
+        Voxels::from_cells(self.world.size, |cell| self.fill(cell, &solidities))
     }
 
     fn cell_at(&self, index: u32) -> UVec3 {
@@ -94,11 +94,11 @@ impl<'a> Generator<'a> {
         (self.world.origin.as_dvec3() + voxel.as_dvec3()) + f64::from(edge) / 2.0
     }
 
-    fn stone(&self, cell: UVec3) -> Stone {
+    fn solidity(&self, cell: UVec3) -> Solid {
         let corner = cell * CELL;
         let value = self.shape.eval(self.centre_ws(corner, CELL));
         if value.abs() > self.cell_variation {
-            return if value < 0.0 { Stone::All } else { Stone::None };
+            return if value < 0.0 { Solid::All } else { Solid::None };
         }
         let mut bits = Box::new([0; 8]);
         let (mut inside, mut solid) = (0, 0);
@@ -125,21 +125,21 @@ impl<'a> Generator<'a> {
             }
         }
         match solid {
-            0 => Stone::None,
-            _ if solid == inside => Stone::All,
-            _ => Stone::Some(bits),
+            0 => Solid::None,
+            _ if solid == inside => Solid::All,
+            _ => Solid::Some(bits),
         }
     }
 
-    fn fill(&self, cell: UVec3, stones: &[Stone]) -> NewCell {
+    fn fill(&self, cell: UVec3, solidities: &[Solid]) -> NewCell {
         let corner = cell * CELL;
-        let stone = &stones[self.index_of(cell)];
+        let solidity = &solidities[self.index_of(cell)];
         let parts = self.features.of(cell);
-        if *stone == Stone::None && parts.is_empty() {
+        if *solidity == Solid::None && parts.is_empty() {
             return NewCell::Empty;
         }
         let whole = (corner + CELL).cmple(self.world.size).all();
-        if *stone == Stone::All && whole && self.surrounded(cell, stones) {
+        if *solidity == Solid::All && whole && self.surrounded(cell, solidities) {
             return NewCell::Uniform(self.material(corner + CELL / 2));
         }
         let mut brick = Box::new([0; BRICK_VOXELS]);
@@ -151,10 +151,10 @@ impl<'a> Generator<'a> {
                     if voxel.cmpge(self.world.size).any() {
                         continue;
                     }
-                    let solid = match stone {
-                        Stone::None => false,
-                        Stone::All => true,
-                        Stone::Some(bits) => bits[z as usize] >> (x | y << 3) & 1 == 1,
+                    let solid = match solidity {
+                        Solid::None => false,
+                        Solid::All => true,
+                        Solid::Some(bits) => bits[z as usize] >> (x | y << 3) & 1 == 1,
                     };
                     brick[brick_index(local)] = if solid {
                         self.material(voxel)
@@ -173,12 +173,13 @@ impl<'a> Generator<'a> {
         NewCell::Voxels(brick)
     }
 
-    fn surrounded(&self, cell: UVec3, stones: &[Stone]) -> bool {
+    fn surrounded(&self, cell: UVec3, solidities: &[Solid]) -> bool {
         [UVec3::X, UVec3::Y, UVec3::Z].into_iter().all(|axis| {
             // Below 0 the subtraction wraps to beyond the world.
             let [before, after] = [cell.wrapping_sub(axis), cell + axis];
             [before, after].into_iter().all(|neighbour| {
-                neighbour.cmpge(self.cells).any() || stones[self.index_of(neighbour)] == Stone::All
+                neighbour.cmpge(self.cells).any()
+                    || solidities[self.index_of(neighbour)] == Solid::All
             })
         })
     }

@@ -121,7 +121,7 @@ fn unmoved() -> ProbeParameters {
 
 const ALIVE: Vec3 = Vec3::new(0.05, 0.52, 0.08);
 const MOVED: Vec3 = Vec3::new(0.89, 0.43, 0.01);
-const TWIN: Vec3 = Vec3::new(0.62, 0.08, 0.75);
+const BACK_SIDE: Vec3 = Vec3::new(0.62, 0.08, 0.75);
 const FED: Vec3 = Vec3::new(0.04, 0.48, 0.58);
 const ASLEEP: Vec3 = Vec3::new(0.03, 0.11, 0.63);
 const DEAD: Vec3 = Vec3::new(0.53, 0.02, 0.02);
@@ -173,8 +173,8 @@ fn spheres_and_lines_are_where_probes_and_twins_stand_and_walls_hide_them() {
     let plain = watched.view(ViewMode::Full);
     let drawn = watched.spheres(ProbeColour::State);
     let mut oracle = watched.oracle(true);
-    let by_state = |expected: &Expected| match (expected.is_twin, expected.is_moved) {
-        (true, _) => TWIN,
+    let by_state = |expected: &Expected| match (expected.is_back_side, expected.is_moved) {
+        (true, _) => BACK_SIDE,
         (false, true) => MOVED,
         (false, false) => ALIVE,
     };
@@ -285,7 +285,7 @@ fn painted_cubes_count_as_the_states_do() {
         states: ProbeStates::On,
         warmup_frames: 1,
         // No probe is merely restless: those that nobody sees are asleep, or feed those that somebody does.
-        restless: 1.0,
+        variability: 1.0,
         ..few_rays()
     };
     let mut watched = Watched::new("furnace", "fine", [16, 9], parameters);
@@ -318,7 +318,7 @@ fn painted_cubes_count_as_the_states_do() {
             assert!(cube.iter().all(|axis| f32::from_bits(axis[3]) == known));
         }
         let is = |state: Vec3| (colour - state).abs().max_element() < 1e-3;
-        alive += u32::from(is(ALIVE) || is(MOVED) || is(TWIN) || is(FED));
+        alive += u32::from(is(ALIVE) || is(MOVED) || is(BACK_SIDE) || is(FED));
         sleeping += u32::from(is(ASLEEP));
         dead += u32::from(is(DEAD) && slot < field.volume().slots());
     }

@@ -21,7 +21,7 @@ struct Shape {
 pub struct Expected {
     pub slot: u32,
     pub is_line: bool,
-    pub is_twin: bool,
+    pub is_back_side: bool,
     pub is_moved: bool,
     pub level: u32,
     /// 1 where it faces the camera, 0 at its rim.
@@ -152,7 +152,7 @@ impl Oracle {
                 found = Some(Expected {
                     slot: shape.slot,
                     is_line: shape.from != shape.to,
-                    is_twin: shape.slot >= self.lattice_slots,
+                    is_back_side: shape.slot >= self.lattice_slots,
                     is_moved: self.moved[shape.slot as usize],
                     level: shape.slot % self.lattice_slots / self.level_slots,
                     facing: -normal.dot(ray),

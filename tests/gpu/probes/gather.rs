@@ -73,13 +73,13 @@ fn probes_in_stone_give_nothing_and_cost_their_neighbours_nothing() {
         _ => [1.0, 2.0, 3.0, 100.0],
     });
     assert_eq!(rig.irradiance(0)(IVec2::ZERO)[3], 0.0);
-    let near_the_stone = (Vec3::new(-3.0, 0.5, 0.5), Vec3::Y);
-    let gathered = rig.gather(&[near_the_stone])[0];
+    let near_solid = (Vec3::new(-3.0, 0.5, 0.5), Vec3::Y);
+    let gathered = rig.gather(&[near_solid])[0];
     assert!((gathered[0] - 1.0).abs() < 2e-3, "{gathered:?}");
     // A live probe that gets walled in forgets what it knew, and learns anew when it is freed.
     rig.update(|_, _| [0.0, 0.0, 0.0, -1.0]);
-    assert_eq!(rig.gather(&[near_the_stone])[0], [0.0; 4]);
+    assert_eq!(rig.gather(&[near_solid])[0], [0.0; 4]);
     rig.update(|_, _| [5.0, 5.0, 5.0, 100.0]);
-    let back = rig.gather(&[near_the_stone])[0];
+    let back = rig.gather(&[near_solid])[0];
     assert!((back[0] - 5.0).abs() < 0.01, "{back:?}");
 }

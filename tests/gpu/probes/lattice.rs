@@ -235,7 +235,7 @@ fn bits_that_do_not_fit_a_binding_give_way_to_distances() {
         .expect("a good layout");
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let fits = bytes <= gpu.limits.max_storage_buffer_binding_size;
-        assert_eq!(field.memory().sight, if fits { bytes } else { 0 });
+        assert_eq!(field.memory().visibility_bits, if fits { bytes } else { 0 });
         assert_eq!((field.exact(), field.keeps_distances()), (fits, !fits));
     }
 }

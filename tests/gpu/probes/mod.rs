@@ -6,9 +6,9 @@ mod history;
 mod lattice;
 mod maps;
 mod placement;
-mod seen_light;
-mod sight;
 mod states;
+mod visibility_bits;
+mod visible_light;
 
 use glam::{DVec3, IVec2, IVec3, UVec2, UVec3, Vec3};
 use grotto::{

@@ -25,7 +25,7 @@ const ORIGIN: IVec3 = IVec3::new(-16, -16, -16);
 const SPACING: Vec3 = Vec3::new(5.0, 4.0, 3.0);
 
 /// Grid space. Caves as large as a cage, pits of one voxel, and a slab thicker than any reach.
-fn is_stone(voxel: IVec3) -> bool {
+fn is_solid(voxel: IVec3) -> bool {
     if voxel.cmplt(IVec3::ZERO).any() || voxel.cmpge(IVec3::splat(SIZE)).any() {
         return false;
     }
@@ -44,7 +44,7 @@ fn volume() -> Volume {
 
 /// The test's world and its probes on the GPU.
 fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, GpuVoxels) {
-    let voxels = voxels_from(UVec3::splat(SIZE as u32), |voxel| u8::from(is_stone(voxel)));
+    let voxels = voxels_from(UVec3::splat(SIZE as u32), |voxel| u8::from(is_solid(voxel)));
     let voxels = GpuVoxels::upload(gpu, &voxels, ORIGIN).expect("fits");
     let field = ProbeField::new(gpu, volume(), parameters).expect("fits");
     let pass = ProbeClassify::new(gpu, &field, &voxels.resources()).expect("compiles");
@@ -69,7 +69,7 @@ fn cost(from: IVec3, to: IVec3) -> i32 {
     let around = [IVec3::X, IVec3::Y, IVec3::Z]
         .into_iter()
         .flat_map(|axis| [to + axis, to - axis])
-        .filter(|voxel| is_stone(*voxel))
+        .filter(|voxel| is_solid(*voxel))
         .count() as i32;
     (to - from).length_squared() + 4 * (around - 3).max(0)
 }
@@ -89,17 +89,17 @@ fn probes_in_stone_move_to_the_best_air_within_reach_or_die() {
             .flat_map(|x| (-reach.y..=reach.y).map(move |y| (x, y)))
             .flat_map(|(x, y)| (-reach.z..=reach.z).map(move |z| home + IVec3::new(x, y, z)));
         let best = candidates
-            .filter(|voxel| !is_stone(*voxel))
+            .filter(|voxel| !is_solid(*voxel))
             .map(|voxel| cost(home, voxel))
             .min();
         match best {
-            _ if !is_stone(home) => assert_eq!((place, alive), (home, 1.0), "slot {slot}"),
+            _ if !is_solid(home) => assert_eq!((place, alive), (home, 1.0), "slot {slot}"),
             None => {
                 assert_eq!((place, alive), (home, 0.0), "slot {slot}");
                 dead += 1;
             }
             Some(best) => {
-                assert!(!is_stone(place), "slot {slot} is put into stone");
+                assert!(!is_solid(place), "slot {slot} is put into stone");
                 assert_eq!((cost(home, place), alive), (best, 1.0), "slot {slot}");
                 moved += 1;
             }
@@ -119,8 +119,8 @@ fn without_relocation_probes_in_stone_are_dead_where_they_are() {
     };
     for (slot, [x, y, z, alive]) in (0..).zip(places(&gpu(), &parameters)) {
         let home_ws = volume().position(slot);
-        let stone = is_stone(home_ws.floor().as_ivec3() - ORIGIN);
-        assert_eq!((Vec3::new(x, y, z), alive == 0.0), (home_ws, stone));
+        let solid = is_solid(home_ws.floor().as_ivec3() - ORIGIN);
+        assert_eq!((Vec3::new(x, y, z), alive == 0.0), (home_ws, solid));
     }
 }
 
@@ -326,7 +326,7 @@ fn steps(reach: IVec3) -> impl Iterator<Item = IVec3> {
 fn clearance(voxel: IVec3) -> f32 {
     let free = |direction: &IVec3| {
         (0..6)
-            .take_while(|i| !is_stone(voxel + *direction * *i))
+            .take_while(|i| !is_solid(voxel + *direction * *i))
             .count()
     };
     let axes = [IVec3::X, IVec3::Y, IVec3::Z].into_iter();
@@ -374,7 +374,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
             .iter()
             .flat_map(|place| {
                 let voxel = voxel_of(place);
-                let length = if is_stone(voxel) {
+                let length = if is_solid(voxel) {
                     -1.0
                 } else {
                     clearance(voxel)
@@ -393,7 +393,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
     for (slot, place) in (0..).zip(&found) {
         let home = voxel_of(&volume().position(slot).extend(0.0).to_array());
         let turn = || steps(reach).map(|step| home + step);
-        let allowed = |voxel: &IVec3| (*voxel - home).abs().cmple(reach).all() && !is_stone(*voxel);
+        let allowed = |voxel: &IVec3| (*voxel - home).abs().cmple(reach).all() && !is_solid(*voxel);
         let clear = |voxel: &IVec3| allowed(voxel) && clearance(*voxel) >= SourceWalk::CLEARANCE;
         let expected = [home]
             .into_iter()

@@ -228,11 +228,11 @@ fn assert_due(due: &BTreeSet<u32>, awake: &BTreeSet<u32>, asleep: &BTreeSet<u32>
     );
 }
 
-/// With states, and no heed to unrest: new probes have some.
+/// With states, and no heed to variability: new probes have some.
 fn on() -> ProbeParameters {
     ProbeParameters {
         states: Sleep::On,
-        restless: 1.0,
+        variability: 1.0,
         ..Default::default()
     }
 }
@@ -263,7 +263,7 @@ fn stone_is_dead_what_nobody_sees_sleeps_and_what_lights_pixels_is_alive() {
         sleeping: 27,
         dead: 18,
         due: slab.counts().due,
-        twins: 0,
+        back_side: 0,
     };
     assert_eq!(slab.counts(), expected);
 }
@@ -302,26 +302,26 @@ fn what_feeds_the_picture_is_due_at_once_when_light_changes() {
         slab.update();
     }
     slab.ask(Vec3::new(16.0, 24.5, 24.5), Vec3::X, 1.0);
-    let fed: BTreeSet<u32> = [(0, 0), (1, 0), (0, 1), (1, 1)]
+    let indirect_only: BTreeSet<u32> = [(0, 0), (1, 0), (0, 1), (1, 1)]
         .map(|(y, z)| 2 + 6 * (y + 3 * z))
         .into();
-    let asleep = &columns(2..6) - &fed;
+    let asleep = &columns(2..6) - &indirect_only;
     let updates = slab.watch(20);
-    assert_each(&updates, &fed, 5);
+    assert_each(&updates, &indirect_only, 5);
     assert_each(&updates, &asleep, 2);
     slab.field.changes.begin_frame(1.0, slab.frame as u32);
-    assert_due(&slab.update(), &fed, &asleep);
+    assert_due(&slab.update(), &indirect_only, &asleep);
     // A lamp that wanders is no reason to hurry.
     for _ in 0..200 {
         slab.field.changes.begin_frame(0.02, slab.frame as u32);
     }
-    assert_each(&slab.watch(4), &fed, 1);
+    assert_each(&slab.watch(4), &indirect_only, 1);
 }
 
 #[test]
 fn restless_probes_before_surfaces_are_due_in_every_frame() {
     let mut slab = Slab::new(ProbeParameters {
-        restless: 0.1,
+        variability: 0.1,
         ..on()
     });
     for _ in 0..2 {

@@ -71,7 +71,7 @@ impl Built {
     }
 
     /// Whether a probe stands in stone.
-    fn in_stone(&self, position_ws: Vec3) -> bool {
+    fn in_solid(&self, position_ws: Vec3) -> bool {
         self.at(position_ws.floor().as_ivec3()) != 0
     }
 
@@ -286,13 +286,13 @@ fn most_probes_of_the_cages_under_the_roof_stand_in_wood() {
     let lost = |layout: &str| {
         let volume = built.volume(layout);
         let cages = points.iter().map(|point| {
-            assert!(!built.in_stone(*point), "{point} is air");
+            assert!(!built.in_solid(*point), "{point} is air");
             let cage = volume.cage(*point);
             let probes = cage.iter().filter(|(_, weight)| *weight > 0.0);
             let stands = probes.map(|(slot, _)| volume.position(*slot));
             let roof = |p: Vec3| (p.x - 0.5).abs() + p.y > 22.0;
             let [hidden, all] = stands.fold([0, 0], |[hidden, all], position| {
-                let is_hidden = built.in_stone(position) || roof(position);
+                let is_hidden = built.in_solid(position) || roof(position);
                 [hidden + usize::from(is_hidden), all + 1]
             });
             hidden as f64 / all as f64

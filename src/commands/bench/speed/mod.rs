@@ -10,12 +10,12 @@ mod plan;
 mod quality;
 mod rig;
 mod row;
+mod runner;
 mod session;
 mod spec;
 pub mod start;
 mod suites;
 mod tables;
-mod works;
 
 pub use self::{arguments::Arguments, plan::SpeedSuite};
 

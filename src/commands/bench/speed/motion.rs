@@ -4,7 +4,7 @@ use glam::{IVec3, Vec3};
 
 use super::{
     super::super::Failure,
-    spec::{Condition, Scene},
+    spec::{BenchScene, Condition},
 };
 use crate::{
     frame::Frame,
@@ -38,7 +38,7 @@ pub enum Track {
 
 impl Track {
     /// Through a world, from a camera.
-    pub fn of(condition: Condition, scene: &Scene, voxels: &Voxels, camera: &Camera) -> Self {
+    pub fn of(condition: Condition, scene: &BenchScene, voxels: &Voxels, camera: &Camera) -> Self {
         if condition != Condition::Flight {
             return Self::Rest(camera.clone());
         }
@@ -76,7 +76,7 @@ pub struct Digging {
 }
 
 impl Digging {
-    pub fn new(scene: &Scene, voxels: &Voxels, camera: &Camera) -> Self {
+    pub fn new(scene: &BenchScene, voxels: &Voxels, camera: &Camera) -> Self {
         Self {
             voxels: voxels.clone(),
             origin: scene.world.origin,

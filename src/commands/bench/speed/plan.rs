@@ -6,7 +6,7 @@ use super::{
     super::{super::Failure, model::Missing},
     Arguments,
     rig::Length,
-    spec::{RowSpec, Scene, Work},
+    spec::{BenchScene, RowSpec, Work},
     suites::{self, Wanted},
     tables,
 };
@@ -146,7 +146,7 @@ pub struct Group {
 
 /// All rows, and the worlds that they are of.
 pub struct Plan {
-    pub scenes: Vec<Scene>,
+    pub scenes: Vec<BenchScene>,
     /// In the order in which they are measured.
     pub groups: Vec<Group>,
     /// What there is no row for, and why.
@@ -219,11 +219,11 @@ impl Plan {
 
     /// The index of a world, which is read once.
     fn scene(&mut self, path: &Path, parameters: &Parameters) -> Result<usize, Failure> {
-        let same = |scene: &Scene| scene.path == path && scene.parameters == *parameters;
+        let same = |scene: &BenchScene| scene.path == path && scene.parameters == *parameters;
         if let Some(known) = self.scenes.iter().position(same) {
             return Ok(known);
         }
-        self.scenes.push(Scene::load(path, parameters)?);
+        self.scenes.push(BenchScene::load(path, parameters)?);
         Ok(self.scenes.len() - 1)
     }
 
@@ -237,7 +237,7 @@ impl Plan {
         let own = self.scene(path, parameters)?;
         let size = self.scenes[own].world.size;
         let mut found = vec![own];
-        // In quarters of the world's own size; the last ones grow sideways, as caves do.
+        // In quadrants of the world's own size; the last ones grow sideways, as caves do.
         let factors = [[1, 1, 1], [2, 2, 2], [8, 4, 8], [8, 8, 8], [16, 8, 16]];
         for factor in factors.iter().take(if quick { 3 } else { factors.len() }) {
             let scaled = (size * glam::UVec3::from_array(*factor) / 4)

@@ -9,7 +9,7 @@ use std::{
 use super::{
     super::{super::Failure, results::FrameSample},
     motion::{Digging, RATE, Track},
-    spec::{Condition, RowSpec, Scene},
+    spec::{BenchScene, Condition, RowSpec},
 };
 use crate::{
     frame::{Frame, Stage},
@@ -44,7 +44,7 @@ pub struct Run {
 /// What every frame of a run takes, whatever its spec.
 pub struct Rig<'a> {
     pub gpu: &'a Gpu,
-    pub scene: &'a Scene,
+    pub scene: &'a BenchScene,
     pub frame: Frame,
     /// As the world was built.
     pub voxels: Voxels,
@@ -61,7 +61,7 @@ impl<'a> Rig<'a> {
     /// When the adapter cannot hold the world or its probes.
     pub fn new(
         gpu: &'a Gpu,
-        scene: &'a Scene,
+        scene: &'a BenchScene,
         spec: &RowSpec,
         (seed, time_s): (u32, f64),
         stop: &'a AtomicBool,

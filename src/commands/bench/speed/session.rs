@@ -21,8 +21,8 @@ use super::{
     quality::Judging,
     rig::{Length, Rig},
     row::Measured,
+    runner::Common,
     spec::{Condition, RowSpec, Work},
-    works::Common,
 };
 use crate::{
     gpu::Gpu,

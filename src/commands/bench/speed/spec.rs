@@ -20,7 +20,7 @@ use crate::{
 
 /// A world as a suite reads it, with the parameters that all of its rows start from.
 #[derive(Clone)]
-pub struct Scene {
+pub struct BenchScene {
     pub path: PathBuf,
     pub world: World,
     pub parameters: Parameters,
@@ -28,7 +28,7 @@ pub struct Scene {
     pub hash: String,
 }
 
-impl Scene {
+impl BenchScene {
     /// # Errors
     /// For a world that cannot be read.
     pub fn load(path: &Path, parameters: &Parameters) -> Result<Self, Failure> {
@@ -160,7 +160,7 @@ impl RowSpec {
     /// For a lamp preset that the world does not have.
     pub fn new(
         suite: &'static str,
-        (index, scene): (usize, &Scene),
+        (index, scene): (usize, &BenchScene),
         camera: &Camera,
         layout: &LayoutSpec,
         size: [u32; 2],

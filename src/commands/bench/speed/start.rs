@@ -14,7 +14,7 @@ use super::{
     super::{
         super::{
             Failure,
-            options::{PictureOptions, RunOptions, Scene},
+            options::{PictureOptions, RunOptions, Setup},
             output,
         },
         model::Figure,
@@ -73,7 +73,7 @@ fn now_ns() -> u64 {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let elapsed_ms = || now_ns().saturating_sub(arguments.since) as f64 / 1e6;
     let picture = &arguments.picture;
-    let scene = Scene::load(&arguments.world, &arguments.run, picture)?;
+    let scene = Setup::load(&arguments.world, &arguments.run, picture)?;
     let gpu = output::open_gpu(&arguments.run)?;
     let opened_ms = elapsed_ms();
     let stage = Stage::build(&gpu, &scene.world)?;

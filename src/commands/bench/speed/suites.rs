@@ -2,13 +2,13 @@
 
 use super::{
     super::super::Failure,
-    spec::{Condition, RowSpec, Scene, Work},
+    spec::{BenchScene, Condition, RowSpec, Work},
 };
 use crate::world::{Camera, Lamp, LampPreset, LayoutSpec, Motion};
 
 /// What the user asked for, as far as rows depend on it.
 pub struct Wanted<'a> {
-    pub scenes: &'a [Scene],
+    pub scenes: &'a [BenchScene],
     /// Those of them that the suite is about, by index.
     pub only: Vec<usize>,
     /// Only these cameras and layouts; all where empty.
@@ -24,7 +24,7 @@ type Rows = Result<Vec<RowSpec>, Failure>;
 
 impl Wanted<'_> {
     /// The named camera of a scene, or its first.
-    pub fn camera<'s>(&self, scene: &'s Scene) -> Option<&'s Camera> {
+    pub fn camera<'s>(&self, scene: &'s BenchScene) -> Option<&'s Camera> {
         let named = |camera: &&Camera| self.cameras.contains(&camera.name);
         let cameras = &scene.world.cameras;
         match self.cameras {
@@ -34,7 +34,7 @@ impl Wanted<'_> {
     }
 
     /// The named layouts of a scene, or all, in the order of their names' numbers.
-    pub fn layouts<'s>(&self, scene: &'s Scene) -> Vec<&'s LayoutSpec> {
+    pub fn layouts<'s>(&self, scene: &'s BenchScene) -> Vec<&'s LayoutSpec> {
         let wanted =
             |layout: &&LayoutSpec| self.layouts.is_empty() || self.layouts.contains(&layout.name);
         let mut found: Vec<&LayoutSpec> = scene.world.layouts.iter().filter(wanted).collect();
@@ -43,7 +43,7 @@ impl Wanted<'_> {
     }
 
     /// The layout of suites that vary something else: the first that was named, or the world's first.
-    fn layout<'s>(&self, scene: &'s Scene) -> Option<&'s LayoutSpec> {
+    fn layout<'s>(&self, scene: &'s BenchScene) -> Option<&'s LayoutSpec> {
         let layouts = &scene.world.layouts;
         match self.layouts {
             [] => layouts.first(),
@@ -52,7 +52,7 @@ impl Wanted<'_> {
     }
 
     /// Scenes that have what was named, with their index.
-    pub fn scenes(&self) -> impl Iterator<Item = (usize, &Scene, &Camera, &LayoutSpec)> {
+    pub fn scenes(&self) -> impl Iterator<Item = (usize, &BenchScene, &Camera, &LayoutSpec)> {
         self.only.iter().filter_map(|&index| {
             let scene = self.scenes.get(index)?;
             Some((index, scene, self.camera(scene)?, self.layout(scene)?))
@@ -341,17 +341,17 @@ mod tests {
     use super::*;
     use crate::parameters::Parameters;
 
-    fn scenes() -> Vec<Scene> {
+    fn scenes() -> Vec<BenchScene> {
         let load = |name: &str| {
             let path = Path::new(env!("CARGO_MANIFEST_DIR"))
                 .join("worlds")
                 .join(name);
-            Scene::load(&path, &Parameters::default()).expect("a world of the repository")
+            BenchScene::load(&path, &Parameters::default()).expect("a world of the repository")
         };
         vec![load("cave.ron"), load("cornell.ron"), load("cavern.ron")]
     }
 
-    fn wanted(scenes: &[Scene]) -> Wanted<'_> {
+    fn wanted(scenes: &[BenchScene]) -> Wanted<'_> {
         Wanted {
             scenes,
             only: (0..scenes.len()).collect(),

@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3};
 
 use super::{
     super::{super::Failure, model::Missing},
-    spec::{Condition, RowSpec, Scene, Work},
+    spec::{BenchScene, Condition, RowSpec, Work},
     suites::Wanted,
 };
 use crate::world::{LampPreset, LayoutSpec};
@@ -53,7 +53,7 @@ struct Tables<'a> {
 }
 
 impl Tables<'_> {
-    fn scene(&self, name: &str) -> Option<(usize, &Scene)> {
+    fn scene(&self, name: &str) -> Option<(usize, &BenchScene)> {
         let mut scenes = self.wanted.scenes();
         let found = scenes.find(|(_, scene, ..)| scene.world.name == name);
         found.map(|(index, scene, ..)| (index, scene))
@@ -279,7 +279,7 @@ impl Tables<'_> {
         let widest = layouts.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
         let span = (widest.counts - 1).as_vec3() * widest.spacing;
         let gaps = (counts - 1).max(UVec3::ONE).as_vec3();
-        // Rounded down to quarters of a voxel.
+        // Rounded down to quadrants of a voxel.
         let spacing = ((span / gaps) * 4.0).floor() / 4.0;
         Some(LayoutSpec {
             name: name.to_owned(),
@@ -305,7 +305,7 @@ mod tests {
             let path = Path::new(env!("CARGO_MANIFEST_DIR"))
                 .join("worlds")
                 .join(name);
-            Scene::load(&path, &Parameters::default()).expect("a world of the repository")
+            BenchScene::load(&path, &Parameters::default()).expect("a world of the repository")
         };
         let scenes = [load("cave.ron"), load("cornell.ron"), load("beam.ron")];
         let wanted = Wanted {

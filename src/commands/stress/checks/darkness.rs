@@ -24,13 +24,13 @@ pub struct Darkness {
 /// What is known of a voxel.
 const UNKNOWN: u8 = 0;
 const LIT: u8 = 1;
-const STONE: u8 = 2;
+const SOLID: u8 = 2;
 
 impl Darkness {
     pub fn of(play: &Play<'_>) -> Self {
         Self::seen_by(
             &play.view.camera,
-            &play.subject.world,
+            &play.case.world,
             &play.voxels,
             &play.lights(),
         )
@@ -87,7 +87,7 @@ fn lit_air(world: &World, voxels: &Voxels, lights: &Lights) -> Vec<u8> {
             if voxels.material(at) == 0 {
                 UNKNOWN
             } else {
-                STONE
+                SOLID
             }
         })
         .collect();
@@ -159,7 +159,7 @@ mod tests {
         let lights = Lights::at(&world, &world.lamp_presets[0], 0.0);
         let known = lit_air(&world, &generate(&world), &lights);
         let at = |x: usize| known[x + 16 * (4 + 8 * 4)];
-        assert_eq!((at(4), at(8), at(12)), (LIT, STONE, UNKNOWN));
+        assert_eq!((at(4), at(8), at(12)), (LIT, SOLID, UNKNOWN));
     }
 
     #[test]

@@ -8,7 +8,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::super::subject::Subject;
+use super::super::test_case::TestCase;
 use crate::{
     measure::picture::Picture,
     world::{Colour, LampKind, Motion, World},
@@ -21,10 +21,10 @@ const ROUNDING: f32 = 1.01;
 const MOST_HALF: f32 = 65504.0;
 
 /// Most radiance per channel; `None` where an albedo of 1 leaves no bound below what a half can hold.
-pub fn bound(subject: &Subject) -> Option<Vec3> {
-    let world = &subject.world;
+pub fn bound(case: &TestCase) -> Option<Vec3> {
+    let world = &case.world;
     let mut direct = DVec3::ZERO;
-    for lamp in &subject.lamps.lamps {
+    for lamp in &case.lamps.lamps {
         let turns = lamp
             .motion
             .iter()
@@ -89,11 +89,11 @@ fn slack(world: &World) -> f32 {
 }
 
 /// Every pixel against the bound.
-pub fn picture(what: &str, picture: &Picture, subject: &Subject) -> Result<(), String> {
-    let Some(bound) = bound(subject) else {
+pub fn picture(what: &str, picture: &Picture, case: &TestCase) -> Result<(), String> {
+    let Some(bound) = bound(case) else {
         return Ok(());
     };
-    let most = bound * slack(&subject.world) + 1e-4;
+    let most = bound * slack(&case.world) + 1e-4;
     for (index, rgb) in picture.rgb.iter().enumerate() {
         if Vec3::from_array(*rgb).cmpgt(most).any() {
             let (x, y) = (index as u32 % picture.width, index as u32 / picture.width);
@@ -106,11 +106,11 @@ pub fn picture(what: &str, picture: &Picture, subject: &Subject) -> Result<(), S
 }
 
 /// The irradiance over π that probes keep is a mean of radiances, so the same bound holds.
-pub fn atlas(texels: &[f32], subject: &Subject) -> Result<(), String> {
-    let Some(bound) = bound(subject) else {
+pub fn atlas(texels: &[f32], case: &TestCase) -> Result<(), String> {
+    let Some(bound) = bound(case) else {
         return Ok(());
     };
-    let most = bound * slack(&subject.world) + 1e-4;
+    let most = bound * slack(&case.world) + 1e-4;
     for (index, texel) in texels.chunks_exact(4).enumerate() {
         let light = Vec3::new(texel[0], texel[1], texel[2]);
         if light.cmpgt(most).any() {
@@ -127,13 +127,13 @@ mod tests {
     use super::*;
     use crate::world::file::{Overrides, parse};
 
-    fn furnace(albedo: f32) -> Subject {
+    fn furnace(albedo: f32) -> TestCase {
         let text = format!(
             "(title: \"\", size: (8, 8, 8), shape: Empty, sky: (zenith: (0, 0, 0)), \
              materials: {{\"a\": (a: Flat({albedo}, {albedo}, {albedo}), emission: (1, 1, 1))}})"
         );
         let world = parse(&text, "furnace", None, &Overrides::default()).expect("sound");
-        Subject::of(world, &[], 0).expect("sound")
+        TestCase::of(world, &[], 0).expect("sound")
     }
 
     #[test]
@@ -148,14 +148,14 @@ mod tests {
 
     #[test]
     fn more_than_the_bound_is_found() {
-        let subject = furnace(0.5);
+        let case = furnace(0.5);
         let of = |value| Picture {
             width: 1,
             height: 1,
             rgb: vec![[value; 3]],
         };
-        assert_eq!(picture("it", &of(2.0), &subject), Ok(()));
-        assert!(picture("it", &of(4.1), &subject).is_err());
-        assert!(atlas(&[0.0, 5.0, 0.0, 1.0], &subject).is_err());
+        assert_eq!(picture("it", &of(2.0), &case), Ok(()));
+        assert!(picture("it", &of(4.1), &case).is_err());
+        assert!(atlas(&[0.0, 5.0, 0.0, 1.0], &case).is_err());
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     measure::picture::Picture,
     passes::{
         probes::ProbeField,
-        surface_cache::{GpuFaceHistory, GpuFaceQuarter},
+        surface_cache::{GpuFaceHistory, GpuFaceQuadrant},
     },
 };
 
@@ -84,17 +84,17 @@ fn faces(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
 }
 
 fn is_finite(history: &GpuFaceHistory) -> bool {
-    let of_quarter = |quarter: &GpuFaceQuarter| {
-        let [r, g, b] = quarter.light;
-        let [believed_r, believed_g, believed_b] = quarter.believed;
-        let numbers = [r, g, b, quarter.samples, quarter.noise];
-        let believed = [believed_r, believed_g, believed_b];
+    let of_quadrant = |quadrant: &GpuFaceQuadrant| {
+        let [r, g, b] = quadrant.light;
+        let [believed_r, believed_g, believed_b] = quadrant.by_probes;
+        let numbers = [r, g, b, quadrant.samples, quadrant.noise];
+        let by_probes = [believed_r, believed_g, believed_b];
         numbers
             .iter()
-            .chain(&believed)
+            .chain(&by_probes)
             .all(|value| value.is_finite())
     };
-    history.spread.is_finite() && history.quarters.iter().all(of_quarter)
+    history.spread.is_finite() && history.quadrants.iter().all(of_quadrant)
 }
 
 #[cfg(test)]

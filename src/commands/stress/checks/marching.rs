@@ -2,7 +2,7 @@
 
 use glam::{UVec3, Vec3};
 
-use super::{super::subject::Subject, voxels};
+use super::{super::test_case::TestCase, voxels};
 use crate::{
     commands::Failure,
     gpu::Gpu,
@@ -22,7 +22,7 @@ const DIRECTIONS: u32 = 64;
 /// The camera's rays, and rays from voxels all over the world.
 pub fn against_plain(
     gpu: &Gpu,
-    subject: &Subject,
+    case: &TestCase,
     on_gpu: &GpuVoxels,
     known: &Voxels,
     view: &View,
@@ -37,7 +37,7 @@ pub fn against_plain(
     if air.is_empty() {
         air.push(UVec3::ZERO);
     }
-    let directions: Vec<Vec3> = sampling::directions(DIRECTIONS, u64::from(subject.world.seed), 0)
+    let directions: Vec<Vec3> = sampling::directions(DIRECTIONS, u64::from(case.world.seed), 0)
         .map(|direction| direction.as_vec3())
         .chain([
             Vec3::X,

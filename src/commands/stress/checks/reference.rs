@@ -64,8 +64,8 @@ fn covers(layout: &LayoutSpec, world: &World) -> bool {
 
 /// The mean of the picture against that of the reference. `None` where the two cannot be compared.
 pub fn band(play: &Play<'_>, shown: &Picture, truth: &Picture) -> Option<Result<(), String>> {
-    let subject = play.subject;
-    if energy::most_albedo(&subject.world).max_element() > MOST_ALBEDO {
+    let case = play.case;
+    if energy::most_albedo(&case.world).max_element() > MOST_ALBEDO {
         return None;
     }
     let (shown, truth) = (mean(shown), mean(truth));
@@ -85,7 +85,7 @@ pub fn band(play: &Play<'_>, shown: &Picture, truth: &Picture) -> Option<Result<
         return verdict(shown <= BAND * truth);
     }
     // Where there are no probes, there may be no light.
-    covers(&subject.layout, &subject.world)
+    covers(&case.layout, &case.world)
         .then(|| verdict(shown * BAND >= truth))
         .flatten()
 }

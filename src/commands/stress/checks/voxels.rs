@@ -2,7 +2,7 @@
 
 use glam::{IVec3, UVec3};
 
-use super::super::subject::Subject;
+use super::super::test_case::TestCase;
 use crate::{
     gpu::Gpu,
     passes::scene::GpuVoxels,
@@ -19,8 +19,8 @@ const TOLERANCE: f64 = 1e-3;
 const MOST_SHARE: f64 = 0.05;
 
 /// The GPU's voxels against those of `world::generate`.
-pub fn against_the_cpu(subject: &Subject, found: &Voxels) -> Result<(), String> {
-    let world = &subject.world;
+pub fn against_the_cpu(case: &TestCase, found: &Voxels) -> Result<(), String> {
+    let world = &case.world;
     let count = differing(world, found, &generate(world), TOLERANCE)?;
     let all = f64::from(world.size.element_product());
     if count as f64 > (MOST_SHARE * all).max(8.0) {

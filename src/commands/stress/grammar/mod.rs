@@ -114,7 +114,7 @@ fn world(dice: &mut Dice, seed: u32) -> Term {
 }
 
 /// Values of parameters that are drawn, each key at most once.
-const VALUES: [(&str, &[&str]); 20] = [
+const VALUES: [(&str, &[&str]); 19] = [
     ("probes.visibility", &["exact", "chebyshev", "chebyshev"]),
     ("probes.relocation", &["off", "off"]),
     ("probes.states", &["off"]),
@@ -122,7 +122,6 @@ const VALUES: [(&str, &[&str]); 20] = [
     ("probes.method", &["source", "source"]),
     ("source.relocation", &["clear"]),
     ("source.weights", &["adjusted", "visibility"]),
-    ("probes.twin_share", &["0", "1"]),
     ("probes.face_samples", &["16", "64"]),
     ("probes.irradiance_texels", &["4", "6"]),
     ("probes.distance_texels", &["8"]),

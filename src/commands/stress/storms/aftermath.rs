@@ -93,7 +93,7 @@ impl Storm<'_> {
             let checks = soak::judge(samples, judged, values);
             self.found.checks.extend(checks);
         }
-        self.hear_faults();
+        self.hear_device_errors();
         for refused in &self.refused {
             tracing::error!("the device has refused: {refused}");
         }

@@ -26,7 +26,7 @@ pub use self::{
 };
 use super::super::{
     Failure,
-    options::{PictureOptions, RunOptions, Scene as Picture, picture_size},
+    options::{PictureOptions, RunOptions, Setup, picture_size},
     out_file::OutFile,
     output,
 };
@@ -171,7 +171,7 @@ pub fn run(
     };
     let scenes = paths
         .iter()
-        .map(|path| Ok((path, Picture::load(path, run, &picture)?)))
+        .map(|path| Ok((path, Setup::load(path, run, &picture)?)))
         .collect::<Result<Vec<_>, Failure>>()?;
     let mut file = OutFile::new(out, FILE)?;
     let mut records = Vec::new();

@@ -3,7 +3,7 @@
 use crate::{
     commands::Failure,
     frame::{Frame, Stage},
-    gpu::{Faults, Gpu, Recorder},
+    gpu::{DeviceErrors, Gpu, Recorder},
     lights::Lights,
     measure::picture::Picture,
     parameters::Parameters,
@@ -45,7 +45,7 @@ impl Scene {
 pub struct Rig<'a> {
     scene: &'a Scene,
     pub gpu: Gpu,
-    pub faults: Faults,
+    pub device_errors: DeviceErrors,
     pub frame: Frame,
     /// The CPU's copy, with all edits.
     pub voxels: Voxels,
@@ -57,14 +57,14 @@ pub struct Rig<'a> {
 impl<'a> Rig<'a> {
     /// Builds the world as everyone does.
     pub fn new(gpu: Gpu, scene: &'a Scene, now: Now) -> Result<Self, Failure> {
-        let faults = Faults::watch(&gpu);
+        let device_errors = DeviceErrors::watch(&gpu);
         let stage = Stage::build(&gpu, &scene.world)?;
         let voxels = stage.read_back(&gpu)?;
         let frame = Frame::new(&gpu, stage, &now.layout, &now.parameters.probes, now.size)?;
         Ok(Self {
             scene,
             gpu,
-            faults,
+            device_errors,
             frame,
             voxels,
             now,
@@ -133,9 +133,9 @@ impl<'a> Rig<'a> {
         // Errors are what a lost device gives; that it is lost must be heard of.
         let _ = self.step();
         let _ = self.frame.read_radiance(&self.gpu);
-        let heard = self.faults.is_lost();
+        let heard = self.device_errors.is_lost();
         let gpu = self.gpu.reopened(None)?;
-        let faults = Faults::watch(&gpu);
+        let device_errors = DeviceErrors::watch(&gpu);
         let Now {
             layout, parameters, ..
         } = &self.now;
@@ -143,7 +143,7 @@ impl<'a> Rig<'a> {
         self.frame =
             self.frame
                 .moved_to(&gpu, &self.scene.world, voxels, layout, &parameters.probes)?;
-        (self.gpu, self.faults) = (gpu, faults);
+        (self.gpu, self.device_errors) = (gpu, device_errors);
         Ok(heard)
     }
 

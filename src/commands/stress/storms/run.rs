@@ -279,7 +279,7 @@ impl Storm<'_> {
     }
 
     pub fn lose_device(&mut self) -> Result<(), Failure> {
-        self.hear_faults();
+        self.hear_device_errors();
         let heard = self
             .rig
             .lose_device(self.plan.planted == Planted::LostEdits)?;
@@ -289,9 +289,13 @@ impl Storm<'_> {
     }
 
     /// Errors that the device has reported on its own.
-    pub fn hear_faults(&mut self) {
-        self.refused
-            .extend(self.rig.faults.first().map(|fault| fault.to_string()));
+    pub fn hear_device_errors(&mut self) {
+        self.refused.extend(
+            self.rig
+                .device_errors
+                .first()
+                .map(|fault| fault.to_string()),
+        );
     }
 
     pub fn look(&mut self) -> Result<(), Failure> {

@@ -6,9 +6,9 @@ impl ProbeField {
     /// The bindings of `shaders/probes/field.wesl`: what it takes to gather.
     pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 10] {
         use wgpu::BindingResource::{Sampler, TextureView};
-        let [plan, work] = self.plan.resources();
+        let [update_schedule, work] = self.update_schedule.resources();
         [
-            plan,
+            update_schedule,
             work,
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
@@ -16,7 +16,10 @@ impl ProbeField {
             ("distance_atlas", TextureView(&self.distance_view)),
             ("probe_sampler", Sampler(&self.sampler)),
             ("probe_places", self.places.as_entire_binding()),
-            ("probe_sight", self.sight_bits.as_entire_binding()),
+            (
+                "probe_visibility",
+                self.visibility_buffer.as_entire_binding(),
+            ),
             ("ambient_cubes", self.ambient_cubes.as_entire_binding()),
         ]
     }
@@ -24,9 +27,9 @@ impl ProbeField {
     /// What is written when the field is updated: rays, histories, states, and the atlas.
     pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
         use wgpu::BindingResource::TextureView;
-        let [plan, work] = self.plan.resources();
+        let [update_schedule, work] = self.update_schedule.resources();
         [
-            plan,
+            update_schedule,
             work,
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
@@ -40,7 +43,7 @@ impl ProbeField {
                 self.distance_history.as_entire_binding(),
             ),
             ("probe_states", self.states.as_entire_binding()),
-            ("probe_trends", self.trends.as_entire_binding()),
+            ("probe_variability", self.trends.as_entire_binding()),
             ("probe_places", self.places.as_entire_binding()),
             ("changes", self.changes_info.as_entire_binding()),
             ("irradiance_out", TextureView(&self.irradiance_view)),
@@ -52,14 +55,17 @@ impl ProbeField {
     /// What the passes `probes/classify` and `probes/visibility` read of the probes and write: where each
     /// stands, what it knows, and what it sees.
     pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 7] {
-        let [plan, work] = self.plan.resources();
+        let [update_schedule, work] = self.update_schedule.resources();
         [
-            plan,
+            update_schedule,
             work,
             ("probe_info", self.info.as_entire_binding()),
             ("probe_places_out", self.places.as_entire_binding()),
             ("probe_states", self.states.as_entire_binding()),
-            ("probe_sight_out", self.sight_bits.as_entire_binding()),
+            (
+                "probe_visibility_out",
+                self.visibility_buffer.as_entire_binding(),
+            ),
             ("probe_rays", self.rays.as_entire_binding()),
         ]
     }
@@ -67,15 +73,18 @@ impl ProbeField {
     /// What pass `probes/schedule` writes besides [`Self::resources`].
     pub fn schedule_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
         [
-            self.plan.face_requests(),
+            self.update_schedule.face_requests(),
             ("probe_states", self.states.as_entire_binding()),
-            ("probe_dispatch", self.plan.dispatch().as_entire_binding()),
+            (
+                "probe_dispatch",
+                self.update_schedule.dispatch().as_entire_binding(),
+            ),
         ]
     }
 
     /// What pass `surface_cache/trace` binds in place of pass `probes/trace`': they run side by side.
     pub fn requests_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
-        self.plan.requests_of_faces()
+        self.update_schedule.requests_of_faces()
     }
 
     /// The constants of kernels that gather.

@@ -15,8 +15,8 @@ use crate::{
     gpu::{Gpu, GpuError},
     parameters::{ProbeParameters, Visibility},
     probes::{
-        AtlasLayout, Changes, Layout as _, Motion, ProbeError, Sight, Volume, atlas::ProbeMemory,
-        sampling,
+        AtlasLayout, Changes, Layout as _, Motion, ProbeError, VisibilityBits, Volume,
+        atlas::ProbeMemory, sampling,
     },
 };
 
@@ -37,11 +37,11 @@ pub struct ProbeField {
     /// What its probes are told of changes.
     pub changes: Changes,
     volume: Volume,
-    sight: Option<Sight>,
+    visibility_bits: Option<VisibilityBits>,
     motion: Motion,
     atlas: AtlasLayout,
     memory: ProbeMemory,
-    plan: UpdateSchedule,
+    update_schedule: UpdateSchedule,
     rays_per_probe: u32,
     source: Option<Source>,
     info: wgpu::Buffer,
@@ -53,7 +53,7 @@ pub struct ProbeField {
     trends: wgpu::Buffer,
     changes_info: wgpu::Buffer,
     places: wgpu::Buffer,
-    sight_bits: wgpu::Buffer,
+    visibility_buffer: wgpu::Buffer,
     ambient_cubes: wgpu::Buffer,
     irradiance_atlas: wgpu::Texture,
     distance_atlas: wgpu::Texture,
@@ -72,25 +72,27 @@ impl ProbeField {
     ) -> Result<Self, ProbeFieldError> {
         let parameters = &*parameters.effective();
         // Where nobody has asked for so many bits, distances are guessed from, as with large cages.
-        let sight = Sight::new(&volume, parameters).filter(|sight| {
+        let visibility_bits = VisibilityBits::new(&volume, parameters).filter(|visibility_bits| {
             parameters.visibility == Visibility::Exact
-                || gpu.check_buffer(SIGHT, sight.bytes()).is_ok()
+                || gpu.check_buffer(SIGHT, visibility_bits.bytes()).is_ok()
         });
-        let twins = sight.as_ref().is_some_and(Sight::twins);
-        let slots = volume.slots() * if twins { 2 } else { 1 };
+        let back_side = visibility_bits
+            .as_ref()
+            .is_some_and(VisibilityBits::back_side);
+        let slots = volume.slots() * if back_side { 2 } else { 1 };
         let atlas = AtlasLayout::new(
             slots,
             parameters,
-            sight.is_none(),
+            visibility_bits.is_none(),
             gpu.limits.max_texture_dimension_2d,
             gpu.limits.max_texture_array_layers,
         )?;
         let memory = ProbeMemory {
-            sight: sight.as_ref().map_or(0, Sight::bytes),
+            visibility_bits: visibility_bits.as_ref().map_or(0, VisibilityBits::bytes),
             ..atlas.memory(parameters.rays)
         };
         let parts = [
-            (SIGHT, memory.sight),
+            (SIGHT, memory.visibility_bits),
             ("the rays of all probes (probes.rays)", memory.rays),
             (
                 "the irradiance history of all probes",
@@ -106,14 +108,14 @@ impl ProbeField {
         }
         let what = format!("a layout of {} probes", volume.slots());
         gpu.making(&what, memory.total(), || {
-            Self::make(gpu, volume, sight, atlas, memory, parameters)
+            Self::make(gpu, volume, visibility_bits, atlas, memory, parameters)
         })
     }
 
     fn make(
         gpu: &Gpu,
         volume: Volume,
-        sight: Option<Sight>,
+        visibility_bits: Option<VisibilityBits>,
         atlas: AtlasLayout,
         memory: ProbeMemory,
         parameters: &ProbeParameters,
@@ -135,11 +137,11 @@ impl ProbeField {
         gpu.queue
             .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
         Ok(Self {
-            sight,
-            sight_bits: gpu.storage_buffer("probe_sight", memory.sight)?,
+            visibility_bits,
+            visibility_buffer: gpu.storage_buffer("probe_visibility", memory.visibility_bits)?,
             ambient_cubes: gpu.storage_buffer("ambient_cubes", memory.ambient_cubes)?,
             changes: Changes::default(),
-            plan: UpdateSchedule::new(gpu, atlas.slots, parameters.rays)?,
+            update_schedule: UpdateSchedule::new(gpu, atlas.slots, parameters.rays)?,
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
@@ -149,7 +151,7 @@ impl ProbeField {
                 .storage_buffer("irradiance_history", memory.irradiance_history)?,
             distance_history: gpu.storage_buffer("distance_history", memory.distance_history)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
-            trends: gpu.storage_buffer("probe_trends", memory.trends)?,
+            trends: gpu.storage_buffer("probe_variability", memory.trends)?,
             changes_info: gpu.uniform_buffer("changes", &GpuChanges::default()),
             irradiance_view: layers_of(&irradiance_atlas),
             distance_view: layers_of(&distance_atlas),
@@ -184,17 +186,17 @@ impl ProbeField {
     /// Voxels of a box (grid space, from low to high corner) have changed: the passes `probes/classify` and
     /// `probes/visibility` look there before the probes' next update.
     pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
-        self.plan.change(low_gs, high_gs);
+        self.update_schedule.change(low_gs, high_gs);
     }
 
     /// Whether those passes have probes to place.
     pub fn misplaced(&self) -> bool {
-        self.plan.has_changed() || self.fresh() > 0
+        self.update_schedule.has_changed() || self.fresh() > 0
     }
 
     /// They have been recorded.
     pub fn set_placed(&mut self) {
-        self.plan.forget_changes();
+        self.update_schedule.forget_changes();
     }
 
     /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
@@ -215,12 +217,13 @@ impl ProbeField {
             .collect();
         gpu.queue
             .write_buffer(&self.ray_directions, 0, bytemuck::cast_slice(&directions));
-        self.plan.begin_frame(gpu, parameters, &self.changes, frame);
+        self.update_schedule
+            .begin_frame(gpu, parameters, &self.changes, frame);
     }
 
     /// Whether probes know by marching what they see: see [`Sight::new`].
     pub fn exact(&self) -> bool {
-        self.sight.is_some()
+        self.visibility_bits.is_some()
     }
 
     /// What there is besides where the algorithm is not grotto's own.
@@ -234,19 +237,19 @@ impl ProbeField {
     }
 
     /// What of what they see the probes keep.
-    pub fn sight(&self) -> Option<&Sight> {
-        self.sight.as_ref()
+    pub fn visibility_bits(&self) -> Option<&VisibilityBits> {
+        self.visibility_bits.as_ref()
     }
 
     /// The bits of [`Self::sight`], words of 32.
-    pub fn sight_bits(&self) -> &wgpu::Buffer {
-        &self.sight_bits
+    pub fn visibility_buffer(&self) -> &wgpu::Buffer {
+        &self.visibility_buffer
     }
 
     /// Workgroups that the due probes take, as pass `probes/schedule` writes them: those of pass `probes/trace`
     /// at [`Self::RAYS_OFFSET`], those of passes with one for each at [`Self::PROBES_OFFSET`].
     pub fn dispatch(&self) -> &wgpu::Buffer {
-        self.plan.dispatch()
+        self.update_schedule.dispatch()
     }
 
     /// Bytes in [`Self::dispatch`].
@@ -258,7 +261,7 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn due(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        self.plan.due(gpu)
+        self.update_schedule.due(gpu)
     }
 
     /// Where each probe stands, twins after the others: [`GpuProbePlace`].
@@ -320,7 +323,8 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn state_counts(&self, gpu: &Gpu) -> Result<StateCounts, GpuError> {
-        self.plan.count(gpu, &self.states, self.volume.slots())
+        self.update_schedule
+            .count(gpu, &self.states, self.volume.slots())
     }
 
     /// How often each probe has been updated since it was new; 0 for one in stone.

@@ -12,7 +12,7 @@ use crate::{
 use std::path::Path;
 
 /// All that is rendered.
-pub struct Subject {
+pub struct TestCase {
     pub world: World,
     pub parameters: Parameters,
     pub layout: LayoutSpec,
@@ -66,7 +66,7 @@ impl Script {
     }
 }
 
-impl Subject {
+impl TestCase {
     /// # Errors
     /// For a parameter that is none, and a lamp preset that the world does not have.
     pub fn of(world: World, set: &[String], seed: u32) -> Result<Self, Failure> {

@@ -8,7 +8,7 @@ use crate::parameters::{ProbeParameters, Relocation, Visibility};
 /// Largest box (voxels along an axis): with a border of one voxel its stone fits the least workgroup
 /// memory that devices have.
 const MOST_COUNT: u32 = 42;
-/// Voxels of a word: see [`SightBox`].
+/// Voxels of a word: see [`VisibilityBox`].
 const BRICK: UVec3 = UVec3::new(1 << BRICK_LOG2[0], 1 << BRICK_LOG2[1], 1 << BRICK_LOG2[2]);
 
 crate::shared! {
@@ -18,7 +18,7 @@ crate::shared! {
     const BRICK_LOG2: [u32; 3] = [2, 2, 1];
 
     /// Rows of the largest box with a border of one voxel, of two words each.
-    use 2 * (MOST_COUNT + 2) * (MOST_COUNT + 2) => MOST_STONE: u32;
+    use 2 * (MOST_COUNT + 2) * (MOST_COUNT + 2) => MOST_SOLID: u32;
 }
 
 /// The box of voxels around a lattice point that its cages reach, for the probes of one level. A probe has
@@ -27,14 +27,14 @@ crate::shared! {
 /// probe follow each other along x, then y, then z; those of the level's probes by their slots.
 /// `shaders/probes/visibility_bits.wesl` reads the bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SightBox {
+pub struct VisibilityBox {
     /// Voxels along the axes.
     pub counts: UVec3,
     /// Word of the level's first slot.
     pub first_word: u32,
 }
 
-impl SightBox {
+impl VisibilityBox {
     /// `None` for cages of more than 20 voxels along an axis.
     fn new(level: &Level, first_word: u32) -> Option<Self> {
         let counts = (2.0 * level.spacing()).ceil() + 2.0;
@@ -70,45 +70,45 @@ impl SightBox {
 
 /// What the probes of a volume keep of what they see.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sight {
-    boxes: Vec<SightBox>,
+pub struct VisibilityBits {
+    boxes: Vec<VisibilityBox>,
     lattice_words: u32,
-    twins: bool,
+    back_side: bool,
 }
 
-impl Sight {
+impl VisibilityBits {
     /// `None` where visibility is not to be exact, and where cages are too large for it (more than 20 voxels
     /// along an axis, in any level).
     ///
     /// Probes of one level have twins behind what they do not see, where they may leave the lattice; of several levels, the
     /// coarser have what the finer miss.
     pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
-        let is_asked = match parameters.visibility {
+        let is_requested = match parameters.visibility {
             Visibility::Exact => true,
             Visibility::Auto => volume.levels().len() == 1,
             Visibility::Chebyshev => false,
         };
-        if !is_asked {
+        if !is_requested {
             return None;
         }
         let moves = parameters.relocation == Relocation::Exact;
-        let twins = volume.levels().len() == 1 && moves && parameters.twin_share < 1.0;
+        let back_side = volume.levels().len() == 1 && moves;
         let mut words = 0u64;
         let mut boxes = Vec::new();
         for level in volume.levels() {
-            let seen = SightBox::new(level, u32::try_from(words).ok()?)?;
+            let seen = VisibilityBox::new(level, u32::try_from(words).ok()?)?;
             words += u64::from(volume.level_slots()) * u64::from(seen.words());
             boxes.push(seen);
         }
         Some(Self {
             boxes,
             lattice_words: u32::try_from(words).ok()?,
-            twins,
+            back_side,
         })
     }
 
     /// By level.
-    pub fn boxes(&self) -> &[SightBox] {
+    pub fn boxes(&self) -> &[VisibilityBox] {
         &self.boxes
     }
 
@@ -118,13 +118,13 @@ impl Sight {
     }
 
     /// Whether there is a second slot for each probe.
-    pub fn twins(&self) -> bool {
-        self.twins
+    pub fn back_side(&self) -> bool {
+        self.back_side
     }
 
     /// What the bits of all probes take.
     pub fn bytes(&self) -> u64 {
-        4 * u64::from(self.lattice_words) * if self.twins { 2 } else { 1 }
+        4 * u64::from(self.lattice_words) * if self.back_side { 2 } else { 1 }
     }
 }
 
@@ -135,11 +135,15 @@ mod tests {
     use super::*;
     use crate::world::LayoutSpec;
 
-    fn sight(spacing: f32, cascades: u32) -> Option<Sight> {
-        sight_by(Visibility::Exact, spacing, cascades)
+    fn visibility_bits(spacing: f32, cascades: u32) -> Option<VisibilityBits> {
+        visibility_by(Visibility::Exact, spacing, cascades)
     }
 
-    fn sight_by(visibility: Visibility, spacing: f32, cascades: u32) -> Option<Sight> {
+    fn visibility_by(
+        visibility: Visibility,
+        spacing: f32,
+        cascades: u32,
+    ) -> Option<VisibilityBits> {
         let spec = LayoutSpec {
             name: "test".into(),
             counts: UVec3::splat(4),
@@ -153,14 +157,14 @@ mod tests {
             ..Default::default()
         };
         let volume = Volume::new(&spec).expect("a good layout");
-        Sight::new(&volume, &parameters)
+        VisibilityBits::new(&volume, &parameters)
     }
 
     #[test]
     fn the_box_holds_every_voxel_of_the_cages_and_their_neighbours() {
         for (spacing, lattice) in [(4.0, 0.5), (3.5, -0.25), (18.0, 7.0), (0.3, 2.9)] {
-            let counts = sight(spacing, 1).expect("small enough").boxes()[0].counts;
-            let corner = SightBox::corner(Vec3::splat(lattice), Vec3::splat(spacing));
+            let counts = visibility_bits(spacing, 1).expect("small enough").boxes()[0].counts;
+            let corner = VisibilityBox::corner(Vec3::splat(lattice), Vec3::splat(spacing));
             let last = corner + counts.as_ivec3() - 1;
             let reach = spacing + 0.5;
             assert!(corner.x as f32 <= lattice - reach);
@@ -174,7 +178,7 @@ mod tests {
 
     #[test]
     fn every_voxel_of_a_box_has_a_bit_of_its_own() {
-        let seen = sight(3.5, 1).expect("small enough").boxes()[0];
+        let seen = visibility_bits(3.5, 1).expect("small enough").boxes()[0];
         let n = seen.counts;
         let places: HashSet<(u32, u32)> = (0..n.element_product())
             .map(|i| seen.place(UVec3::new(i % n.x, i / n.x % n.y, i / n.x / n.y)))
@@ -189,38 +193,38 @@ mod tests {
 
     #[test]
     fn levels_follow_each_other_and_twins_all_of_them() {
-        let three = sight(2.0, 3).expect("small enough");
+        let three = visibility_bits(2.0, 3).expect("small enough");
         // 6, 10 and 18 voxels along an axis.
         let words = [2 * 2 * 3, 3 * 3 * 5, 5 * 5 * 9];
         assert_eq!(
             three
                 .boxes()
                 .iter()
-                .map(SightBox::words)
+                .map(VisibilityBox::words)
                 .collect::<Vec<_>>(),
             words
         );
         let firsts: Vec<u32> = three.boxes().iter().map(|b| b.first_word).collect();
         assert_eq!(firsts, [0, 64 * 12, 64 * (12 + 45)]);
         assert_eq!(three.bytes(), 4 * 64 * (12 + 45 + 225));
-        assert!(!three.twins());
-        let one = sight(2.0, 1).expect("small enough");
+        assert!(!three.back_side());
+        let one = visibility_bits(2.0, 1).expect("small enough");
         assert_eq!(one.bytes(), 2 * 4 * 64 * 12);
     }
 
     #[test]
     fn one_level_is_exact_unless_told_otherwise_and_several_when_told() {
-        assert!(sight_by(Visibility::Auto, 2.0, 1).is_some());
-        assert_eq!(sight_by(Visibility::Auto, 2.0, 2), None);
-        assert!(sight_by(Visibility::Exact, 2.0, 2).is_some());
-        assert_eq!(sight_by(Visibility::Chebyshev, 2.0, 1), None);
+        assert!(visibility_by(Visibility::Auto, 2.0, 1).is_some());
+        assert_eq!(visibility_by(Visibility::Auto, 2.0, 2), None);
+        assert!(visibility_by(Visibility::Exact, 2.0, 2).is_some());
+        assert_eq!(visibility_by(Visibility::Chebyshev, 2.0, 1), None);
     }
 
     #[test]
     fn large_cages_have_none() {
-        assert!(sight(20.0, 1).is_some());
-        assert_eq!(sight(20.6, 1), None);
-        assert!(sight(5.0, 3).is_some());
-        assert_eq!(sight(5.2, 3), None, "the coarsest counts");
+        assert!(visibility_bits(20.0, 1).is_some());
+        assert_eq!(visibility_bits(20.6, 1), None);
+        assert!(visibility_bits(5.0, 3).is_some());
+        assert_eq!(visibility_bits(5.2, 3), None, "the coarsest counts");
     }
 }

@@ -61,12 +61,12 @@ pub(super) fn table(device: &wgpu::Device) -> wgpu::Buffer {
 /// The workgroups of a slice of an indirect dispatch, made on the GPU, which alone knows how many columns
 /// there are. One slice after another uses the same words.
 #[derive(Clone, Debug)]
-pub(super) struct SliceArguments {
+pub(super) struct ChunkArguments {
     rows: wgpu::Buffer,
     words: wgpu::Buffer,
 }
 
-impl SliceArguments {
+impl ChunkArguments {
     /// `rows` is the [`table`] of first rows.
     pub(super) fn new(device: &wgpu::Device, rows: &wgpu::Buffer) -> Self {
         let words = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -104,7 +104,7 @@ const RUNS_BETWEEN: u32 = 256;
 
 /// What is known of the time that a kernel's workgroups take on a device.
 #[derive(Debug, Default)]
-pub(super) struct Pace {
+pub(super) struct ChunkTime {
     /// Bits of an f64; 0 while nothing is known.
     ms_a_group: AtomicU64,
     begun: AtomicBool,
@@ -112,7 +112,7 @@ pub(super) struct Pace {
     runs: AtomicU32,
 }
 
-impl Pace {
+impl ChunkTime {
     /// Whether a run that nobody times should be timed for the pace alone.
     pub(super) fn is_due(&self) -> bool {
         let is_known = self.ms_a_group.load(Ordering::Relaxed) > 0;
@@ -153,8 +153,8 @@ impl Pace {
 }
 
 /// The rows of one dispatch after another. What a dispatch teaches its pace counts for the next.
-pub(super) struct Slices<'a> {
-    pace: &'a Pace,
+pub(super) struct DispatchChunks<'a> {
+    chunk_time: &'a ChunkTime,
     width: u32,
     rows: u32,
     unknown: u32,
@@ -162,11 +162,11 @@ pub(super) struct Slices<'a> {
     last: Option<u32>,
 }
 
-impl<'a> Slices<'a> {
-    pub(super) fn new(pace: &'a Pace, [width, rows]: [u32; 2], unknown: u32) -> Self {
-        pace.runs.fetch_add(1, Ordering::Relaxed);
+impl<'a> DispatchChunks<'a> {
+    pub(super) fn new(chunk_time: &'a ChunkTime, [width, rows]: [u32; 2], unknown: u32) -> Self {
+        chunk_time.runs.fetch_add(1, Ordering::Relaxed);
         Self {
-            pace,
+            chunk_time,
             width,
             rows,
             unknown,
@@ -176,7 +176,7 @@ impl<'a> Slices<'a> {
     }
 }
 
-impl Iterator for Slices<'_> {
+impl Iterator for DispatchChunks<'_> {
     type Item = Range<u32>;
 
     fn next(&mut self) -> Option<Range<u32>> {
@@ -186,7 +186,7 @@ impl Iterator for Slices<'_> {
         let most = self
             .last
             .map_or(u32::MAX, |last| last.saturating_mul(MOST_GROWTH));
-        let allowed = self.pace.rows(self.width, self.unknown).min(most);
+        let allowed = self.chunk_time.rows(self.width, self.unknown).min(most);
         // Equal shares of what is left: a last dispatch of a row or two would be a waste.
         let left = self.rows - self.next;
         let count = left.div_ceil(left.div_ceil(allowed));
@@ -211,13 +211,13 @@ mod tests {
             ms_a_row in 1e-6f64..19.0,
             unknown in 1u32..2000,
         ) {
-            let pace = Pace::default();
+            let chunk_time = ChunkTime::default();
             let mut expected = 0;
             let mut last: Option<u32> = None;
-            for (index, slice) in Slices::new(&pace, [width, rows], unknown).enumerate() {
-                prop_assert_eq!(slice.start, expected);
-                prop_assert!(slice.end > slice.start);
-                let count = slice.end - slice.start;
+            for (index, chunk) in DispatchChunks::new(&chunk_time, [width, rows], unknown).enumerate() {
+                prop_assert_eq!(chunk.start, expected);
+                prop_assert!(chunk.end > chunk.start);
+                let count = chunk.end - chunk.start;
                 match last {
                     None => prop_assert!(count <= (unknown / width).max(1)),
                     Some(last) => {
@@ -228,9 +228,9 @@ mod tests {
                         prop_assert!(known || count <= (unknown / width).max(1));
                     }
                 }
-                pace.learn(count * width, f64::from(count) * ms_a_row);
+                chunk_time.learn(count * width, f64::from(count) * ms_a_row);
                 last = Some(count);
-                expected = slice.end;
+                expected = chunk.end;
             }
             prop_assert_eq!(expected, rows);
         }
@@ -246,20 +246,20 @@ mod tests {
 
     #[test]
     fn what_is_fast_goes_out_at_once_and_slow_rows_are_remembered() {
-        let pace = Pace::default();
+        let chunk_time = ChunkTime::default();
         let all = 240 * 135;
-        pace.learn(240, 900.0);
-        pace.learn(all, 2.0);
-        let mut at_once = Slices::new(&pace, [240, 135], 512);
+        chunk_time.learn(240, 900.0);
+        chunk_time.learn(all, 2.0);
+        let mut at_once = DispatchChunks::new(&chunk_time, [240, 135], 512);
         assert_eq!((at_once.next(), at_once.next()), (Some(0..135), None));
         // One slow frame: half of it at a time, until faster ones have been seen for a while.
-        pace.learn(all, 60.0);
-        assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 2);
-        pace.learn(all, 2.0);
-        assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 2);
+        chunk_time.learn(all, 60.0);
+        assert_eq!(DispatchChunks::new(&chunk_time, [240, 135], 512).count(), 2);
+        chunk_time.learn(all, 2.0);
+        assert_eq!(DispatchChunks::new(&chunk_time, [240, 135], 512).count(), 2);
         for _ in 0..20 {
-            pace.learn(all, 2.0);
+            chunk_time.learn(all, 2.0);
         }
-        assert_eq!(Slices::new(&pace, [240, 135], 512).count(), 1);
+        assert_eq!(DispatchChunks::new(&chunk_time, [240, 135], 512).count(), 1);
     }
 }

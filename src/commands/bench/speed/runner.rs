@@ -14,7 +14,7 @@ use super::{
     quality::{Judging, named},
     rig::Rig,
     row::blank,
-    spec::{RowSpec, Scene, Work},
+    spec::{BenchScene, RowSpec, Work},
     start,
 };
 use crate::{
@@ -58,7 +58,7 @@ impl Common<'_> {
     ///
     /// # Errors
     /// When the adapter fails, or cannot hold the world.
-    pub fn without_rig(&self, spec: &RowSpec, scene: &Scene) -> Result<Vec<Row>, Failure> {
+    pub fn without_rig(&self, spec: &RowSpec, scene: &BenchScene) -> Result<Vec<Row>, Failure> {
         match spec.work {
             Work::Build => self.build(spec, scene).map(|row| vec![row]),
             Work::Start => {
@@ -110,7 +110,7 @@ impl Common<'_> {
         }
     }
 
-    fn build(&self, spec: &RowSpec, scene: &Scene) -> Result<Row, Failure> {
+    fn build(&self, spec: &RowSpec, scene: &BenchScene) -> Result<Row, Failure> {
         let mut reports: Vec<BuildReport> = Vec::new();
         // The first one compiles; it does not count.
         let mut stage = Stage::build(self.gpu, &scene.world)?;
@@ -167,7 +167,7 @@ impl Common<'_> {
         Ok(())
     }
 
-    fn traversal(&self, spec: &RowSpec, scene: &Scene) -> Result<Vec<Row>, Failure> {
+    fn traversal(&self, spec: &RowSpec, scene: &BenchScene) -> Result<Vec<Row>, Failure> {
         let stage = Stage::build(self.gpu, &scene.world)?;
         let voxels = stage.read_back(self.gpu)?;
         let repeats = if self.quick { 5 } else { 15 };

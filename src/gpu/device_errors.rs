@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use super::{Gpu, GpuError};
 
 /// The first fault of a device: it was lost, or an error reached nobody else.
-pub struct Faults {
+pub struct DeviceErrors {
     heard: Arc<Mutex<Heard>>,
     device: wgpu::Device,
 }
@@ -16,11 +16,11 @@ struct Heard {
     lost: bool,
 }
 
-impl Faults {
+impl DeviceErrors {
     /// Listens to the device of `gpu` from now on.
     pub fn watch(gpu: &Gpu) -> Self {
-        let faults = Arc::new(Mutex::new(Heard::default()));
-        let heard = faults.clone();
+        let device_errors = Arc::new(Mutex::new(Heard::default()));
+        let heard = device_errors.clone();
         let report = Arc::new(move |message: String, lost: bool| {
             let mut heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
             heard.first.get_or_insert(message);
@@ -40,7 +40,7 @@ impl Faults {
                 report(error.to_string(), false)
             }));
         Self {
-            heard: faults,
+            heard: device_errors,
             device: gpu.device.clone(),
         }
     }
@@ -70,13 +70,13 @@ mod tests {
     #[test]
     fn a_lost_device_is_heard_of() {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need an adapter");
-        let faults = Faults::watch(&gpu);
-        assert!(faults.first().is_none() && !faults.is_lost());
+        let device_errors = DeviceErrors::watch(&gpu);
+        assert!(device_errors.first().is_none() && !device_errors.is_lost());
         gpu.device.destroy();
         // Waiting for a device that is gone may itself be refused.
         let _ = gpu.wait();
-        let message = faults.first().expect("it is gone").to_string();
+        let message = device_errors.first().expect("it is gone").to_string();
         assert!(message.contains("the device was lost"), "{message}");
-        assert!(faults.is_lost());
+        assert!(device_errors.is_lost());
     }
 }

@@ -11,7 +11,7 @@ use grotto::{
 
 use super::{
     Rig,
-    sight::{ORIGIN, exact, nested, rooms, volume},
+    visibility_bits::{ORIGIN, exact, nested, rooms, volume},
 };
 
 /// Points of the faces that bound a room, with their normals: on a line across voxels and cages.
@@ -47,11 +47,11 @@ fn lit_around(mut rig: Rig, eye: Vec3, rays: impl Fn(u32, Vec3) -> [f32; 3]) -> 
     rig.field.follow(eye, 0);
     let voxels = rig.voxels.resources();
     let states = ProbeClassify::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
-    let sight = ProbeVisibility::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
+    let visibility_bits = ProbeVisibility::new(&rig.gpu, &rig.field, &voxels).expect("compiles");
     rig.field.begin_frame(&rig.gpu, &rig.parameters, 1, 0);
     let mut recorder = Recorder::new(&rig.gpu, None);
     states.record(&mut recorder);
-    sight.record(&mut recorder);
+    visibility_bits.record(&mut recorder);
     recorder.submit(&rig.gpu).expect("submits");
     let places: Vec<[f32; 4]> = rig.gpu.read_buffer(rig.field.places()).expect("reads back");
     rig.update(|slot, _| {

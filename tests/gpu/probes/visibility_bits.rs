@@ -8,7 +8,7 @@ use grotto::{
         probes::{ProbeField, classify::ProbeClassify, visibility::ProbeVisibility},
         scene::GpuVoxels,
     },
-    probes::{Layout as _, MOVE_REACH, Sight, SightBox, Volume, sampling},
+    probes::{Layout as _, MOVE_REACH, VisibilityBits, VisibilityBox, Volume, sampling},
     reference::march::{Outcome, Ray, march_plain},
     world::{LayoutSpec, voxels::Voxels},
 };
@@ -50,14 +50,15 @@ pub fn rooms() -> Voxels {
 struct Placed {
     field: ProbeField,
     states: ProbeClassify,
-    sight: ProbeVisibility,
+    visibility_bits: ProbeVisibility,
 }
 
 impl Placed {
     fn new(gpu: &Gpu, field: ProbeField, voxels: &GpuVoxels) -> Self {
         Self {
             states: ProbeClassify::new(gpu, &field, &voxels.resources()).expect("compiles"),
-            sight: ProbeVisibility::new(gpu, &field, &voxels.resources()).expect("compiles"),
+            visibility_bits: ProbeVisibility::new(gpu, &field, &voxels.resources())
+                .expect("compiles"),
             field,
         }
     }
@@ -68,7 +69,7 @@ impl Placed {
         self.field.set_placed();
         let mut recorder = Recorder::new(gpu, None);
         self.states.record(&mut recorder);
-        self.sight.record(&mut recorder);
+        self.visibility_bits.record(&mut recorder);
         recorder.submit(gpu).expect("submits");
     }
 
@@ -77,7 +78,7 @@ impl Placed {
     }
 
     fn bits(&self, gpu: &Gpu) -> Vec<u32> {
-        gpu.read_buffer(self.field.sight_bits())
+        gpu.read_buffer(self.field.visibility_buffer())
             .expect("reads back")
     }
 }
@@ -92,11 +93,15 @@ fn placed(gpu: &Gpu, voxels: &Voxels) -> Placed {
 }
 
 /// The voxels (grid space) of the box of a slot of the lattice, with their word and bit.
-fn box_in(volume: &Volume, sight: &Sight, slot: u32) -> impl Iterator<Item = (IVec3, usize, u32)> {
+fn box_in(
+    volume: &Volume,
+    visibility_bits: &VisibilityBits,
+    slot: u32,
+) -> impl Iterator<Item = (IVec3, usize, u32)> {
     let level = volume.level_of(slot);
     let lattice = level.anchor() + level.point(slot).as_vec3() * level.spacing();
-    let seen = sight.boxes()[(slot / volume.level_slots()) as usize];
-    let corner = SightBox::corner(lattice, level.spacing()) - ORIGIN;
+    let seen = visibility_bits.boxes()[(slot / volume.level_slots()) as usize];
+    let corner = VisibilityBox::corner(lattice, level.spacing()) - ORIGIN;
     let first_word = seen.first_word + slot % volume.level_slots() * seen.words();
     let n = seen.counts;
     (0..n.element_product()).map(move |i| {
@@ -134,21 +139,27 @@ fn a_probe_sees_what_marching_says_and_its_twin_the_rest() {
     let gpu = gpu();
     let voxels = rooms();
     let placed = placed(&gpu, &voxels);
-    let sight = placed.field.sight().expect("exact");
+    let visibility_bits = placed.field.visibility_bits().expect("exact");
     let (places, bits) = (placed.places(&gpu), placed.bits(&gpu));
     let lattice = volume().slots();
     let reach = (MOVE_REACH * SPACING).as_ivec3();
-    let (mut seen, mut hidden, mut twins) = (0, 0, 0);
+    let (mut seen, mut hidden, mut back_sides) = (0, 0, 0);
     for slot in 0..2 * lattice {
         let [x, y, z, w] = places[slot as usize];
         let place = Vec3::new(x, y, z).as_dvec3() - ORIGIN.as_dvec3();
-        let has_twin = slot < lattice && w == 2.0;
-        let twin = places[(slot % lattice + lattice) as usize];
-        assert_eq!(slot < lattice && twin[3] != 0.0, has_twin, "slot {slot}");
-        if has_twin {
-            twins += 1;
+        let has_back_side = slot < lattice && w == 2.0;
+        let back_side = places[(slot % lattice + lattice) as usize];
+        assert_eq!(
+            slot < lattice && back_side[3] != 0.0,
+            has_back_side,
+            "slot {slot}"
+        );
+        if has_back_side {
+            back_sides += 1;
             let home = volume().position(slot).floor().as_ivec3();
-            let voxel = Vec3::new(twin[0], twin[1], twin[2]).floor().as_ivec3();
+            let voxel = Vec3::new(back_side[0], back_side[1], back_side[2])
+                .floor()
+                .as_ivec3();
             assert!(
                 (voxel - home).abs().cmple(reach).all(),
                 "out of reach: slot {slot}"
@@ -156,12 +167,12 @@ fn a_probe_sees_what_marching_says_and_its_twin_the_rest() {
             assert_eq!(
                 voxels.material(voxel - ORIGIN),
                 0,
-                "a twin in stone: slot {slot}"
+                "a back-side probe in a solid voxel: slot {slot}"
             );
         }
-        let twins_from = (slot / lattice * sight.lattice_words()) as usize;
-        for (voxel, word, bit) in box_in(placed.field.volume(), sight, slot % lattice) {
-            let (found, own) = (bits[twins_from + word] >> bit & 1 == 1, bits[word]);
+        let back_side_from = (slot / lattice * visibility_bits.lattice_words()) as usize;
+        for (voxel, word, bit) in box_in(placed.field.volume(), visibility_bits, slot % lattice) {
+            let (found, own) = (bits[back_side_from + word] >> bit & 1 == 1, bits[word]);
             let lit_by_own = slot >= lattice && own >> bit & 1 == 1;
             let centre = voxel.as_dvec3() + 0.5;
             let expected = match w != 0.0 && is_surface(&voxels, voxel) && !lit_by_own {
@@ -176,8 +187,8 @@ fn a_probe_sees_what_marching_says_and_its_twin_the_rest() {
         }
     }
     assert!(
-        seen > 5000 && hidden > 5000 && twins > 20,
-        "the world tests all three: {seen}, {hidden}, {twins}"
+        seen > 5000 && hidden > 5000 && back_sides > 20,
+        "the world tests all three: {seen}, {hidden}, {back_sides}"
     );
 }
 
@@ -190,10 +201,10 @@ fn where_there_is_no_surface_or_no_air_there_are_no_twins() {
     for (voxels, alive) in [(&empty, true), (&solid, false)] {
         let placed = placed(&gpu, voxels);
         let places = placed.places(&gpu);
-        let (own, twins) = places.split_at(volume().slots() as usize);
+        let (own, back_side) = places.split_at(volume().slots() as usize);
         assert!(own.iter().any(|place| (place[3] == 1.0) == alive));
         assert!(own.iter().all(|place| place[3] < 2.0));
-        assert!(twins.iter().all(|place| place[3] == 0.0));
+        assert!(back_side.iter().all(|place| place[3] == 0.0));
     }
 }
 
@@ -273,8 +284,8 @@ fn after_a_move_the_probes_of_every_level_see_as_if_they_had_begun_there() {
         "the move matters"
     );
     assert_eq!(moved.bits(&gpu), fresh.bits(&gpu));
-    let sight = fresh.field.sight().expect("exact");
-    assert!(!sight.twins());
+    let visibility_bits = fresh.field.visibility_bits().expect("exact");
+    assert!(!visibility_bits.back_side());
     // And that is what marching says.
     let (places, bits) = (fresh.places(&gpu), fresh.bits(&gpu));
     let volume = fresh.field.volume();
@@ -282,7 +293,7 @@ fn after_a_move_the_probes_of_every_level_see_as_if_they_had_begun_there() {
     for slot in 0..volume.slots() {
         let [x, y, z, w] = places[slot as usize];
         let place = Vec3::new(x, y, z).as_dvec3() - ORIGIN.as_dvec3();
-        for (voxel, word, bit) in box_in(volume, sight, slot) {
+        for (voxel, word, bit) in box_in(volume, visibility_bits, slot) {
             let expected = match w != 0.0 && is_surface(&voxels, voxel) {
                 true => sees(&voxels, voxel.as_dvec3() + 0.5, place),
                 false => Some(false),

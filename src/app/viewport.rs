@@ -33,7 +33,7 @@ pub struct Choice {
 
 /// Why what was chosen or edited cannot be shown; what was shown before still is.
 #[derive(Debug, thiserror::Error)]
-pub enum ShowError {
+pub enum ViewportError {
     /// The diagnostic of a world file, as a terminal would show it.
     #[error("{0}")]
     World(String),
@@ -41,7 +41,7 @@ pub enum ShowError {
     Frame(#[from] FrameError),
 }
 
-impl From<Report> for ShowError {
+impl From<Report> for ViewportError {
     fn from(report: Report) -> Self {
         let mut text = String::new();
         let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
@@ -55,7 +55,7 @@ impl From<Report> for ShowError {
 }
 
 /// A world, its frame, and what was chosen.
-pub struct Show {
+pub struct Viewport {
     pub gpu: Gpu,
     path: PathBuf,
     world: World,
@@ -80,7 +80,7 @@ const STAGE_SHADERS: [&str; 5] = [
     "scene/noise_tables",
 ];
 
-impl Show {
+impl Viewport {
     /// Builds `world`, which was read from `path` with the overrides of `choice`.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl Show {
         let stage = Stage::build(&gpu, &world)?;
         let layout = layout(&world, &choice.layout);
         let frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
-        let mut show = Self {
+        let mut viewport = Self {
             gpu,
             path: path.to_owned(),
             world,
@@ -100,8 +100,8 @@ impl Show {
             inspection: Inspection::default(),
             voxels: None,
         };
-        show.truth = show.traced(&show.choice)?;
-        Ok(show)
+        viewport.truth = viewport.traced(&viewport.choice)?;
+        Ok(viewport)
     }
 
     /// The path tracer of the picture that this is a choice of, if it is.
@@ -129,7 +129,7 @@ impl Show {
     ///
     /// # Errors
     /// [`ShowError`] when the adapter cannot hold it; what was shown still is.
-    pub fn apply(&mut self, next: Choice) -> Result<bool, ShowError> {
+    pub fn apply(&mut self, next: Choice) -> Result<bool, ViewportError> {
         let mut remake = self.choice.parameters.remake_for(&next.parameters);
         if remake == Remake::World {
             let overrides = Overrides::from(&next.parameters);
@@ -169,7 +169,7 @@ impl Show {
     ///
     /// # Errors
     /// [`ShowError`] with the diagnostic; the last good world stays.
-    pub fn reload_world(&mut self) -> Result<(), ShowError> {
+    pub fn reload_world(&mut self) -> Result<(), ViewportError> {
         let overrides = Overrides::from(&self.choice.parameters);
         let world = world::file::load(&self.path, &overrides)?;
         Ok(self.rebuild(world, self.choice.clone())?)
@@ -364,9 +364,9 @@ mod tests {
     use glam::IVec3;
 
     use super::*;
-    use crate::gpu::{Faults, GpuError, ShaderChecks};
+    use crate::gpu::{DeviceErrors, GpuError, ShaderChecks};
 
-    fn shown() -> Show {
+    fn shown() -> Viewport {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
         let world = world::file::load(&path, &Overrides::default()).expect("it loads");
@@ -378,70 +378,84 @@ mod tests {
             size: [8, 8],
             traced: false,
         };
-        Show::new(gpu, &path, world, choice).expect("it fits")
+        Viewport::new(gpu, &path, world, choice).expect("it fits")
     }
 
-    fn on_the_gpu(show: &Show) -> Voxels {
-        show.frame.stage.read_back(&show.gpu).expect("reads back")
+    fn on_the_gpu(viewport: &Viewport) -> Voxels {
+        viewport
+            .frame
+            .stage
+            .read_back(&viewport.gpu)
+            .expect("reads back")
     }
 
     #[test]
     fn edits_last_until_the_world_is_read_again() {
-        let mut show = shown();
+        let mut viewport = shown();
         let at = IVec3::new(2, 30, 3);
-        show.edit(|voxels, _| voxels.set(at, 1)).expect("it fits");
-        show.edit(|voxels, _| voxels.set(at + 1, 1))
+        viewport
+            .edit(|voxels, _| voxels.set(at, 1))
+            .expect("it fits");
+        viewport
+            .edit(|voxels, _| voxels.set(at + 1, 1))
             .expect("it fits");
         let resized = Choice {
             size: [9, 7],
-            ..show.choice.clone()
+            ..viewport.choice.clone()
         };
-        show.apply(resized).expect("it fits");
-        let read = on_the_gpu(&show);
+        viewport.apply(resized).expect("it fits");
+        let read = on_the_gpu(&viewport);
         assert_eq!((read.material(at), read.material(at + 1)), (1, 1));
         assert_eq!(read.validate(), Ok(()));
-        show.reload_world().expect("it is as it was");
-        assert_eq!(on_the_gpu(&show).material(at), 0);
-        show.edit(|voxels, _| {
-            assert_eq!(voxels.material(at), 0, "nothing is left of the old copy");
-            Edit::default()
-        })
-        .expect("it fits");
+        viewport.reload_world().expect("it is as it was");
+        assert_eq!(on_the_gpu(&viewport).material(at), 0);
+        viewport
+            .edit(|voxels, _| {
+                assert_eq!(voxels.material(at), 0, "nothing is left of the old copy");
+                Edit::default()
+            })
+            .expect("it fits");
     }
 
     #[test]
     fn edits_survive_the_loss_of_the_device() {
-        let mut show = shown();
+        let mut viewport = shown();
         let at = IVec3::new(2, 30, 3);
         for edited in [0, 1] {
-            let faults = Faults::watch(&show.gpu);
-            show.gpu.device.destroy();
-            assert!(show.read_display().is_err() && faults.is_lost());
-            let gpu = show.gpu.reopened(None).expect("the adapter is still there");
-            show.move_to(gpu).expect("it fits");
-            assert!(show.read_display().is_ok());
-            assert_eq!(on_the_gpu(&show).material(at), edited);
-            show.edit(|voxels, _| voxels.set(at, 1)).expect("it fits");
+            let device_errors = DeviceErrors::watch(&viewport.gpu);
+            viewport.gpu.device.destroy();
+            assert!(viewport.read_display().is_err() && device_errors.is_lost());
+            let gpu = viewport
+                .gpu
+                .reopened(None)
+                .expect("the adapter is still there");
+            viewport.move_to(gpu).expect("it fits");
+            assert!(viewport.read_display().is_ok());
+            assert_eq!(on_the_gpu(&viewport).material(at), edited);
+            viewport
+                .edit(|voxels, _| voxels.set(at, 1))
+                .expect("it fits");
         }
     }
 
     #[test]
     fn an_edit_that_does_not_fit_is_forgotten_on_both_sides() {
-        let mut show = shown();
-        let before = on_the_gpu(&show);
-        let held = show.frame.stage.voxels.materials.size();
-        show.gpu.limits.max_storage_buffer_binding_size = held;
+        let mut viewport = shown();
+        let before = on_the_gpu(&viewport);
+        let held = viewport.frame.stage.voxels.materials.size();
+        viewport.gpu.limits.max_storage_buffer_binding_size = held;
         let checker = |voxels: &mut Voxels, world: &World| {
             let last = world.size.as_ivec3() - 1;
             voxels.edit(IVec3::ZERO, last, |at, _| (at.element_sum() & 1) as u8)
         };
-        let error = show.edit(checker).expect_err("a brick in every cell");
+        let error = viewport.edit(checker).expect_err("a brick in every cell");
         assert!(matches!(error, FrameError::Gpu(GpuError::TooLarge { .. })));
-        assert_eq!(on_the_gpu(&show).raw().0, before.raw().0);
-        show.edit(|voxels, _| {
-            assert_eq!(voxels.raw().0, before.raw().0);
-            Edit::default()
-        })
-        .expect("nothing changed");
+        assert_eq!(on_the_gpu(&viewport).raw().0, before.raw().0);
+        viewport
+            .edit(|voxels, _| {
+                assert_eq!(voxels.raw().0, before.raw().0);
+                Edit::default()
+            })
+            .expect("nothing changed");
     }
 }

@@ -18,7 +18,7 @@ use crate::{
 
 /// Options of tables.
 #[derive(Args, Clone)]
-pub struct SubjectOptions {
+pub struct TestCaseOptions {
     /// World files
     #[arg(value_name = "WORLD")]
     pub worlds: Vec<PathBuf>,
@@ -54,7 +54,7 @@ pub struct SubjectOptions {
     pub vary: Vec<Varied>,
 }
 
-impl SubjectOptions {
+impl TestCaseOptions {
     /// The keys that vary, in the order of their columns; `--rays` is the last of them.
     ///
     /// # Errors
@@ -93,7 +93,7 @@ pub enum Unnamed {
 }
 
 /// One world with what its rows are for, and the lights that stand still in it.
-pub struct Subject {
+pub struct TestCase {
     pub world: World,
     pub parameters: Parameters,
     pub cameras: Vec<Camera>,
@@ -113,7 +113,7 @@ struct ViewOptions {
     time_s: f64,
 }
 
-impl Subject {
+impl TestCase {
     /// Reads a world and finds in it what the options name. `None` for a world that has no such
     /// camera or layout, when it is one of several.
     ///
@@ -122,7 +122,7 @@ impl Subject {
     pub fn load(
         path: &Path,
         run: &RunOptions,
-        options: &SubjectOptions,
+        options: &TestCaseOptions,
         unnamed: Unnamed,
     ) -> Result<Option<Self>, Failure> {
         let parameters = run.parameters()?;

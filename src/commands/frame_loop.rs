@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// A frame with all that it takes to record the next one.
-pub struct Driver<'a> {
+pub struct FrameLoop<'a> {
     gpu: &'a Gpu,
     frame: Frame,
     layout: LayoutSpec,
@@ -29,7 +29,7 @@ pub struct Driver<'a> {
     stop: Option<Arc<AtomicBool>>,
 }
 
-impl<'a> Driver<'a> {
+impl<'a> FrameLoop<'a> {
     /// # Errors
     /// When the adapter cannot hold the picture or the probes.
     pub fn new(

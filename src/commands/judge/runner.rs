@@ -10,11 +10,11 @@ use std::{
 use super::{
     super::{
         EXIT_INTERRUPTED, Failure,
-        driver::Driver,
+        frame_loop::FrameLoop,
         output,
         settings::Setting,
         shard::Shard,
-        subject::{Subject, Unnamed},
+        test_case::{TestCase, Unnamed},
     },
     Arguments,
     cache::Cache,
@@ -157,36 +157,36 @@ impl Judge<'_> {
 
     fn rows_of(&mut self, path: &Path) -> Result<(), Failure> {
         let (arguments, run) = (self.arguments, &self.arguments.run);
-        let loaded = Subject::load(path, run, &arguments.subjects, Unnamed::All)?;
-        let Some(subject) = loaded else {
+        let loaded = TestCase::load(path, run, &arguments.subjects, Unnamed::All)?;
+        let Some(case) = loaded else {
             let text = format!("{}: no such camera or layout; left out", path.display());
             output::note(run, &text);
             return Ok(());
         };
-        let settings = subject.settings.len();
-        let per_camera = usize::from(arguments.direct) + subject.layouts.len() * settings;
+        let settings = case.settings.len();
+        let per_camera = usize::from(arguments.direct) + case.layouts.len() * settings;
         let first_row = self.progress.rows;
-        self.progress.rows += subject.cameras.len() * per_camera;
+        self.progress.rows += case.cameras.len() * per_camera;
         let start = self.progress.world.start;
         // The world itself, and each camera with its rows.
-        self.progress.world.end += (1 + subject.cameras.len() * (1 + per_camera)) as u32;
+        self.progress.world.end += (1 + case.cameras.len() * (1 + per_camera)) as u32;
         let shard = self.shard;
         let has_any = move |mut rows: Range<usize>| rows.any(|row| shard.has(row));
         if !has_any(first_row..self.progress.rows) {
             return Ok(());
         }
-        let stage = Stage::build(self.gpu, &subject.world)?;
-        let mut driver = Driver::new(
+        let stage = Stage::build(self.gpu, &case.world)?;
+        let mut frame_loop = FrameLoop::new(
             self.gpu,
             stage,
-            &subject.layouts[0],
-            &subject.parameters,
-            subject.view(&subject.cameras[0]),
+            &case.layouts[0],
+            &case.parameters,
+            case.view(&case.cameras[0]),
         )?;
-        driver.stop_at(self.stop);
+        frame_loop.stop_at(self.stop);
         let mut tracer = Tracer {
-            world: &subject.world,
-            lights: &subject.lights,
+            world: &case.world,
+            lights: &case.lights,
             run,
             cache: self.cache,
             gpu: self.gpu,
@@ -194,14 +194,14 @@ impl Judge<'_> {
             stop: self.stop,
             voxels: None,
         };
-        self.page.world(start, &subject.world);
-        for (index, camera) in subject.cameras.iter().enumerate() {
+        self.page.world(start, &case.world);
+        for (index, camera) in case.cameras.iter().enumerate() {
             let mut row = first_row + index * per_camera;
             if !has_any(row..row + per_camera) {
                 continue;
             }
             self.progress.at = start + (1 + index * (1 + per_camera)) as u32;
-            let target = self.target(&subject, camera, &mut tracer, &mut driver)?;
+            let target = self.target(&case, camera, &mut tracer, &mut frame_loop)?;
             self.page.camera(self.progress.at, camera, &target)?;
             // Whether the next row is one of this part.
             let mut is_mine = |progress: &mut Progress| {
@@ -211,28 +211,28 @@ impl Judge<'_> {
             };
             if arguments.direct && is_mine(&mut self.progress) {
                 let names = Names {
-                    subject: &subject,
+                    case: &case,
                     camera,
                     layout: "",
                     settings: &Setting::default(),
                 };
-                let judged = row::direct_alone(&mut driver, &names, &target)?;
+                let judged = row::direct_alone(&mut frame_loop, &names, &target)?;
                 self.add(judged)?;
             }
-            for layout in &subject.layouts {
-                for settings in &subject.settings {
+            for layout in &case.layouts {
+                for settings in &case.settings {
                     if !is_mine(&mut self.progress) {
                         continue;
                     }
-                    let probes = settings.of(&subject.parameters).probes;
-                    driver.replace_probes(layout, &probes)?;
+                    let probes = settings.of(&case.parameters).probes;
+                    frame_loop.replace_probes(layout, &probes)?;
                     let names = Names {
-                        subject: &subject,
+                        case: &case,
                         camera,
                         layout: &layout.name,
                         settings,
                     };
-                    let judged = self.row(&names, &target, &mut driver)?;
+                    let judged = self.row(&names, &target, &mut frame_loop)?;
                     self.add(judged)?;
                 }
             }
@@ -240,37 +240,37 @@ impl Judge<'_> {
         Ok(())
     }
 
-    fn film<'c>(&self, subject: &Subject, camera: &'c Camera) -> Film<'c> {
+    fn film<'c>(&self, case: &TestCase, camera: &'c Camera) -> Film<'c> {
         Film {
             camera,
             size: self.arguments.subjects.size,
             spp: self.arguments.spp,
             seed: self.arguments.subjects.seed,
-            textures: subject.parameters.textures.enabled,
+            textures: case.parameters.textures.enabled,
         }
     }
 
     fn target(
         &self,
-        subject: &Subject,
+        case: &TestCase,
         camera: &Camera,
         tracer: &mut Tracer<'_>,
-        driver: &mut Driver<'_>,
+        frame_loop: &mut FrameLoop<'_>,
     ) -> Result<Target, Failure> {
-        let truth = tracer.truth(&self.film(subject, camera), driver.stage())?;
-        let mut target = Target::new(truth, subject.parameters.picture.exposure_ev);
+        let truth = tracer.truth(&self.film(case, camera), frame_loop.stage())?;
+        let mut target = Target::new(truth, case.parameters.picture.exposure_ev);
         let dark = match self.masks.get(&camera.name) {
             Some(mask) => Some(mask.clone()),
             None => {
-                driver.look(camera, ViewMode::Normal);
-                driver.advance(&subject.lights, 1, &|| {})?;
-                let mask = target.unlit(&driver.radiance()?);
+                frame_loop.look(camera, ViewMode::Normal);
+                frame_loop.advance(&case.lights, 1, &|| {})?;
+                let mask = target.unlit(&frame_loop.radiance()?);
                 let selected = |mask: Picture| Selection::mask([mask.width, mask.height], &mask);
                 mask.map(selected).transpose().map_err(Failure::fault)?
             }
         };
         if let Some(pixels) = dark {
-            let bright = self.brightest(subject, tracer, driver.stage())?;
+            let bright = self.brightest(case, tracer, frame_loop.stage())?;
             target.dark = (bright > 0.0).then_some(Dark { pixels, bright });
         }
         Ok(target)
@@ -279,13 +279,13 @@ impl Judge<'_> {
     /// The mean luminance that the brightest of a world's cameras sees.
     fn brightest(
         &self,
-        subject: &Subject,
+        case: &TestCase,
         tracer: &mut Tracer<'_>,
         stage: &Stage,
     ) -> Result<f64, Failure> {
         let mut brightest: f64 = 0.0;
-        for camera in &subject.world.cameras {
-            let truth = tracer.truth(&self.film(subject, camera), stage)?;
+        for camera in &case.world.cameras {
+            let truth = tracer.truth(&self.film(case, camera), stage)?;
             let light = row::luminance(&row::full(&truth), &Selection::ALL);
             brightest = brightest.max(light);
         }
@@ -296,7 +296,7 @@ impl Judge<'_> {
         &self,
         names: &Names<'_>,
         target: &Target,
-        driver: &mut Driver<'_>,
+        frame_loop: &mut FrameLoop<'_>,
     ) -> Result<(Row, Pictures), Failure> {
         let arguments = self.arguments;
         let plan = Plan {
@@ -306,7 +306,7 @@ impl Judge<'_> {
         };
         let bar = output::progress(&arguments.run, "frames", plan.length());
         let after = || bar.inc(1);
-        let judged = row::judge(driver, names, target, &plan, &after);
+        let judged = row::judge(frame_loop, names, target, &plan, &after);
         bar.finish_and_clear();
         judged
     }
