@@ -18,8 +18,8 @@ mod stage;
 pub use stage::{BuildReport, Stage};
 
 use inspect::Inspect;
-use passes::Passes;
 pub use passes::offer;
+use passes::{Passes, Placement};
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
@@ -138,21 +138,13 @@ impl Frame {
             changes: &self.field.changes,
         };
         self.faces.begin_frame(gpu, probes, &next);
-        if self.field.misplaced() {
-            self.passes.classify.record(recorder);
-            if let Some(walk) = &self.passes.walk {
-                walk.record_begin(recorder);
-            }
-            if self.field.exact() {
-                self.passes.visibility.record(recorder);
-            }
-            if self.field.fresh() > 0 {
-                self.passes.seed.record(recorder);
-            }
-            self.field.set_placed();
-        }
-        self.passes.record_light(recorder, self.faces.is_used());
-        self.passes.record_picture(recorder, view);
+        let update = Placement {
+            is_needed: self.field.misplaced(),
+            marks_visibility: self.field.exact(),
+            has_fresh: self.field.fresh() > 0,
+        };
+        self.field.set_placed();
+        self.passes.record(recorder, update, view);
         self.frames += 1;
     }
 
@@ -163,7 +155,6 @@ impl Frame {
         let uniform = view.to_gpu();
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
-        self.passes.camera_rays.record(recorder);
         self.passes.record_picture(recorder, view);
     }
 
@@ -254,14 +245,10 @@ impl Frame {
             self.stage.emitters.write(gpu, emitters);
         }
         if let Some((first, last)) = edit.region {
-            let (low, high) = (first.as_ivec3(), last.as_ivec3());
-            let (low_gs, high_gs) = (low.as_vec3(), high.as_vec3() + 1.0);
-            self.field.note_change(low_gs, high_gs);
-            self.faces.note_change(low_gs, high_gs);
-            let origin = self.stage.voxels.origin;
+            let origin_ws = self.stage.voxels.origin;
             self.field
                 .changes
-                .edit(low + origin, high + origin, self.frames);
+                .edit(first.as_ivec3(), last.as_ivec3(), origin_ws, self.frames);
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Every pass of a frame, and the order of those that light it.
+//! Every pass of a frame, with what it reads and writes there.
 
 use super::{FrameError, inspect::Inspect};
 use crate::{
@@ -18,12 +18,13 @@ use crate::{
 
 /// For pictures of one size, lit by one field of probes.
 pub(super) struct Passes {
+    uses_cache: bool,
     pub camera_rays: CameraRays,
-    pub classify: ProbeClassify,
-    pub visibility: ProbeVisibility,
-    pub seed: ProbeSeed,
+    classify: ProbeClassify,
+    visibility: ProbeVisibility,
+    seed: ProbeSeed,
     schedule: ProbeSchedule,
-    pub walk: Option<SourceWalk>,
+    walk: Option<SourceWalk>,
     probe_trace: ProbeTrace,
     blend: ProbeBlend,
     allocate: SurfaceAllocate,
@@ -51,6 +52,7 @@ impl Passes {
         let shade = Shade::new(gpu, size, surfaces, &offer)?;
         let hdr = shade.hdr.create_view(&Default::default());
         Ok(Self {
+            uses_cache: cache.is_used(),
             tonemap: Tonemap::new(gpu, size, &hdr, scene)?,
             classify: ProbeClassify::new(gpu, field, scene)?,
             visibility: ProbeVisibility::new(gpu, field, scene)?,
@@ -67,44 +69,170 @@ impl Passes {
             shade,
         })
     }
+}
 
-    /// From the camera's rays to the light of the probes and, if there is a `cache`, that of the surfaces that
-    /// the camera sees.
-    pub fn record_light(&self, recorder: &mut Recorder<'_>, cache: bool) {
-        recorder.concurrent(|recorder| {
-            self.camera_rays.record(recorder);
-            self.schedule.record_list(recorder);
+impl Passes {
+    /// A whole frame. Passes inside `concurrent` do not depend on each other.
+    pub fn record(&self, recorder: &mut Recorder<'_>, update: Placement, view: &View) {
+        let placed = self.place_probes(recorder, update);
+        let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
+            let surfaces = self.trace_camera(recorder);
+            (surfaces, self.list_probes(recorder, placed))
         });
-        recorder.concurrent(|recorder| {
-            self.schedule.record_arguments(recorder);
-            if cache {
-                self.allocate.record(recorder);
+        let (active, seen_faces) = recorder.concurrent(|recorder| {
+            let active = self.size_list(recorder, listed_probes);
+            (active, self.allocate_seen(recorder, &surfaces))
+        });
+        let listed_faces = self.allocate_requested(recorder, seen_faces);
+        let (probe_rays, face_rays) = recorder.concurrent(|recorder| {
+            let probe_rays = self.trace_probes(recorder, &active);
+            (probe_rays, self.trace_faces(recorder, &listed_faces))
+        });
+        let probe_light = self.blend_probes(recorder, active, probe_rays);
+        let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
+        let radiance = self.shade(recorder, surfaces, probe_light, face_light, view);
+        self.tonemap(recorder, radiance);
+    }
+
+    /// A picture of another view by the light of the last frame.
+    pub fn record_picture(&self, recorder: &mut Recorder<'_>, view: &View) {
+        let surfaces = self.trace_camera(recorder);
+        let radiance = self.shade(recorder, surfaces, ProbeLight, FaceLight, view);
+        self.tonemap(recorder, radiance);
+    }
+}
+
+/// One method for each step of a frame: its arguments are what the step reads of this frame, its result is what it
+/// writes. A value exists only once its pass is recorded, so the compiler checks the order of the passes.
+impl Passes {
+    /// Reads `update`: probes that are new, were moved, or stand near an edit. What the last frame left stays valid
+    /// for all others.
+    fn place_probes(&self, recorder: &mut Recorder<'_>, update: Placement) -> PlacedProbes {
+        if update.is_needed {
+            self.classify.record(recorder);
+            if let Some(walk) = &self.walk {
+                walk.record_begin(recorder);
             }
-        });
-        if cache {
+            if update.marks_visibility {
+                self.visibility.record(recorder);
+            }
+            if update.has_fresh {
+                self.seed.record(recorder);
+            }
+        }
+        PlacedProbes
+    }
+
+    fn trace_camera(&self, recorder: &mut Recorder<'_>) -> Surfaces {
+        self.camera_rays.record(recorder);
+        Surfaces
+    }
+
+    /// Reads the requests of the last frame.
+    fn list_probes(&self, recorder: &mut Recorder<'_>, _: PlacedProbes) -> ListedProbes {
+        self.schedule.record_list(recorder);
+        ListedProbes
+    }
+
+    fn size_list(&self, recorder: &mut Recorder<'_>, _: ListedProbes) -> ActiveList {
+        self.schedule.record_arguments(recorder);
+        ActiveList
+    }
+
+    /// Gives the visible faces their places in the table.
+    fn allocate_seen(&self, recorder: &mut Recorder<'_>, _: &Surfaces) -> SeenFaces {
+        if self.uses_cache {
+            self.allocate.record(recorder);
+        }
+        SeenFaces
+    }
+
+    /// Then the faces that rays of the last frame requested.
+    fn allocate_requested(&self, recorder: &mut Recorder<'_>, _: SeenFaces) -> ListedFaces {
+        if self.uses_cache {
             self.allocate.record_requested(recorder);
         }
-        recorder.concurrent(|recorder| {
-            self.probe_trace.record(recorder);
-            if cache {
-                self.surface_trace.record(recorder);
-            }
-        });
+        ListedFaces
+    }
+
+    /// Reads the light of probes and faces of the last frame: one bounce more per frame.
+    fn trace_probes(&self, recorder: &mut Recorder<'_>, _: &ActiveList) -> ProbeRays {
+        self.probe_trace.record(recorder);
+        ProbeRays
+    }
+
+    /// Reads the light of probes and faces of the last frame.
+    fn trace_faces(&self, recorder: &mut Recorder<'_>, _: &ListedFaces) -> FaceRays {
+        if self.uses_cache {
+            self.surface_trace.record(recorder);
+        }
+        FaceRays
+    }
+
+    fn blend_probes(&self, recorder: &mut Recorder<'_>, _: ActiveList, _: ProbeRays) -> ProbeLight {
         self.blend.record(recorder);
         if let Some(walk) = &self.walk {
             walk.record(recorder);
         }
-        if cache {
-            self.resolve.record(recorder);
-        }
+        ProbeLight
     }
 
-    /// From what the camera rays hit to the display.
-    pub fn record_picture(&self, recorder: &mut Recorder<'_>, view: &View) {
+    fn resolve_faces(
+        &self,
+        recorder: &mut Recorder<'_>,
+        _: ListedFaces,
+        _: FaceRays,
+        _: &ProbeLight,
+    ) -> FaceLight {
+        if self.uses_cache {
+            self.resolve.record(recorder);
+        }
+        FaceLight
+    }
+
+    /// Writes the light that arrives at the camera, or a view of data. Leaves requests for the next frame.
+    fn shade(
+        &self,
+        recorder: &mut Recorder<'_>,
+        _: Surfaces,
+        _: ProbeLight,
+        _: FaceLight,
+        view: &View,
+    ) -> Radiance {
         self.inspect.record(recorder, &self.shade, view.mode);
+        Radiance
+    }
+
+    fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance) {
         self.tonemap.record(recorder);
     }
 }
+
+/// What pass `probes/classify` and the passes after it have to do in a frame.
+pub(super) struct Placement {
+    pub is_needed: bool,
+    /// Probes know by visibility bits what they see.
+    pub marks_visibility: bool,
+    /// A volume that follows the camera has probes that are new.
+    pub has_fresh: bool,
+}
+
+/// Values of a frame. Their data lies in the buffers and textures that the passes bind by name.
+struct PlacedProbes;
+struct ListedProbes;
+struct ActiveList;
+struct ProbeRays;
+/// Maps and ambient cubes of the probes.
+struct ProbeLight;
+/// Voxel, face and distance of each pixel.
+struct Surfaces;
+struct SeenFaces;
+struct ListedFaces;
+struct FaceRays;
+/// Irradiance of each quadrant of the listed faces.
+struct FaceLight;
+/// Linear HDR radiance of each pixel.
+struct Radiance;
 
 /// What subjects give to each other: the scene, the light of the probes, and that of surfaces.
 pub fn offer<'a>(

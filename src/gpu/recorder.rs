@@ -185,9 +185,9 @@ impl<'a> Recorder<'a> {
         self.dispatches
     }
 
-    /// Passes that the GPU may run side by side, where they are not timed one by one. One that writes what
-    /// another binds waits for it as ever.
-    pub fn concurrent(&mut self, record: impl FnOnce(&mut Self)) {
+    /// Passes that the GPU may run side by side, where they are not timed one by one. A pass that writes a resource
+    /// bound by another still waits for it.
+    pub fn concurrent<T>(&mut self, record: impl FnOnce(&mut Self) -> T) -> T {
         let one_by_one = match self.timing.as_ref().map(|timing| &timing.clock) {
             Some(Clock::Gpu { .. }) => self.whole.is_none(),
             Some(Clock::Wall { .. }) => true,
@@ -197,8 +197,9 @@ impl<'a> Recorder<'a> {
             let pass = self.encoder.begin_compute_pass(&Default::default());
             self.shared = Some(pass.forget_lifetime());
         }
-        record(self);
+        let written = record(self);
         self.shared = None;
+        written
     }
 
     /// A slice of work of which the GPU says how many columns it has; milliseconds, where they are known

@@ -31,24 +31,39 @@ pub struct EditSphere {
     pub frame: u32,
 }
 
-/// What has changed of late.
+/// Voxels that edits have changed: a box in grid space, from its low to its high corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EditBox {
+    pub low_gs: Vec3,
+    pub high_gs: Vec3,
+}
+
+/// The recent changes of lamps and voxels. Edits are noted here once; probes and surface cache read them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     alert: f32,
     /// Frames since there was a change or an alert.
     still_frames: u32,
     edits: Vec<EditSphere>,
-    /// Whether an edit is new.
-    edited: bool,
+    /// Edits that the next frame is the first to show, as one box; and those of this frame.
+    pending: Option<EditBox>,
+    shown_first: Option<EditBox>,
+    /// The newest edits, and the first frame that shows them.
+    latest: Option<(EditBox, u32)>,
 }
 
 impl Changes {
-    /// Voxels (world space, both ends inclusive) may have changed; `frame` is the next one.
-    pub fn edit(&mut self, min: IVec3, max: IVec3, frame: u32) {
-        let (low, high) = (min.as_vec3(), max.as_vec3() + 1.0);
-        self.edited = true;
+    /// Voxels may have changed: `first` and `last` in grid space, both inclusive. `origin_ws` is the world position
+    /// of the grid; `frame` is the next one.
+    pub fn edit(&mut self, first: IVec3, last: IVec3, origin_ws: IVec3, frame: u32) {
+        let (low, high) = (first.as_vec3(), last.as_vec3() + 1.0);
+        let added = EditBox {
+            low_gs: low,
+            high_gs: high,
+        };
+        self.pending = Some(self.pending.map_or(added, |before| before.joined(&added)));
         self.edits.push(EditSphere {
-            centre_ws: (low + high) / 2.0,
+            centre_ws: (low + high) / 2.0 + origin_ws.as_vec3(),
             radius: low.distance(high) / 2.0,
             frame,
         });
@@ -61,7 +76,11 @@ impl Changes {
     /// ([`crate::lights::Lights::change_since`]).
     pub fn begin_frame(&mut self, light_change: f32, frame: u32) {
         let faded = self.alert * ALERT_KEPT;
-        let sure = f32::from(u8::from(std::mem::take(&mut self.edited)));
+        self.shown_first = self.pending.take();
+        if let Some(edit) = self.shown_first {
+            self.latest = Some((edit, frame));
+        }
+        let sure = f32::from(u8::from(self.shown_first.is_some()));
         self.alert = sure.max(light_change.clamp(0.0, 1.0)).max(faded);
         if self.alert < LEAST_ALERT {
             self.alert = 0.0;
@@ -78,6 +97,17 @@ impl Changes {
     /// Frames are numbered from 0 again, and no probe remembers any.
     pub fn forget_edits(&mut self) {
         self.edits.clear();
+        self.latest = None;
+    }
+
+    /// The edits that this frame is the first to show.
+    pub fn shown_first(&self) -> Option<EditBox> {
+        self.shown_first
+    }
+
+    /// The newest edits, and the first frame that shows them.
+    pub fn latest_edit(&self) -> Option<(EditBox, u32)> {
+        self.latest
     }
 
     /// How sure it is that light changes now, from 0 to 1.
@@ -109,6 +139,16 @@ impl Changes {
         if let Some((a, b, sphere)) = joined.min_by(|x, y| x.2.radius.total_cmp(&y.2.radius)) {
             self.edits.remove(b);
             self.edits[a] = sphere;
+        }
+    }
+}
+
+impl EditBox {
+    /// The smallest box around both.
+    fn joined(&self, other: &Self) -> Self {
+        Self {
+            low_gs: self.low_gs.min(other.low_gs),
+            high_gs: self.high_gs.max(other.high_gs),
         }
     }
 }
@@ -156,7 +196,7 @@ mod tests {
         // Too little for an alert.
         assert_eq!(after(&mut changes, 1e-4, 200..201), 0.0);
         assert_eq!(after(&mut changes, 0.0, 201..400), 1.0);
-        changes.edit(IVec3::ZERO, IVec3::ONE, 400);
+        changes.edit(IVec3::ZERO, IVec3::ONE, IVec3::ZERO, 400);
         assert_eq!(
             after(&mut changes, 0.0, 400..560),
             0.0,
@@ -183,14 +223,21 @@ mod tests {
     #[test]
     fn an_edit_alerts_the_next_frame_and_is_remembered_for_a_while() {
         let mut changes = Changes::default();
-        changes.edit(IVec3::splat(2), IVec3::splat(3), 5);
+        changes.edit(IVec3::splat(1), IVec3::splat(2), IVec3::ONE, 5);
         changes.begin_frame(0.0, 5);
         assert_eq!(changes.alert(), 1.0);
+        let seen_first = EditBox {
+            low_gs: Vec3::splat(1.0),
+            high_gs: Vec3::splat(3.0),
+        };
+        assert_eq!(changes.shown_first(), Some(seen_first));
         let edit = changes.edits()[0];
         assert_eq!(edit.centre_ws, Vec3::splat(3.0));
         assert!((edit.radius - 3f32.sqrt()).abs() < 1e-6);
         changes.begin_frame(0.0, 6);
         assert!(changes.alert() < 1.0 && changes.edits().len() == 1);
+        assert_eq!(changes.shown_first(), None);
+        assert_eq!(changes.latest_edit(), Some((seen_first, 5)));
         changes.begin_frame(0.0, 5 + REMEMBERED_FRAMES);
         assert!(changes.edits().is_empty());
     }
@@ -212,7 +259,7 @@ mod tests {
             let mut changes = Changes::default();
             for (frame, &(x, y, edge)) in places.iter().enumerate() {
                 let min = IVec3::new(x, y, x - y);
-                changes.edit(min, min + edge, frame as u32);
+                changes.edit(min, min + edge, IVec3::ZERO, frame as u32);
             }
             prop_assert!(changes.edits().len() <= EDITS);
             for (frame, &(x, y, edge)) in places.iter().enumerate() {

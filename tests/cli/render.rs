@@ -74,8 +74,9 @@ fn a_picture_from_the_gpu_with_its_record() {
     }
     assert_eq!(fields.len(), expected.len());
     let probes = &record["probes"];
-    let [total, alive, sleeping, dead, back_side] = ["total", "alive", "sleeping", "dead", "back_side"]
-        .map(|key| probes[key].as_u64().expect("a count"));
+    let [total, alive, sleeping, dead, back_side] =
+        ["total", "alive", "sleeping", "dead", "back_side"]
+            .map(|key| probes[key].as_u64().expect("a count"));
     assert_eq!(alive + sleeping + dead, total, "{probes}");
     let cave = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(CAVE);
     let cave = grotto::world::file::load(&cave, &Default::default()).expect("sound");

@@ -111,8 +111,8 @@ pub(super) struct UpdateSchedule {
     slots: u32,
     rays_rows: u32,
     probe_rows: u32,
-    /// Voxels (grid space) that pass `probes/classify` has not looked at yet.
-    changed: Option<(Vec3, Vec3)>,
+    /// Whether pass `probes/classify` has run.
+    is_placed: bool,
     uniform: wgpu::Buffer,
     work: wgpu::Buffer,
     face_requests: wgpu::Buffer,
@@ -127,7 +127,7 @@ impl UpdateSchedule {
             // The buffer of the rays fits a binding, so that their number fits an u32.
             rays_rows: rectangle((slots * rays).div_ceil(RAY_GROUP))[1],
             probe_rows: rectangle(slots)[1],
-            changed: Some((Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE))),
+            is_placed: false,
             uniform: gpu.uniform_buffer("update_schedule", &GpuUpdateSchedule::default()),
             work: gpu.storage_buffer("active_list", HEAD_BYTES + 3 * all * 4)?,
             face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + 3 * all * 4)?,
@@ -145,7 +145,11 @@ impl UpdateSchedule {
     ) {
         let is_still = changes.stillness() == 1.0 && parameters.states == ProbeStates::On;
         let still_interval = if is_still { STILL_INTERVAL } else { 1 };
-        let (low, high) = self.changed.unwrap_or((Vec3::INFINITY, Vec3::NEG_INFINITY));
+        let (low, high) = match changes.shown_first() {
+            _ if !self.is_placed => (Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE)),
+            Some(edit) => (edit.low_gs, edit.high_gs),
+            None => (Vec3::INFINITY, Vec3::NEG_INFINITY),
+        };
         let update_schedule = GpuUpdateSchedule {
             changed_low_gs: low.to_array(),
             frame: frame as u32,
@@ -179,19 +183,13 @@ impl UpdateSchedule {
         }
     }
 
-    /// Adds a box of voxels (grid space, from low to high corner) to what has changed.
-    pub fn change(&mut self, low: Vec3, high: Vec3) {
-        let (known_low, known_high) = self.changed.unwrap_or((low, high));
-        self.changed = Some((known_low.min(low), known_high.max(high)));
+    /// Whether pass `probes/classify` has not run yet: then it places every probe.
+    pub fn places_all(&self) -> bool {
+        !self.is_placed
     }
 
-    /// Whether there is something that pass `probes/classify` has not looked at.
-    pub fn has_changed(&self) -> bool {
-        self.changed.is_some()
-    }
-
-    pub fn forget_changes(&mut self) {
-        self.changed = None;
+    pub fn set_placed(&mut self) {
+        self.is_placed = true;
     }
 
     pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {

@@ -3,8 +3,6 @@
 
 use std::mem::offset_of;
 
-use glam::Vec3;
-
 use super::shared::{
     ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuFaceBatch, GpuFaceCounts, GpuFaceDispatch,
     GpuFaceHistory, GpuListedFace, GpuRequestedFace, GpuSurfaceCacheInfo, RAYS_A_GROUP,
@@ -59,10 +57,6 @@ pub struct SurfaceCache {
     entries: u32,
     least_batches: u32,
     most_batches: u32,
-    frame: u32,
-    /// Box of voxels (grid space, with what they reach) that edits changed for this frame or an earlier one,
-    /// and that frame.
-    edited: Option<(Vec3, Vec3, u32)>,
     info: wgpu::Buffer,
     table: wgpu::Buffer,
     counts: wgpu::Buffer,
@@ -106,8 +100,6 @@ impl SurfaceCache {
                     LEAST_BATCHES
                 },
                 most_batches,
-                frame: 0,
-                edited: None,
                 info: gpu.uniform_buffer("face_info", &GpuSurfaceCacheInfo::default()),
                 table: gpu.storage_buffer("face_table", all * Self::ENTRY_BYTES)?,
                 counts: gpu.storage_buffer("face_counts", size_of::<GpuFaceCounts>() as u64)?,
@@ -129,23 +121,8 @@ impl SurfaceCache {
         self.is_used
     }
 
-    /// Voxels of a box (grid space, from low to high corner) have changed: the next frame is the first
-    /// that shows it.
-    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
-        let frame = self.frame + 1;
-        let (low, high) = (low_gs - EDIT_REACH, high_gs + EDIT_REACH);
-        self.edited = Some(match self.edited {
-            Some((known_low, known_high, known)) if known == frame => {
-                (known_low.min(low), known_high.max(high), frame)
-            }
-            _ => (low, high, frame),
-        });
-    }
-
     /// Forgets all faces, as if the table were new.
-    pub fn forget(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        self.frame = 0;
-        self.edited = None;
+    pub fn forget(&self, encoder: &mut wgpu::CommandEncoder) {
         for buffer in [&self.table, &self.histories, &self.counts, &self.requested] {
             encoder.clear_buffer(buffer, 0, None);
         }
@@ -153,7 +130,7 @@ impl SurfaceCache {
 
     /// Writes the uniform of the next frame and empties the list. Once before each submission that updates
     /// the faces: the writes take effect at its start.
-    pub fn begin_frame(&mut self, gpu: &Gpu, parameters: &ProbeParameters, next: &NextFrame<'_>) {
+    pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, next: &NextFrame<'_>) {
         let NextFrame {
             size, age, changes, ..
         } = *next;
@@ -165,14 +142,22 @@ impl SurfaceCache {
             LEAST_SAMPLES
         };
         let most_samples = most_samples.min(parameters.face_samples as f32);
-        self.frame += 1;
+        // Frames of the table are numbered from 1.
+        let frame = age + 1;
         // Until the probes have settled light is not still.
         let still_frames = if settled { changes.still_frames() } else { 0 };
-        let changed_frame = self.frame.saturating_sub(still_frames);
-        let (low, high, edited_frame) = self.edited.unwrap_or_default();
+        let changed_frame = frame.saturating_sub(still_frames);
+        let (low, high, edited_frame) = match changes.latest_edit() {
+            Some((edit, shown_in)) => (
+                edit.low_gs - EDIT_REACH,
+                edit.high_gs + EDIT_REACH,
+                shown_in + 1,
+            ),
+            None => Default::default(),
+        };
         let info = GpuSurfaceCacheInfo {
             edited_low_gs: low.to_array(),
-            frame: self.frame,
+            frame,
             edited_high_gs: high.to_array(),
             edited_frame,
             bucket_mask: self.entries / FACINGS as u32 - 1,

@@ -225,7 +225,7 @@ fn distances_follow_an_edit_where_it_is() {
     let frame = rig.frame as u32;
     rig.field
         .changes
-        .edit(wall - IVec3::ONE, wall + IVec3::ONE, frame);
+        .edit(wall - IVec3::ONE, wall + IVec3::ONE, IVec3::ZERO, frame);
     rig.field.changes.begin_frame(0.0, frame);
     let opened = |_: u32, d: DVec3| [1.0, 1.0, 1.0, if d.x > 0.7 { 12.0 } else { 3.0 }];
     for _ in 0..2 {

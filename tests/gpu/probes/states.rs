@@ -100,10 +100,15 @@ impl Slab {
             self.states.record(&mut recorder);
             self.field.set_placed();
         }
+        let is_edited = self.field.changes.shown_first().is_some();
         self.due.record(&mut recorder);
         self.blend.record(&mut recorder);
         recorder.submit(&self.gpu).expect("submits");
         self.frame += 1;
+        if is_edited {
+            // Without an alert, so that intervals are those of light that is steady.
+            self.field.changes = Default::default();
+        }
         let list = self.field.due(&self.gpu).expect("reads back");
         let due: BTreeSet<u32> = list.iter().copied().collect();
         assert_eq!(due.len(), list.len(), "a slot twice");
@@ -142,7 +147,10 @@ impl Slab {
         }
         self.voxels.write(&self.gpu, &self.on_cpu, &edit);
         let (low, high) = edit.region.expect("something changed");
-        self.field.note_change(low.as_vec3(), high.as_vec3() + 1.0);
+        let (first, last) = (low.as_ivec3(), high.as_ivec3());
+        let changes = &mut self.field.changes;
+        changes.edit(first, last, IVec3::ZERO, self.frame as u32);
+        changes.begin_frame(0.0, self.frame as u32);
     }
 
     /// A pixel that shows this point of a surface gathers, as in pass `view/shade`.
@@ -183,13 +191,13 @@ impl Slab {
 }
 
 const LOOK: &str = "
-import package::probes::requests::{gather_for, PIXEL, RAY};
+import package::probes::requests::{PIXEL, RAY};
 import package::probes::gather::gather;
 @group(3) @binding(0) var<storage, read_write> place: array<vec4f>;
 @compute @workgroup_size(1)
 fn main() {
-    gather_for(select(PIXEL, RAY, place[1].w > 0.0));
-    place[0] = vec4f(gather(place[0].xyz, place[1].xyz), 0.0);
+    let requester = select(PIXEL, RAY, place[1].w > 0.0);
+    place[0] = vec4f(gather(place[0].xyz, place[1].xyz, requester), 0.0);
 }
 ";
 

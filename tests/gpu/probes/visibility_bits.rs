@@ -228,7 +228,10 @@ fn after_an_edit_probes_see_as_fresh_ones_do() {
     on_gpu.write(&gpu, &voxels, &edit);
     let (first, last) = edit.region.expect("something changed");
     let field = &mut placed_before.field;
-    field.note_change(first.as_vec3(), last.as_vec3() + 1.0);
+    field
+        .changes
+        .edit(first.as_ivec3(), last.as_ivec3(), ORIGIN, 1);
+    field.changes.begin_frame(0.0, 1);
     placed_before.run(&gpu, &parameters);
     let fresh = placed(&gpu, &voxels);
     assert_eq!(placed_before.bits(&gpu), fresh.bits(&gpu));
@@ -236,9 +239,9 @@ fn after_an_edit_probes_see_as_fresh_ones_do() {
     assert_eq!(placed_before.places(&gpu), fresh.places(&gpu));
     // A region elsewhere would have missed it.
     let mut missed = placed(&gpu, &rooms());
-    missed
-        .field
-        .note_change(Vec3::splat(500.0), Vec3::splat(501.0));
+    let elsewhere = IVec3::splat(500);
+    missed.field.changes.edit(elsewhere, elsewhere, ORIGIN, 1);
+    missed.field.changes.begin_frame(0.0, 1);
     missed.run(&gpu, &parameters);
     assert_eq!(missed.bits(&gpu), before);
 }

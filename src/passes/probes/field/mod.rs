@@ -183,20 +183,17 @@ impl ProbeField {
         self.motion.fresh()
     }
 
-    /// Voxels of a box (grid space, from low to high corner) have changed: the passes `probes/classify` and
-    /// `probes/visibility` look there before the probes' next update.
-    pub fn note_change(&mut self, low_gs: Vec3, high_gs: Vec3) {
-        self.update_schedule.change(low_gs, high_gs);
-    }
-
-    /// Whether those passes have probes to place.
+    /// Whether passes `probes/classify` and `probes/visibility` must run in this frame: probes are new, have moved, or
+    /// stand near an edit.
     pub fn misplaced(&self) -> bool {
-        self.update_schedule.has_changed() || self.fresh() > 0
+        self.update_schedule.places_all()
+            || self.changes.shown_first().is_some()
+            || self.fresh() > 0
     }
 
-    /// They have been recorded.
+    /// Those passes have been recorded.
     pub fn set_placed(&mut self) {
-        self.update_schedule.forget_changes();
+        self.update_schedule.set_placed();
     }
 
     /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
