@@ -218,7 +218,7 @@ fn comment(indent: &str, docs: &[&str]) -> String {
 ///
 ///     use 2 * RAY_GROUP => MOST_RAYS: u32;              // const MOST_RAYS: u32 = 128u; Rust has the value already
 ///
-///     enum ViewMode as VIEW { Full, TexturesOff }       // const VIEW_TEXTURES_OFF: u32 = 1u; of a known enum
+///     enum View as VIEW { Full, TexturesOff }           // const VIEW_TEXTURES_OFF: u32 = 1u; of a known enum
 ///
 ///     /// A struct that is `repr(C)` and plain data. Members that begin with `_` are padding.
 ///     pub struct GpuLamp as Lamp {

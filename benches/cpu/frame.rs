@@ -9,8 +9,8 @@ use grotto::{
     gpu::{self, Gpu, Recorder, ShaderChecks},
     lights::Lights,
     parameters::Parameters,
-    passes::view::{View, ViewMode},
-    world::World,
+    passes::view::Shot,
+    world::{View, World},
 };
 
 use super::world;
@@ -65,13 +65,13 @@ impl Recording {
     fn frame(&mut self) -> Duration {
         self.time_s += STEP_S;
         let start = Instant::now();
-        let view = View {
+        let shot = Shot {
             camera: self.world.cameras[0].clone(),
             size: SIZE,
             frame: self.frame.frames(),
             seed: 0,
             exposure_ev: 0.0,
-            mode: ViewMode::Full,
+            view: View::Full,
             time_s: self.time_s,
             textures: true,
         };
@@ -79,7 +79,7 @@ impl Recording {
         let mut recorder = Recorder::new(&self.gpu, None);
         let probes = &self.parameters.probes;
         self.frame
-            .record(&self.gpu, &mut recorder, &view, &lights, probes);
+            .record(&self.gpu, &mut recorder, &shot, &lights, probes);
         let recorded = start.elapsed();
         recorder.submit(&self.gpu).expect("the device works");
         self.gpu.wait().expect("the device works");

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use miette::{GraphicalReportHandler, GraphicalTheme, Report};
 
-use super::truth::Truth;
+use super::reference_view::ReferenceView;
 use crate::{
     frame::{Frame, FrameError, Stage},
     gpu::{Gpu, GpuError, Recorder, ShaderLibrary},
     lights::Lights,
     measure::picture::Picture,
     parameters::{Parameters, Remake},
-    passes::view::{Inspection, View},
+    passes::view::{Inspection, Shot},
     world::{
         self, Camera, LampPreset, LayoutSpec, World,
         file::Overrides,
@@ -61,7 +61,7 @@ pub struct Viewport {
     world: World,
     frame: Frame,
     /// While it is chosen.
-    truth: Option<Truth>,
+    reference_view: Option<ReferenceView>,
     choice: Choice,
     inspection: Inspection,
     /// The voxels as the GPU has them, once something has needed them.
@@ -95,20 +95,20 @@ impl Viewport {
             path: path.to_owned(),
             world,
             frame,
-            truth: None,
+            reference_view: None,
             choice,
             inspection: Inspection::default(),
             voxels: None,
         };
-        viewport.truth = viewport.traced(&viewport.choice)?;
+        viewport.reference_view = viewport.traced(&viewport.choice)?;
         Ok(viewport)
     }
 
     /// The path tracer of the picture that this is a choice of, if it is.
-    fn traced(&self, choice: &Choice) -> Result<Option<Truth>, GpuError> {
+    fn traced(&self, choice: &Choice) -> Result<Option<ReferenceView>, GpuError> {
         choice
             .traced
-            .then(|| Truth::new(&self.gpu, &self.frame.stage, choice.size))
+            .then(|| ReferenceView::new(&self.gpu, &self.frame.stage, choice.size))
             .transpose()
     }
 
@@ -155,11 +155,11 @@ impl Viewport {
         if changed
             || (next.traced
                 && self
-                    .truth
+                    .reference_view
                     .as_ref()
-                    .is_none_or(|truth| truth.size() != next.size))
+                    .is_none_or(|reference_view| reference_view.size() != next.size))
         {
-            self.truth = self.traced(&next).map_err(FrameError::from)?;
+            self.reference_view = self.traced(&next).map_err(FrameError::from)?;
         }
         self.choice = next;
         Ok(remake == Remake::Probes || resized || changed)
@@ -196,7 +196,7 @@ impl Viewport {
             self.frame.rebuild_passes(&gpu)?;
         }
         self.gpu = gpu;
-        self.truth = self.traced(&self.choice)?;
+        self.reference_view = self.traced(&self.choice)?;
         Ok(())
     }
 
@@ -212,7 +212,7 @@ impl Viewport {
             .frame
             .moved_to(&gpu, &self.world, voxels, layout, probes)?;
         self.gpu = gpu;
-        self.truth = self.traced(&self.choice)?;
+        self.reference_view = self.traced(&self.choice)?;
         Ok(())
     }
 
@@ -246,7 +246,7 @@ impl Viewport {
         // After an error the GPU's copy is as before: the next edit reads it back.
         self.frame.apply(&self.gpu, &voxels, &edit)?;
         self.voxels = Some(voxels);
-        self.truth = self.traced(&self.choice)?;
+        self.reference_view = self.traced(&self.choice)?;
         Ok(())
     }
 
@@ -276,13 +276,13 @@ impl Viewport {
         seed: u32,
     ) -> Result<(), GpuError> {
         let parameters = &self.choice.parameters;
-        let view = View {
+        let shot = Shot {
             camera: camera.clone(),
             size: self.frame.size(),
             frame: self.frame.frames(),
             seed,
             exposure_ev: parameters.picture.exposure_ev,
-            mode: self.inspection.view,
+            view: self.inspection.view,
             time_s,
             textures: parameters.textures.enabled,
         };
@@ -292,23 +292,23 @@ impl Viewport {
             0.0
         };
         let lights = Lights::at(&self.world, &self.lamps(), lamp_time_s);
-        if let Some(truth) = &mut self.truth {
-            return truth.record(&self.gpu, recorder, &view, &lights);
+        if let Some(reference_view) = &mut self.reference_view {
+            return reference_view.record(&self.gpu, recorder, shot, &lights);
         }
         self.frame
-            .record(&self.gpu, recorder, &view, &lights, &parameters.probes);
+            .record(&self.gpu, recorder, &shot, &lights, &parameters.probes);
         Ok(())
     }
 
     /// The path-traced picture, while it is what is shown.
-    pub fn truth(&mut self) -> Option<&mut Truth> {
-        self.truth.as_mut()
+    pub fn reference_view(&mut self) -> Option<&mut ReferenceView> {
+        self.reference_view.as_mut()
     }
 
     /// What is shown: `rgba8unorm`, sRGB-encoded.
     pub fn display(&self) -> &wgpu::Texture {
-        match &self.truth {
-            Some(truth) => truth.display(),
+        match &self.reference_view {
+            Some(reference_view) => reference_view.display(),
             None => self.frame.display(),
         }
     }
@@ -318,8 +318,8 @@ impl Viewport {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn read_display(&self) -> Result<Picture, GpuError> {
-        match &self.truth {
-            Some(truth) => truth.read_display(&self.gpu),
+        match &self.reference_view {
+            Some(reference_view) => reference_view.read_display(&self.gpu),
             None => self.frame.read_display(&self.gpu),
         }
     }

@@ -4,13 +4,16 @@ use clap::ValueEnum;
 use egui::{ComboBox, DragValue, Ui};
 
 use super::viewport::Viewport;
-use crate::passes::view::{AtlasLayer, AtlasMap, Inspection, ProbeColour, ViewMode};
+use crate::{
+    passes::view::{AtlasLayer, AtlasMap, Inspection, ProbeColour},
+    world::View,
+};
 
 /// Rows of a grid of two columns.
 pub fn rows(ui: &mut Ui, viewport: &Viewport, inspection: &mut Inspection) {
     ui.label("view").on_hover_text("What the picture shows");
     combo(ui, "view", name(&inspection.view), |ui| {
-        for view in ViewMode::value_variants() {
+        for view in View::value_variants() {
             variant(ui, &mut inspection.view, view, *view);
         }
     });

@@ -12,9 +12,9 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{Parameters, ProbeParameters},
-    passes::view::{View, ViewMode},
+    passes::view::Shot,
     world::{
-        Camera, LayoutSpec,
+        Camera, LayoutSpec, View,
         voxels::{Edit, Voxels},
     },
 };
@@ -25,7 +25,7 @@ pub struct FrameLoop<'a> {
     frame: Frame,
     layout: LayoutSpec,
     probes: ProbeParameters,
-    view: View,
+    shot: Shot,
     stop: Option<Arc<AtomicBool>>,
 }
 
@@ -37,15 +37,15 @@ impl<'a> FrameLoop<'a> {
         stage: Stage,
         layout: &LayoutSpec,
         parameters: &Parameters,
-        view: View,
+        shot: Shot,
     ) -> Result<Self, Failure> {
         let probes = parameters.probes.clone();
         Ok(Self {
             gpu,
-            frame: Frame::new(gpu, stage, layout, &probes, view.size)?,
+            frame: Frame::new(gpu, stage, layout, &probes, shot.size)?,
             layout: layout.clone(),
             probes,
-            view,
+            shot,
             stop: None,
         })
     }
@@ -80,9 +80,9 @@ impl<'a> FrameLoop<'a> {
     }
 
     /// What the next frames show; the probes keep their light.
-    pub fn look(&mut self, camera: &Camera, mode: ViewMode) {
-        self.view.camera = camera.clone();
-        self.view.mode = mode;
+    pub fn look(&mut self, camera: &Camera, view: View) {
+        self.shot.camera = camera.clone();
+        self.shot.view = view;
     }
 
     /// Width and height in pixels of the next pictures; the probes keep their light.
@@ -90,15 +90,15 @@ impl<'a> FrameLoop<'a> {
     /// # Errors
     /// When the adapter cannot hold them.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Failure> {
-        if size != self.view.size {
+        if size != self.shot.size {
             self.frame.resize(self.gpu, size)?;
-            self.view.size = size;
+            self.shot.size = size;
         }
         Ok(())
     }
 
-    pub fn view(&self) -> &View {
-        &self.view
+    pub fn shot(&self) -> &Shot {
+        &self.shot
     }
 
     /// Records frames under the same lights; `after` is called after each.
@@ -116,10 +116,10 @@ impl<'a> FrameLoop<'a> {
             if self.stop.as_ref().is_some_and(stopped) {
                 return Err(Failure::interrupted("stopped"));
             }
-            self.view.frame = self.frame.frames();
+            self.shot.frame = self.frame.frames();
             let mut recorder = Recorder::new(self.gpu, None);
             self.frame
-                .record(self.gpu, &mut recorder, &self.view, lights, &self.probes);
+                .record(self.gpu, &mut recorder, &self.shot, lights, &self.probes);
             recorder.submit(self.gpu)?;
             self.gpu.wait()?;
             after();

@@ -7,8 +7,8 @@ use clap::Args;
 use super::Failure;
 use crate::{
     parameters::{Parameters, nearest},
-    passes::view::{AtlasLayer, Inspection, ProbeColour, ViewMode},
-    world::{self, Camera, LampPreset, LayoutSpec, World, file::Overrides},
+    passes::view::{AtlasLayer, Inspection, ProbeColour},
+    world::{self, Camera, LampPreset, LayoutSpec, View, World, file::Overrides},
 };
 
 /// What every command takes: who reads its results.
@@ -67,7 +67,7 @@ pub struct PictureOptions {
     pub seed: u32,
     /// What the picture shows
     #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
-    pub view: ViewMode,
+    pub view: View,
 }
 
 /// Options that show the probes themselves.
@@ -85,7 +85,7 @@ pub struct InspectionOptions {
 
 impl InspectionOptions {
     /// In pictures of this view.
-    pub fn with(self, view: ViewMode) -> Inspection {
+    pub fn with(self, view: View) -> Inspection {
         let Self { probes, atlas } = self;
         Inspection {
             view,

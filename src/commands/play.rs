@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     app::{self, AppError},
-    passes::view::ViewMode,
+    world::View,
 };
 
 /// The `--json` of a window that was closed.
@@ -43,7 +43,7 @@ pub struct Arguments {
     layout: Option<String>,
     /// What the picture shows
     #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
-    view: ViewMode,
+    view: View,
     #[command(flatten)]
     inspection: InspectionOptions,
     /// Begin with the path-traced reference (F6), and with time standing still

@@ -25,10 +25,10 @@ use crate::{
     },
     passes::{
         scene::MemoryUse,
-        view::{View, ViewMode, camera_rays::CameraRays},
+        view::{Shot, camera_rays::CameraRays},
     },
     reference,
-    world::{generate, voxels::grid_cells},
+    world::{View, generate, voxels::grid_cells},
 };
 
 /// Render a picture of a world
@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn on_the_cpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record), Failure> {
     let (picture_options, run) = (&arguments.picture, &arguments.run);
-    let view = traced_view(picture_options.view)?;
+    check_traceable(picture_options.view)?;
     note_without_probes(picture_options, run, "--cpu");
     let [width, height] = picture_options.size;
     // Sums in f64, the picture in f32, and its bytes.
@@ -109,14 +109,13 @@ fn on_the_cpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     let options = reference::RenderOptions {
         lamps: &setup.lamps,
         time_s: setup.lamp_time_s,
-        textures: setup.parameters.textures.enabled
-            && picture_options.view != ViewMode::TexturesOff,
+        textures: setup.parameters.textures.enabled,
         film: reference::FilmOptions {
             camera: &setup.camera,
             size: picture_options.size,
             samples: arguments.spp,
             seed: u64::from(picture_options.seed),
-            view,
+            view: picture_options.view,
             antialias: false,
             max_bounces: u32::MAX,
         },
@@ -134,7 +133,7 @@ fn on_the_cpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     );
     let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
     bar.finish_and_clear();
-    if view == reference::View::Depth {
+    if picture_options.view == View::Depth {
         show_depth(&mut picture);
     }
 
@@ -189,13 +188,13 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     let mut times = Vec::new();
     for index in 0..=settling {
         let start = Instant::now();
-        let view = View {
+        let shot = Shot {
             camera: setup.camera.clone(),
             size: options.size,
             frame: index,
             seed: options.seed,
             exposure_ev: setup.parameters.picture.exposure_ev,
-            mode: options.view,
+            view: options.view,
             time_s: options.time,
             textures: setup.parameters.textures.enabled,
         };
@@ -204,7 +203,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
         } else {
             Recorder::new(&gpu, Some(&mut timing))
         };
-        frame.record(&gpu, &mut recorder, &view, &lights, probes);
+        frame.record(&gpu, &mut recorder, &shot, &lights, probes);
         recorder.submit(&gpu)?;
         gpu.wait()?;
         wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
@@ -228,10 +227,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     let passes = median_passes(&times);
     let probe_counts = ProbeCounts::read(&gpu, frame.field())?;
     let [width, height] = options.size.map(u64::from);
-    let direct = matches!(
-        options.view,
-        ViewMode::Full | ViewMode::Direct | ViewMode::TexturesOff
-    );
+    let direct = matches!(options.view, View::Full | View::Direct | View::TexturesOff);
     let faces = frame.faces();
     let rays = Rays {
         camera: Some(width * height),
@@ -313,7 +309,7 @@ pub(super) fn note_without_probes(picture: &PictureOptions, run: &RunOptions, tr
 pub(super) fn show_depth(picture: &mut Picture) {
     // Nothing is at distance 0: that is where no surface was met.
     for rgb in picture.rgb.iter_mut().filter(|rgb| rgb[0] > 0.0) {
-        *rgb = rgb.map(ViewMode::depth_shown);
+        *rgb = rgb.map(View::depth_shown);
     }
 }
 
@@ -321,7 +317,7 @@ pub(super) fn show_depth(picture: &mut Picture) {
 pub(super) fn store(
     path: &Path,
     picture: &Picture,
-    view: ViewMode,
+    view: View,
     exposure_ev: f32,
 ) -> Result<(), Failure> {
     if view.is_data() && PictureFormat::of(path)? == PictureFormat::Png {
@@ -336,28 +332,20 @@ pub(super) fn store(
     Ok(())
 }
 
-/// The view of the path tracers, or why they have none.
-pub(super) fn traced_view(view: ViewMode) -> Result<reference::View, Failure> {
-    Ok(match view {
-        ViewMode::Full | ViewMode::TexturesOff => reference::View::Full,
-        ViewMode::Direct => reference::View::Direct,
-        ViewMode::Indirect => reference::View::Indirect,
-        ViewMode::Irradiance => reference::View::Irradiance,
-        ViewMode::Albedo => reference::View::Albedo,
-        ViewMode::Normal => reference::View::Normal,
-        ViewMode::Depth => reference::View::Depth,
-        ViewMode::Steps | ViewMode::Cage | ViewMode::States => {
-            return Err(Failure::bad_input(format!(
-                "--view {} shows how probes light a picture; path tracing has full, direct, indirect, \
-                 irradiance, albedo, normal, depth and textures-off",
-                view_name(view)
-            )));
-        }
-    })
+/// Refuses views that path tracers do not have.
+pub(super) fn check_traceable(view: View) -> Result<(), Failure> {
+    if view.is_traceable() {
+        return Ok(());
+    }
+    Err(Failure::bad_input(format!(
+        "--view {} shows how probes light a picture; path tracing has full, direct, indirect, \
+         irradiance, albedo, normal, depth and textures-off",
+        view_name(view)
+    )))
 }
 
 /// A view as `--view` spells it.
-pub(super) fn view_name(view: ViewMode) -> String {
+pub(super) fn view_name(view: View) -> String {
     let value = view.to_possible_value().expect("no view is hidden");
     value.get_name().to_owned()
 }

@@ -12,8 +12,8 @@ use super::{
 use crate::{
     lights::Lights,
     parameters::Parameters,
-    passes::view::{View, ViewMode},
-    world::{Camera, LampPreset, LayoutSpec, World},
+    passes::view::Shot,
+    world::{Camera, LampPreset, LayoutSpec, View, World},
 };
 
 /// Options of tables.
@@ -165,14 +165,14 @@ impl TestCase {
     }
 
     /// What a driver of this world starts with.
-    pub fn view(&self, camera: &Camera) -> View {
-        View {
+    pub fn shot(&self, camera: &Camera) -> Shot {
+        Shot {
             camera: camera.clone(),
             size: self.options.size,
             frame: 0,
             seed: self.options.seed,
             exposure_ev: self.parameters.picture.exposure_ev,
-            mode: ViewMode::Full,
+            view: View::Full,
             time_s: self.options.time_s,
             textures: self.parameters.textures.enabled,
         }

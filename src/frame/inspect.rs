@@ -6,10 +6,11 @@ use crate::{
     passes::{
         probes::ProbeField,
         view::{
-            Inspection, ViewMode, atlas_view::AtlasView, camera_rays::CameraRays,
-            probe_draw::ProbeDraw, shade::Shade, state_view::StateView,
+            Inspection, atlas_view::AtlasView, camera_rays::CameraRays, probe_draw::ProbeDraw,
+            shade::Shade, state_view::StateView,
         },
     },
+    world::View,
 };
 
 #[derive(Default)]
@@ -34,7 +35,7 @@ impl Inspect {
             ..Self::default()
         };
         let surfaces = &camera_rays.surfaces;
-        if wanted.view == ViewMode::States {
+        if wanted.view == View::States {
             made.states = Some(StateView::new(
                 gpu,
                 &shade.hdr,
@@ -70,10 +71,10 @@ impl Inspect {
         Ok(made)
     }
 
-    /// Records what lies between the camera rays and the tone mapper. `mode` is the view's.
-    pub fn record(&self, recorder: &mut Recorder<'_>, shade: &Shade, mode: ViewMode) {
+    /// Records what lies between the camera rays and the tone mapper. They show `view`.
+    pub fn record(&self, recorder: &mut Recorder<'_>, shade: &Shade, view: View) {
         // Also below an atlas: pixels ask for probes, and looking at them must not put them to sleep.
-        if mode == ViewMode::States {
+        if view == View::States {
             let states = self.states.as_ref();
             let states = states.expect("`Frame::inspect` comes before a view of states");
             states.record(recorder);

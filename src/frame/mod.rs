@@ -14,8 +14,10 @@ mod inspect;
 mod moved;
 mod passes;
 mod stage;
+mod traced;
 
 pub use stage::{BuildReport, Stage};
+pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
 use inspect::Inspect;
 pub use passes::offer;
@@ -31,7 +33,7 @@ use crate::{
         probes::{ProbeField, ProbeFieldError},
         scene::{GpuLights, MemoryUse},
         surface_cache::{NextFrame, SurfaceCache},
-        view::{Inspection, InspectionError, View},
+        view::{Inspection, InspectionError, Shot},
     },
     probes::{ProbeError, Volume},
     world::{
@@ -84,7 +86,7 @@ impl Frame {
         probes: &ProbeParameters,
         size: [u32; 2],
     ) -> Result<Self, FrameError> {
-        let view = View::buffer(gpu);
+        let view = Shot::buffer(gpu);
         let lights = GpuLights::new(gpu);
         let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
@@ -104,17 +106,17 @@ impl Frame {
         })
     }
 
-    /// Records one frame. The view's size must be the frame's.
+    /// Records one frame. The shot's size must be the frame's.
     pub fn record(
         &mut self,
         gpu: &Gpu,
         recorder: &mut Recorder<'_>,
-        view: &View,
+        shot: &Shot,
         lights: &Lights,
         probes: &ProbeParameters,
     ) {
-        debug_assert_eq!(view.size, self.size, "the view's size is the frame's");
-        let uniform = view.to_gpu();
+        debug_assert_eq!(shot.size, self.size, "the shot's size is the frame's");
+        let uniform = shot.to_gpu();
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         self.lights.set(gpu, lights);
@@ -122,7 +124,7 @@ impl Frame {
         let light_change = before.map_or(0.0, |before| lights.change_since(&before));
         if self
             .field
-            .follow(view.camera.position, u64::from(self.frames))
+            .follow(shot.camera.position, u64::from(self.frames))
         {
             self.frames = 0;
             self.field.changes.forget_edits();
@@ -130,10 +132,10 @@ impl Frame {
         }
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
-            .begin_frame(gpu, probes, u64::from(view.seed), u64::from(self.frames));
+            .begin_frame(gpu, probes, u64::from(shot.seed), u64::from(self.frames));
         let next = NextFrame {
-            size: view.size,
-            seed: view.seed,
+            size: shot.size,
+            seed: shot.seed,
             age: self.frames,
             changes: &self.field.changes,
         };
@@ -144,22 +146,22 @@ impl Frame {
             has_fresh: self.field.fresh() > 0,
         };
         self.field.set_placed();
-        self.passes.record(recorder, update, view);
+        self.passes.record(recorder, update, shot);
         self.frames += 1;
     }
 
-    /// Records the picture of a view by the lights and the probes of the last frame, as they are. The
-    /// view's size must be the frame's.
-    pub fn show(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, view: &View) {
-        debug_assert_eq!(view.size, self.size, "the view's size is the frame's");
-        let uniform = view.to_gpu();
+    /// Records the picture of a shot by the lights and the probes of the last frame, as they are. The
+    /// shot's size must be the frame's.
+    pub fn show(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, shot: &Shot) {
+        debug_assert_eq!(shot.size, self.size, "the shot's size is the frame's");
+        let uniform = shot.to_gpu();
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
-        self.passes.record_picture(recorder, view);
+        self.passes.record_picture(recorder, shot);
     }
 
     /// What the next pictures show of the probes themselves. Before the first one of view
-    /// [`ViewMode::States`](crate::passes::view::ViewMode::States).
+    /// [`View::States`](crate::world::View::States).
     ///
     /// # Errors
     /// [`FrameError`] for a layer that there is not, and when the adapter cannot hold what it takes; the

@@ -12,7 +12,7 @@ use crate::{
         surface_cache::{
             SurfaceCache, allocate::SurfaceAllocate, resolve::SurfaceResolve, trace::SurfaceTrace,
         },
-        view::{Inspection, View, camera_rays::CameraRays, shade::Shade, tonemap::Tonemap},
+        view::{Inspection, Shot, camera_rays::CameraRays, shade::Shade, tonemap::Tonemap},
     },
 };
 
@@ -73,7 +73,7 @@ impl Passes {
 
 impl Passes {
     /// A whole frame. Passes inside `concurrent` do not depend on each other.
-    pub fn record(&self, recorder: &mut Recorder<'_>, update: Placement, view: &View) {
+    pub fn record(&self, recorder: &mut Recorder<'_>, update: Placement, shot: &Shot) {
         let placed = self.place_probes(recorder, update);
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
             let surfaces = self.trace_camera(recorder);
@@ -90,14 +90,14 @@ impl Passes {
         });
         let probe_light = self.blend_probes(recorder, active, probe_rays);
         let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
-        let radiance = self.shade(recorder, surfaces, probe_light, face_light, view);
+        let radiance = self.shade(recorder, surfaces, probe_light, face_light, shot);
         self.tonemap(recorder, radiance);
     }
 
     /// A picture of another view by the light of the last frame.
-    pub fn record_picture(&self, recorder: &mut Recorder<'_>, view: &View) {
+    pub fn record_picture(&self, recorder: &mut Recorder<'_>, shot: &Shot) {
         let surfaces = self.trace_camera(recorder);
-        let radiance = self.shade(recorder, surfaces, ProbeLight, FaceLight, view);
+        let radiance = self.shade(recorder, surfaces, ProbeLight, FaceLight, shot);
         self.tonemap(recorder, radiance);
     }
 }
@@ -197,9 +197,9 @@ impl Passes {
         _: Surfaces,
         _: ProbeLight,
         _: FaceLight,
-        view: &View,
+        shot: &Shot,
     ) -> Radiance {
-        self.inspect.record(recorder, &self.shade, view.mode);
+        self.inspect.record(recorder, &self.shade, shot.view);
         Radiance
     }
 

@@ -11,4 +11,4 @@ pub mod random;
 pub mod render;
 
 pub use path_trace::TracedWorld;
-pub use render::{FilmOptions, RenderOptions, View, render, render_scene};
+pub use render::{FilmOptions, RenderOptions, render, render_scene};

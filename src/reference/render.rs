@@ -12,29 +12,7 @@ use crate::lights::Lights;
 use crate::measure::picture::Picture;
 use crate::world::materials::MaterialSet;
 use crate::world::voxels::Voxels;
-use crate::world::{Camera, CameraBasis, LampPreset, World};
-
-/// What the picture shows, in linear units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum View {
-    /// Direct + indirect.
-    #[default]
-    Full,
-    /// Sky and emission as the camera sees them, and the light that surfaces reflect straight from
-    /// lamps and sun.
-    Direct,
-    /// The rest: light that has met another surface before, or that comes from the sky or from
-    /// emissive voxels, reflected by the surface.
-    Indirect,
-    /// As `Indirect` on white surfaces: the incoming irradiance over π.
-    Irradiance,
-    /// Black where there is no surface, as are the two that follow.
-    Albedo,
-    /// (normal + 1) / 2.
-    Normal,
-    /// Distance from the camera in voxels, along the ray.
-    Depth,
-}
+use crate::world::{Camera, CameraBasis, LampPreset, View, World};
 
 /// How to render a picture of a world.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +34,8 @@ pub struct FilmOptions<'a> {
     /// Samples (paths) per pixel, at least 1. The error falls with its root.
     pub samples: u32,
     pub seed: u64,
+    /// A traceable one. All values are linear. Normals are stored as (normal + 1) / 2, and depth as the distance
+    /// along the ray in voxels. Views of data are black where there is no surface.
     pub view: View,
     /// Spreads the samples over the pixel. Off, all of them look through its centre, as the
     /// renderer on the GPU does.
@@ -92,12 +72,20 @@ pub fn render(
 }
 
 /// As [`render`], of a scene whose materials and lights are ready.
+///
+/// # Panics
+/// For a view that shows how probes light a picture: there are none here.
 pub fn render_scene(
     scene: &TracedWorld,
     options: &FilmOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
     cancel: &AtomicBool,
 ) -> Picture {
+    assert!(
+        options.view.is_traceable(),
+        "path tracing has no view {:?}",
+        options.view
+    );
     let [width, height] = options.size;
     let mut picture = Picture::new(width, height);
     if picture.rgb.is_empty() {
@@ -157,7 +145,7 @@ impl Row {
 
 /// From pixels to samples of what the camera sees through them.
 struct Film<'a> {
-    scene: &'a TracedWorld<'a>,
+    scene: TracedWorld<'a>,
     options: &'a FilmOptions<'a>,
     camera: CameraBasis,
     /// Samples per pixel that make a difference to this view.
@@ -173,12 +161,15 @@ struct Look {
 }
 
 impl<'a> Film<'a> {
-    fn new(scene: &'a TracedWorld<'a>, options: &'a FilmOptions<'a>) -> Self {
+    fn new(scene: &TracedWorld<'a>, options: &'a FilmOptions<'a>) -> Self {
         let [width, height] = options.size.map(f64::from);
         let camera = options.camera.basis(width / height);
         let random = options.antialias || options.view.is_random();
         Self {
-            scene,
+            scene: TracedWorld {
+                textures: scene.textures && options.view != View::TexturesOff,
+                ..*scene
+            },
             options,
             camera,
             samples: if random { options.samples.max(1) } else { 1 },
@@ -215,20 +206,23 @@ impl<'a> Film<'a> {
         match hit {
             CameraHit::Sky(radiance) | CameraHit::Solid(radiance) => Look {
                 sure: match self.options.view {
-                    View::Full | View::Direct => radiance,
+                    View::Full | View::TexturesOff | View::Direct => radiance,
                     _ => DVec3::ZERO,
                 },
                 surface: None,
             },
             CameraHit::Surface(vertex) => Look {
                 sure: match self.options.view {
-                    View::Full | View::Direct => {
+                    View::Full | View::TexturesOff | View::Direct => {
                         vertex.emission + self.scene.lamps_reflected(&vertex)
                     }
                     View::Indirect | View::Irradiance => DVec3::ZERO,
                     View::Albedo => vertex.albedo,
                     View::Normal => (vertex.normal() + 1.0) / 2.0,
                     View::Depth => DVec3::splat(vertex.distance),
+                    View::Steps | View::Cage | View::States => {
+                        unreachable!("only traceable views are rendered")
+                    }
                 },
                 surface: Some(vertex),
             },
@@ -239,19 +233,15 @@ impl<'a> Film<'a> {
         let Some(vertex) = &look.surface else {
             return DVec3::ZERO;
         };
-        let reflectance = match self.options.view {
-            View::Full | View::Indirect => vertex.albedo,
+        let view = self.options.view;
+        if !view.is_random() {
+            return DVec3::ZERO;
+        }
+        let reflectance = match view {
             View::Irradiance => DVec3::ONE,
-            View::Direct | View::Albedo | View::Normal | View::Depth => return DVec3::ZERO,
+            _ => vertex.albedo,
         };
         let max_bounces = self.options.max_bounces;
         reflectance * self.scene.bounced(vertex, max_bounces, random)
-    }
-}
-
-impl View {
-    /// Whether samples of the same camera ray differ.
-    fn is_random(self) -> bool {
-        matches!(self, Self::Full | Self::Indirect | Self::Irradiance)
     }
 }

@@ -1,5 +1,5 @@
 //! What a world is: shape, materials, features, lights, cameras and probe layouts, as read from a
-//! RON file, and the voxels that come of it. Knows no GPU.
+//! RON file, the voxels that come of it, and what pictures of it show. Knows no GPU.
 //!
 //! Spaces: `_ws` is world space (+Y up, right-handed, in voxels; the lamp powers of a file with
 //! `voxel_m` other than 1 are converted while it is read, so that one unit is one voxel everywhere
@@ -15,6 +15,7 @@ pub mod noise;
 pub mod rules;
 pub mod scenery;
 pub mod sdf;
+pub mod view;
 pub mod voxels;
 
 use glam::{IVec3, UVec3};
@@ -27,6 +28,7 @@ pub use scenery::{
     Camera, Lamp, LampKind, LampPreset, LayoutSpec, Motion, ResponseSpec, Sky, Sun, Wall,
 };
 pub use sdf::Sdf;
+pub use view::View;
 
 /// A world as its file describes it, checked: every name resolved, every number finite.
 #[derive(Clone, Debug)]

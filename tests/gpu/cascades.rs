@@ -11,9 +11,9 @@ use grotto::{
         picture::Picture,
     },
     parameters::{ProbeParameters, Visibility},
-    passes::view::{View, ViewMode},
+    passes::view::Shot,
     probes::{Layout as _, Volume},
-    world::{Camera, LayoutSpec, World},
+    world::{Camera, LayoutSpec, View, World},
 };
 use half::f16;
 
@@ -89,20 +89,20 @@ impl Hall {
         }
     }
 
-    fn view(&self, position: Vec3) -> View {
-        View {
+    fn shot(&self, position: Vec3) -> Shot {
+        Shot {
             frame: self.frame.frames(),
             seed: 5,
-            mode: ViewMode::Irradiance,
-            ..frames::view(camera(position), SIZE)
+            view: View::Irradiance,
+            ..frames::shot(camera(position), SIZE)
         }
     }
 
     fn step(&mut self, position: Vec3) {
-        let view = self.view(position);
+        let shot = self.shot(position);
         let mut recorder = Recorder::new(&self.gpu, None);
         self.frame
-            .record(&self.gpu, &mut recorder, &view, &self.lights, &self.probes);
+            .record(&self.gpu, &mut recorder, &shot, &self.lights, &self.probes);
         recorder.submit(&self.gpu).expect("submits");
     }
 
@@ -118,9 +118,9 @@ impl Hall {
 
     /// The picture from another place by the probes as they are.
     fn look(&mut self, position: Vec3) -> Picture {
-        let view = self.view(position);
+        let shot = self.shot(position);
         let mut recorder = Recorder::new(&self.gpu, None);
-        self.frame.show(&self.gpu, &mut recorder, &view);
+        self.frame.show(&self.gpu, &mut recorder, &shot);
         recorder.submit(&self.gpu).expect("submits");
         self.picture()
     }

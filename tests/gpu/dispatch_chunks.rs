@@ -9,7 +9,7 @@ use grotto::{
     parameters::{Parameters, ProbeStates},
     passes::{
         bench::rays::{FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
-        view::View,
+        view::Shot,
     },
     world::{LayoutSpec, World},
 };
@@ -30,10 +30,10 @@ fn world() -> World {
     support::shipped("cornell")
 }
 
-fn view(world: &World, frame: u32) -> View {
-    View {
+fn shot(world: &World, frame: u32) -> Shot {
+    Shot {
         frame,
-        ..frames::view(world.cameras[0].clone(), SIZE)
+        ..frames::shot(world.cameras[0].clone(), SIZE)
     }
 }
 
@@ -64,8 +64,8 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
     let mut timing = timed.then(|| Timing::new(gpu).expect("a clock"));
     for index in 0..3 {
         let mut recorder = Recorder::new(gpu, timing.as_mut());
-        let view = view(&world, index);
-        frame.record(gpu, &mut recorder, &view, &lights, &parameters.probes);
+        let shot = shot(&world, index);
+        frame.record(gpu, &mut recorder, &shot, &lights, &parameters.probes);
         recorder.submit(gpu).expect("submits");
         gpu.wait().expect("the device lives");
         if let Some(timing) = timing.as_mut().filter(|timing| timing.supported()) {
@@ -160,7 +160,7 @@ fn bench_rays_do_not_depend_on_how_they_went_out() {
         let gpu = gpu(first_groups);
         let world = world();
         let stage = Stage::build(&gpu, &world).expect("fits");
-        let buffer = gpu.uniform_buffer("view", &view(&world, 0).to_gpu());
+        let buffer = gpu.uniform_buffer("view", &shot(&world, 0).to_gpu());
         let probes: Vec<UVec3> = (1..30).map(|at| UVec3::new(at, 5, 7)).collect();
         let directions: Vec<Vec3> = (0..64)
             .map(|i| {

@@ -12,10 +12,10 @@ use grotto::{
     passes::{
         bench::rays::{FoundHit, Marcher, RayBench, RayKind, RaySet},
         scene::GpuVoxels,
-        view::{View, ViewMode},
+        view::Shot,
     },
     world::{
-        Camera, World,
+        Camera, View, World,
         voxels::{BRICK_VOXELS, CELL, Edit, NewCell, Voxels, brick_index},
     },
 };
@@ -125,8 +125,8 @@ fn hits(gpu: &Gpu, voxels: &GpuVoxels, marchers: &[Marcher]) -> Vec<FoundHit> {
         pitch_deg: -40.0,
         fov_deg: 80.0,
     };
-    let view = frames::view(camera, [48, 32]);
-    let view_buffer = gpu.uniform_buffer("view", &view.to_gpu());
+    let shot = frames::shot(camera, [48, 32]);
+    let view_buffer = gpu.uniform_buffer("view", &shot.to_gpu());
     let probes: Vec<UVec3> = everywhere(UVec3::splat(4))
         .map(|at| at.as_uvec3() * 10 + UVec3::new(3, 1, 2))
         .collect();
@@ -136,7 +136,7 @@ fn hits(gpu: &Gpu, voxels: &GpuVoxels, marchers: &[Marcher]) -> Vec<FoundHit> {
         .collect();
     let rays = RaySet {
         view: &view_buffer,
-        size: view.size,
+        size: shot.size,
         rays_per_edge: 1,
         probes: &probes,
         directions: &directions,
@@ -314,15 +314,15 @@ impl Shown {
 
     /// A frame more: what is seen, in a view that asks no probe, and the probes outside of stone.
     fn draw(&mut self) -> (Vec<[f32; 3]>, u32) {
-        let view = View {
+        let shot = Shot {
             frame: self.frame.frames(),
-            mode: ViewMode::Direct,
-            ..frames::view(self.world.cameras[0].clone(), self.frame.size())
+            view: View::Direct,
+            ..frames::shot(self.world.cameras[0].clone(), self.frame.size())
         };
         let lights = Lights::at(&self.world, &self.world.lamp_presets[0], 0.0);
         let mut recorder = Recorder::new(&self.gpu, None);
         self.frame
-            .record(&self.gpu, &mut recorder, &view, &lights, &self.parameters);
+            .record(&self.gpu, &mut recorder, &shot, &lights, &self.parameters);
         recorder.submit(&self.gpu).expect("submits");
         let picture = self.frame.read_radiance(&self.gpu).expect("reads back");
         let alive = self.frame.field().state_counts(&self.gpu);

@@ -8,8 +8,7 @@ use grotto::{
     gpu::Gpu,
     measure::picture::Picture,
     parameters::ProbeParameters,
-    passes::view::ViewMode,
-    world::{LampPreset, World},
+    world::{LampPreset, View, World},
 };
 
 use crate::support::{
@@ -145,7 +144,7 @@ impl Absorbed {
             drawn.draw(measured);
             mean(&drawn.radiance())
         });
-        drawn.view.mode = ViewMode::Irradiance;
+        drawn.shot.view = View::Irradiance;
         let bounced = each_wall(&mut drawn, |drawn| {
             drawn.draw(1);
             mean(&drawn.radiance())
@@ -172,7 +171,7 @@ impl Absorbed {
 fn each_wall(drawn: &mut Drawn, mut measure: impl FnMut(&mut Drawn) -> f64) -> f64 {
     let mut sum = 0.0;
     for camera in all_around(DVec3::ZERO) {
-        drawn.view.camera = camera;
+        drawn.shot.camera = camera;
         sum += measure(drawn);
     }
     sum / 6.0

@@ -6,9 +6,7 @@ use grotto::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{FinalGather, ProbeParameters},
-    passes::view::ViewMode,
-    reference,
-    world::voxels::Voxels,
+    world::{View, voxels::Voxels},
 };
 
 use crate::support::{
@@ -57,8 +55,8 @@ impl Room {
         let world = support::parsed(text);
         let layout = world.layouts[0].clone();
         let mut drawn = Drawn::new(support::gpu(), world, &layout, probes, size);
-        drawn.view.mode = ViewMode::Irradiance;
-        drawn.view.seed = 3;
+        drawn.shot.view = View::Irradiance;
+        drawn.shot.seed = 3;
         let voxels = drawn.frame.stage.read_back(&drawn.gpu).expect("reads back");
         Self { drawn, voxels }
     }
@@ -77,7 +75,7 @@ impl Room {
 
     /// What [`after`](Self::after) should come to.
     fn truth(&self) -> Picture {
-        self.drawn.path_traced(reference::View::Irradiance, 256)
+        self.drawn.path_traced(View::Irradiance, 256)
     }
 
     /// Entries of the surface cache.
@@ -189,7 +187,7 @@ fn what_rays_hit_knows_its_own_light() {
 fn noise_between_quadrants_is_not_shown() {
     let seen_by = |seed| {
         let mut room = Room::new(quick());
-        room.drawn.view.seed = seed;
+        room.drawn.shot.seed = seed;
         room.after(40)
     };
     let apart = apart(&seen_by(3), &seen_by(4));

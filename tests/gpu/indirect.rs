@@ -14,10 +14,10 @@ use grotto::{
         },
         scene::{GpuLights, GpuMaterials, GpuVoxels},
         surface_cache::SurfaceCache,
-        view::{View, ViewMode, camera_rays::CameraRays, shade::Shade},
+        view::{Shot, camera_rays::CameraRays, shade::Shade},
     },
     probes::Layout as _,
-    world::{Camera, Material, materials::MaterialSet, voxels::Voxels},
+    world::{Camera, Material, View, materials::MaterialSet, voxels::Voxels},
 };
 use half::f16;
 
@@ -137,7 +137,7 @@ impl Stage {
     }
 
     /// Radiance of every pixel of a small picture from the room's middle.
-    fn picture(&self, mode: ViewMode, yaw_deg: f32) -> Vec<Vec3> {
+    fn picture(&self, view: View, yaw_deg: f32) -> Vec<Vec3> {
         let camera = Camera {
             name: "inside".into(),
             position: Vec3::new(0.3, 0.2, 0.1),
@@ -145,15 +145,15 @@ impl Stage {
             pitch_deg: -20.0,
             fov_deg: 90.0,
         };
-        self.seen_by(camera, [32, 24], mode)
+        self.seen_by(camera, [32, 24], view)
     }
 
-    fn seen_by(&self, camera: Camera, size: [u32; 2], mode: ViewMode) -> Vec<Vec3> {
-        let view = View {
-            mode,
-            ..frames::view(camera, size)
+    fn seen_by(&self, camera: Camera, size: [u32; 2], view: View) -> Vec<Vec3> {
+        let shot = Shot {
+            view,
+            ..frames::shot(camera, size)
         };
-        let buffer = self.gpu.uniform_buffer("view", &view.to_gpu());
+        let buffer = self.gpu.uniform_buffer("view", &shot.to_gpu());
         let mut resources = self.voxels.resources().to_vec();
         resources.extend(self.materials.resources());
         resources.extend(self.lights.resources());
@@ -211,7 +211,7 @@ fn a_white_furnace_reaches_its_closed_form_and_never_more() {
         let mut last = 0.0;
         for _ in 0..4 {
             stage.update(16);
-            let picture = stage.picture(ViewMode::Full, 30.0);
+            let picture = stage.picture(View::Full, 30.0);
             for colour in &picture {
                 assert!(
                     colour.max_element() < expected * 1.005,
@@ -240,13 +240,13 @@ fn light_dies_out_without_a_source() {
     };
     let mut stage = Stage::new(&voxels(room), &[flat(0.7, 0.0)], &lit, parameters);
     stage.update(30);
-    let before = mean(&stage.picture(ViewMode::Indirect, 0.0));
+    let before = mean(&stage.picture(View::Indirect, 0.0));
     assert!(before > 0.1, "{before}");
     stage.lights.set(&stage.gpu, &dark());
     let mut last = before;
     for _ in 0..4 {
         stage.update(20);
-        let now = mean(&stage.picture(ViewMode::Indirect, 0.0));
+        let now = mean(&stage.picture(View::Indirect, 0.0));
         assert!(now <= last * 1.001, "{now} after {last}");
         last = now;
     }
@@ -276,7 +276,7 @@ fn a_lamp_in_a_diffuse_room_keeps_its_energy() {
     let expected = flux / area * albedo / (1.0 - albedo) / std::f32::consts::PI;
     // Each shows one wall, every part of it equally large.
     let walls = all_around(DVec3::ZERO)
-        .map(|camera| mean(&stage.seen_by(camera, [36, 36], ViewMode::Irradiance)));
+        .map(|camera| mean(&stage.seen_by(camera, [36, 36], View::Irradiance)));
     let found = walls.iter().sum::<f32>() / 6.0;
     // Probes 6 m apart miss 4.3 % of the light near the walls (tests/gpu/energy.rs judges whole frames).
     // Without what comes after the third bounce an eighth would be missing.
@@ -299,13 +299,13 @@ fn views_show_what_they_are_named_for() {
     };
     let mut stage = Stage::new(&voxels(room), &[flat(0.5, 0.25)], &lit, parameters);
     stage.update(45);
-    let view = |mode| stage.picture(mode, 20.0);
+    let shown = |view| stage.picture(view, 20.0);
     let (full, direct, indirect) = (
-        view(ViewMode::Full),
-        view(ViewMode::Direct),
-        view(ViewMode::Indirect),
+        shown(View::Full),
+        shown(View::Direct),
+        shown(View::Indirect),
     );
-    let irradiance = view(ViewMode::Irradiance);
+    let irradiance = shown(View::Irradiance);
     for i in 0..full.len() {
         let sum = direct[i] + indirect[i];
         assert!((full[i] - sum).abs().max_element() < 0.01 * sum.max_element());
@@ -313,12 +313,12 @@ fn views_show_what_they_are_named_for() {
         assert!((indirect[i] - reflected).abs().max_element() < 0.01 * reflected.max_element());
     }
     assert!(
-        view(ViewMode::Albedo)
+        shown(View::Albedo)
             .iter()
             .all(|c| (*c - 0.5).abs().max_element() < 1e-3)
     );
-    assert_eq!(view(ViewMode::TexturesOff), full, "this material is plain");
-    for normal in view(ViewMode::Normal) {
+    assert_eq!(shown(View::TexturesOff), full, "this material is plain");
+    for normal in shown(View::Normal) {
         let unpacked = normal * 2.0 - 1.0;
         assert!((unpacked.length() - 1.0).abs() < 1e-3, "{unpacked}");
     }
@@ -327,12 +327,12 @@ fn views_show_what_they_are_named_for() {
             .iter()
             .all(|c| c.cmpge(Vec3::ZERO).all() && c.cmple(Vec3::ONE).all())
     };
-    for mode in [ViewMode::Depth, ViewMode::Steps, ViewMode::Cage] {
-        let picture = view(mode);
-        assert!(picture.iter().any(|c| *c != picture[0]), "{mode:?} is flat");
+    for view in [View::Depth, View::Steps, View::Cage] {
+        let picture = shown(view);
+        assert!(picture.iter().any(|c| *c != picture[0]), "{view:?} is flat");
         assert!(
             in_unit(picture),
-            "{mode:?} must survive without a tone mapper"
+            "{view:?} must survive without a tone mapper"
         );
     }
 }
@@ -355,12 +355,12 @@ fn shadow_rays_find_the_wall_between() {
             ProbeParameters::default(),
         )
     };
-    let hidden = stage(wall).picture(ViewMode::Direct, 0.0);
+    let hidden = stage(wall).picture(View::Direct, 0.0);
     assert!(
         hidden.iter().all(|c| *c == Vec3::ZERO),
         "the camera stands in the dark half"
     );
-    let open = stage(room).picture(ViewMode::Direct, 0.0);
+    let open = stage(room).picture(View::Direct, 0.0);
     let dark = open.iter().filter(|c| **c == Vec3::ZERO).count();
     assert_eq!(dark, 0, "no speckles on walls that the lamp sees");
 }
@@ -381,7 +381,7 @@ fn two_runs_give_the_same_bytes() {
         let mut stage = Stage::new(&voxels(room), &[flat(0.5, 0.0)], &lit, parameters);
         stage.seed = seed;
         stage.update(5);
-        stage.picture(ViewMode::Full, 0.0)
+        stage.picture(View::Full, 0.0)
     };
     let first = run(3);
     assert_eq!(first, run(3));

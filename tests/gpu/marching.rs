@@ -84,8 +84,8 @@ fn marching_equals_plain_dda_hit_for_hit() {
             pitch_deg: if seed == 2 { -35.0 } else { 0.0 },
             fov_deg: 80.0,
         };
-        let view = frames::view(camera, [160, 96]);
-        let view_buffer = gpu.uniform_buffer("view", &view.to_gpu());
+        let shot = frames::shot(camera, [160, 96]);
+        let view_buffer = gpu.uniform_buffer("view", &shot.to_gpu());
         let probes: Vec<UVec3> = (0..64)
             .map(|i| UVec3::new(i * 37 % SIZE.x, i * 11 % SIZE.y, i * 53 % SIZE.z))
             .filter(|probe| voxels.material(probe.as_ivec3()) == 0)
@@ -96,7 +96,7 @@ fn marching_equals_plain_dda_hit_for_hit() {
             &on_gpu,
             &RaySet {
                 view: &view_buffer,
-                size: view.size,
+                size: shot.size,
                 rays_per_edge: 1,
                 probes: &probes,
                 directions: &directions,

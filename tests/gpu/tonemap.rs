@@ -3,7 +3,8 @@
 use grotto::{
     gpu::{Gpu, Recorder},
     measure::{picture::Picture, picture_file, tonemap},
-    passes::view::{GpuView, View, ViewMode, tonemap::Tonemap},
+    passes::view::{GpuShot, Shot, tonemap::Tonemap},
+    world::View,
 };
 
 use crate::support;
@@ -23,12 +24,12 @@ fn linear() -> Picture {
     picture
 }
 
-fn map_on_gpu(gpu: &Gpu, exposure_ev: f32, mode: ViewMode) -> Picture {
-    map_marked(gpu, exposure_ev, mode, 1.0)
+fn map_on_gpu(gpu: &Gpu, exposure_ev: f32, view: View) -> Picture {
+    map_marked(gpu, exposure_ev, view, 1.0)
 }
 
 /// With this alpha, which says how pixels are shown.
-fn map_marked(gpu: &Gpu, exposure_ev: f32, mode: ViewMode, alpha: f32) -> Picture {
+fn map_marked(gpu: &Gpu, exposure_ev: f32, view: View, alpha: f32) -> Picture {
     let texels: Vec<[f32; 4]> = linear()
         .rgb
         .iter()
@@ -59,17 +60,17 @@ fn map_marked(gpu: &Gpu, exposure_ev: f32, mode: ViewMode, alpha: f32) -> Pictur
         },
         size,
     );
-    let view = View::buffer(gpu);
-    let content = GpuView {
+    let uniform = Shot::buffer(gpu);
+    let content = GpuShot {
         width: SIZE[0],
         height: SIZE[1],
         exposure: exposure_ev.exp2(),
-        mode: mode as u32,
+        mode: view as u32,
         ..Default::default()
     };
     gpu.queue
-        .write_buffer(&view, 0, bytemuck::bytes_of(&content));
-    let resources = [("view", view.as_entire_binding())];
+        .write_buffer(&uniform, 0, bytemuck::bytes_of(&content));
+    let resources = [("view", uniform.as_entire_binding())];
     let pass = Tonemap::new(gpu, SIZE, &lit.create_view(&Default::default()), &resources)
         .expect("compiles");
     let mut recorder = Recorder::new(gpu, None);
@@ -88,7 +89,7 @@ fn worst(a: &Picture, b: &Picture) -> f32 {
 #[test]
 fn the_pass_shows_what_the_cpu_shows() {
     let gpu = support::gpu();
-    let shown = map_on_gpu(&gpu, 0.5, ViewMode::Full);
+    let shown = map_on_gpu(&gpu, 0.5, View::Full);
     // Half a step of rounding, and what 32-bit powers lose.
     let tolerance = 0.75 / 255.0;
     assert!(worst(&shown, &tonemap::tone_mapped(&linear(), 0.5)) < tolerance);
@@ -101,27 +102,27 @@ fn the_pass_shows_what_the_cpu_shows() {
 #[test]
 fn data_is_encoded_but_neither_exposed_nor_mapped() {
     let gpu = support::gpu();
-    let shown = map_on_gpu(&gpu, 3.0, ViewMode::Albedo);
+    let shown = map_on_gpu(&gpu, 3.0, View::Albedo);
     assert!(worst(&shown, &tonemap::encoded(&linear())) < 0.75 / 255.0);
 }
 
 #[test]
 fn probes_are_shown_as_light_or_data_whatever_the_view_is_of() {
     let gpu = support::gpu();
-    let [light, data] = [ViewMode::Full, ViewMode::Albedo];
-    let shown = |mode, alpha| map_marked(&gpu, 1.0, mode, alpha);
+    let [light, data] = [View::Full, View::Albedo];
+    let shown = |view, alpha| map_marked(&gpu, 1.0, view, alpha);
     let [of_light, of_data] = [shown(light, 1.0), shown(data, 1.0)];
     assert!(of_light != of_data);
-    for mode in [light, data] {
-        assert!(shown(mode, 2.0) == of_light, "{mode:?}");
-        assert!(shown(mode, 3.0) == of_data, "{mode:?}");
+    for view in [light, data] {
+        assert!(shown(view, 2.0) == of_light, "{view:?}");
+        assert!(shown(view, 3.0) == of_data, "{view:?}");
     }
 }
 
 #[test]
 fn the_file_of_a_shown_picture_holds_its_very_bytes() {
     let gpu = support::gpu();
-    let shown = map_on_gpu(&gpu, 0.0, ViewMode::Full);
+    let shown = map_on_gpu(&gpu, 0.0, View::Full);
     let folder = support::folder();
     let path = folder.path().join("shown.png");
     picture_file::write_png(&path, &shown).expect("writable");

@@ -7,10 +7,10 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::measure::metrics::absolute_sum;
 use grotto::measure::picture::Picture;
 use grotto::measure::statistics::MeanEstimate;
-use grotto::reference::{FilmOptions, RenderOptions, View, render, render_scene};
-use grotto::world::Camera;
+use grotto::reference::{FilmOptions, RenderOptions, render, render_scene};
 use grotto::world::file::{self, Overrides};
 use grotto::world::generate::generate;
+use grotto::world::{Camera, View};
 
 use super::stage::{Cpu, Stage, Tracer as _, options, point_lamp, square_camera, uniform_sky};
 

@@ -6,11 +6,11 @@ use glam::{IVec3, UVec3, Vec3};
 use grotto::lights::Lights;
 use grotto::measure::picture::Picture;
 use grotto::measure::statistics::MeanEstimate;
-use grotto::reference::{FilmOptions, TracedWorld, View, render_scene};
+use grotto::reference::{FilmOptions, TracedWorld, render_scene};
 use grotto::world::generate::generate;
 use grotto::world::materials::MaterialSet;
 use grotto::world::voxels::Voxels;
-use grotto::world::{Camera, Lamp, LampKind, LampPreset, Material, Sky, Sun};
+use grotto::world::{Camera, Lamp, LampKind, LampPreset, Material, Sky, Sun, View};
 
 use crate::support::scenes::voxels_from;
 pub use crate::support::scenes::{all_around, flat, square_camera, uniform_sky};

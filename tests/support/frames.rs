@@ -3,26 +3,24 @@
 use std::sync::atomic::AtomicBool;
 
 use grotto::{
-    commands::reference::{TraceRequest, trace},
-    frame::{Frame, Stage},
+    frame::{Frame, Stage, TraceRequest, trace},
     gpu::{Gpu, Recorder},
     lights::Lights,
     measure::picture::Picture,
     parameters::ProbeParameters,
-    passes::view::{View, ViewMode},
-    reference,
-    world::{Camera, LayoutSpec, World},
+    passes::view::Shot,
+    world::{Camera, LayoutSpec, View, World},
 };
 
 /// A picture of everything, of the first frame, with neither exposure nor time.
-pub fn view(camera: Camera, size: [u32; 2]) -> View {
-    View {
+pub fn shot(camera: Camera, size: [u32; 2]) -> Shot {
+    Shot {
         camera,
         size,
         frame: 0,
         seed: 0,
         exposure_ev: 0.0,
-        mode: ViewMode::Full,
+        view: View::Full,
         time_s: 0.0,
         textures: true,
     }
@@ -36,7 +34,7 @@ pub struct Drawn {
     pub lights: Lights,
     pub probes: ProbeParameters,
     /// What the next frame shows. Its number is set by [`draw`](Self::draw).
-    pub view: View,
+    pub shot: Shot,
 }
 
 impl Drawn {
@@ -52,7 +50,7 @@ impl Drawn {
         let frame = Frame::new(&gpu, stage, layout, &probes, size).expect("the frame fits");
         Self {
             lights: Lights::at(&world, &world.lamp_presets[0], 0.0),
-            view: view(world.cameras[0].clone(), size),
+            shot: shot(world.cameras[0].clone(), size),
             gpu,
             world,
             frame,
@@ -63,11 +61,11 @@ impl Drawn {
     /// Draws `frames` more frames.
     pub fn draw(&mut self, frames: u32) {
         for _ in 0..frames {
-            self.view.frame = self.frame.frames();
+            self.shot.frame = self.frame.frames();
             let mut recorder = Recorder::new(&self.gpu, None);
-            let (view, lights) = (&self.view, &self.lights);
+            let (shot, lights) = (&self.shot, &self.lights);
             self.frame
-                .record(&self.gpu, &mut recorder, view, lights, &self.probes);
+                .record(&self.gpu, &mut recorder, shot, lights, &self.probes);
             recorder.submit(&self.gpu).expect("submits");
             self.gpu.wait().expect("the device lives");
         }
@@ -79,10 +77,10 @@ impl Drawn {
     }
 
     /// What the picture should come to: path tracing on the GPU.
-    pub fn path_traced(&self, view: reference::View, spp: u32) -> Picture {
+    pub fn path_traced(&self, view: View, spp: u32) -> Picture {
         let request = TraceRequest {
-            camera: &self.view.camera,
-            size: self.view.size,
+            camera: &self.shot.camera,
+            size: self.shot.size,
             view,
             spp,
             seed: 5,

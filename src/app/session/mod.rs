@@ -249,7 +249,7 @@ impl Session {
         let target = texture.texture.create_view(&Default::default());
         let gpu = self.viewport.gpu.clone();
         // The path tracer learns from its own time how much to do in a frame.
-        let is_timed = self.viewport.truth().is_some()
+        let is_timed = self.viewport.reference_view().is_some()
             || (self.presented.is_multiple_of(FRAMES_TO_TIME) && !is_benchmark);
         let mut recorder = if is_timed {
             Recorder::new(&gpu, Some(&mut self.timing))

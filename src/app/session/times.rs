@@ -14,16 +14,16 @@ impl Session {
             if is_gpu_time && let Some(run) = &mut self.benchmarks.running {
                 run.gpu_took(times.frame_ms);
             }
-            if let Some(truth) = self.viewport.truth() {
-                truth.took(Some(&times), frame_ms);
+            if let Some(reference_view) = self.viewport.reference_view() {
+                reference_view.took(Some(&times), frame_ms);
             }
         }
         let benchmark = self.benchmarks.running.as_ref().map(Benchmark::status);
-        let traced = self.viewport.truth().map(|truth| {
+        let traced = self.viewport.reference_view().map(|reference_view| {
             if !self.timing.supported() {
-                truth.took(None, frame_ms);
+                reference_view.took(None, frame_ms);
             }
-            format!("path-traced: {} samples a pixel", truth.samples())
+            format!("path-traced: {} samples a pixel", reference_view.samples())
         });
         self.messages.status = benchmark.or(traced);
     }

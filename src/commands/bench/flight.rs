@@ -27,10 +27,10 @@ use crate::{
         tonemap::tone_mapped,
     },
     parameters::ProbeParameters,
-    passes::view::{View, ViewMode},
+    passes::view::Shot,
     probes::Layout as _,
     reference::flight_path::Path,
-    world::{Camera, LayoutSpec},
+    world::{Camera, LayoutSpec, View},
 };
 
 /// Light while the camera flies and after it has jumped, and what probes that come cost
@@ -164,7 +164,7 @@ struct Flyer<'a> {
     gpu: &'a Gpu,
     frame: Frame,
     timing: Timing,
-    view: View,
+    shot: Shot,
     case: &'a TestCase,
     layout: &'a LayoutSpec,
     probes: &'a ProbeParameters,
@@ -179,14 +179,14 @@ impl<'a> Flyer<'a> {
         probes: &'a ProbeParameters,
         bar: &'a ProgressBar,
     ) -> Result<Self, Failure> {
-        let mut view = case.view(&case.cameras[0]);
-        view.mode = ViewMode::Irradiance;
+        let mut shot = case.shot(&case.cameras[0]);
+        shot.view = View::Irradiance;
         let stage = Stage::build(gpu, &case.world)?;
         Ok(Self {
             gpu,
-            frame: Frame::new(gpu, stage, layout, probes, view.size)?,
+            frame: Frame::new(gpu, stage, layout, probes, shot.size)?,
             timing: Timing::new(gpu)?,
-            view,
+            shot,
             case,
             layout,
             probes,
@@ -196,12 +196,12 @@ impl<'a> Flyer<'a> {
 
     /// The next frame; gives its milliseconds, where they are known.
     fn step(&mut self, camera: &Camera) -> Result<Option<f64>, Failure> {
-        self.view.camera = camera.clone();
-        self.view.frame = self.frame.frames();
+        self.shot.camera = camera.clone();
+        self.shot.frame = self.frame.frames();
         let mut recorder = Recorder::new(self.gpu, Some(&mut self.timing));
         let lights = &self.case.lights;
         self.frame
-            .record(self.gpu, &mut recorder, &self.view, lights, self.probes);
+            .record(self.gpu, &mut recorder, &self.shot, lights, self.probes);
         recorder.submit(self.gpu)?;
         self.gpu.wait()?;
         self.bar.inc(1);
@@ -220,29 +220,29 @@ impl<'a> Flyer<'a> {
     /// What the camera of the last step has seen.
     fn seen(&mut self) -> Result<Look, Failure> {
         let irradiance = self.frame.read_radiance(self.gpu)?;
-        self.with_display(irradiance, &self.view.camera.clone())
+        self.with_display(irradiance, &self.shot.camera.clone())
     }
 
     /// What another camera sees by the light as it is.
     fn look(&mut self, camera: &Camera) -> Result<Look, Failure> {
-        let irradiance = self.look_at(camera, ViewMode::Irradiance)?;
+        let irradiance = self.look_at(camera, View::Irradiance)?;
         self.with_display(irradiance, camera)
     }
 
     fn with_display(&mut self, irradiance: Picture, camera: &Camera) -> Result<Look, Failure> {
-        let radiance = self.look_at(camera, ViewMode::Full)?;
+        let radiance = self.look_at(camera, View::Full)?;
         Ok(Look {
             irradiance,
-            displayed: tone_mapped(&radiance, self.view.exposure_ev),
+            displayed: tone_mapped(&radiance, self.shot.exposure_ev),
         })
     }
 
-    fn look_at(&mut self, camera: &Camera, mode: ViewMode) -> Result<Picture, Failure> {
-        let mut view = self.view.clone();
-        view.camera = camera.clone();
-        view.mode = mode;
+    fn look_at(&mut self, camera: &Camera, view: View) -> Result<Picture, Failure> {
+        let mut shot = self.shot.clone();
+        shot.camera = camera.clone();
+        shot.view = view;
         let mut recorder = Recorder::new(self.gpu, None);
-        self.frame.show(self.gpu, &mut recorder, &view);
+        self.frame.show(self.gpu, &mut recorder, &shot);
         recorder.submit(self.gpu)?;
         Ok(self.frame.read_radiance(self.gpu)?)
     }

@@ -76,8 +76,8 @@ fn measure(gpu: &Gpu, case: &TestCase, arguments: &Arguments) -> Result<Vec<Row>
     let (options, run) = (&arguments.subjects, &arguments.run);
     let world = &case.world;
     let stage = Stage::build(gpu, world)?;
-    let view = case.view(&case.cameras[0]);
-    let mut frame_loop = FrameLoop::new(gpu, stage, &case.layouts[0], &case.parameters, view)?;
+    let shot = case.shot(&case.cameras[0]);
+    let mut frame_loop = FrameLoop::new(gpu, stage, &case.layouts[0], &case.parameters, shot)?;
     let mut rows = Vec::new();
     for camera in &case.cameras {
         for layout in &case.layouts {

@@ -96,16 +96,16 @@ fn measure(
     options: &TestCaseOptions,
     run: &RunOptions,
 ) -> Result<Vec<Row>, Failure> {
-    let view = case.view(&case.cameras[0]);
+    let shot = case.shot(&case.cameras[0]);
     let (world, layout) = (&case.world, &case.layouts[0]);
     let stage = Stage::build(gpu, world)?;
-    let mut frame_loop = FrameLoop::new(gpu, stage, layout, &case.parameters, view.clone())?;
+    let mut frame_loop = FrameLoop::new(gpu, stage, layout, &case.parameters, shot.clone())?;
     let each = u64::from(options.frames + STILL_FRAMES);
     let count = case.cameras.len() * case.layouts.len() * case.settings.len();
     let bar = output::progress(run, "frames", each * count as u64);
     let mut rows = Vec::new();
     for camera in &case.cameras {
-        frame_loop.look(camera, view.mode);
+        frame_loop.look(camera, shot.view);
         for layout in &case.layouts {
             for setting in &case.settings {
                 let probes = setting.of(&case.parameters).probes;

@@ -10,10 +10,10 @@ use crate::{
     passes::{
         bench::rays::{self, FoundHit, Marcher, RayBench, RayKind, RaySet, ShadowTarget},
         scene::GpuVoxels,
-        view::{View, ViewMode},
+        view::Shot,
     },
     probes::sampling,
-    world::{Camera, World, voxels::Voxels},
+    world::{Camera, View, World, voxels::Voxels},
 };
 
 /// Edge of the lattice whose air voxels send probe rays, in voxels.
@@ -232,14 +232,14 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-fn still(camera: &Camera, size: [u32; 2]) -> View {
-    View {
+fn still(camera: &Camera, size: [u32; 2]) -> Shot {
+    Shot {
         camera: camera.clone(),
         size,
         frame: 0,
         seed: 0,
         exposure_ev: 0.0,
-        mode: ViewMode::Full,
+        view: View::Full,
         time_s: 0.0,
         textures: true,
     }

@@ -13,8 +13,7 @@ use crate::{
         response::{Response, response},
         stability::{Stability, StabilityMeter},
     },
-    passes::view::ViewMode,
-    world::Camera,
+    world::{Camera, View},
 };
 
 /// Pictures of a still scene that stability is measured on, as in the source's table 4.4.
@@ -89,8 +88,8 @@ pub fn responses(
     after: &dyn Fn(),
 ) -> Result<Responses, Failure> {
     let (world, lights) = (&case.world, &case.lights);
-    frame_loop.look(camera, ViewMode::Indirect);
-    frame_loop.resize(response_size(frame_loop.view().size))?;
+    frame_loop.look(camera, View::Indirect);
+    frame_loop.resize(response_size(frame_loop.shot().size))?;
     let before = frame_loop.voxels()?;
     let mut watch = Watch {
         frame_loop,

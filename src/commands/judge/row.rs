@@ -19,8 +19,7 @@ use crate::{
         selection::Selection,
         stability::Stability,
     },
-    passes::view::ViewMode,
-    world::Camera,
+    world::{Camera, View},
 };
 
 /// What was measured. Fields in the order in which they are printed; what is not finite is `null`.
@@ -175,16 +174,16 @@ pub fn judge(
     after: &dyn Fn(),
 ) -> Result<(Row, Pictures), Failure> {
     let lights = &names.case.lights;
-    let size = frame_loop.view().size;
-    let exposure_ev = frame_loop.view().exposure_ev;
-    frame_loop.look(names.camera, ViewMode::Full);
+    let size = frame_loop.shot().size;
+    let exposure_ev = frame_loop.shot().exposure_ev;
+    frame_loop.look(names.camera, View::Full);
     frame_loop.advance(lights, plan.frames + 1, after)?;
     let full = Shown::from_linear(frame_loop.radiance()?, exposure_ev);
     let stability = plan
         .stability
         .then(|| dynamics::stability(frame_loop, lights, after))
         .transpose()?;
-    frame_loop.look(names.camera, ViewMode::Indirect);
+    frame_loop.look(names.camera, View::Indirect);
     frame_loop.advance(lights, 1, after)?;
     let indirect = Shown::from_linear(frame_loop.radiance()?, exposure_ev);
     let (rays, hysteresis) = (frame_loop.rays(), frame_loop.hysteresis());
@@ -217,8 +216,8 @@ pub fn direct_alone(
     names: &Names<'_>,
     target: &Target,
 ) -> Result<(Row, Pictures), Failure> {
-    let exposure_ev = frame_loop.view().exposure_ev;
-    frame_loop.look(names.camera, ViewMode::Direct);
+    let exposure_ev = frame_loop.shot().exposure_ev;
+    frame_loop.look(names.camera, View::Direct);
     frame_loop.advance(&names.case.lights, 1, &|| {})?;
     let direct = frame_loop.radiance()?;
     let dark = Picture::new(direct.width, direct.height);

@@ -28,8 +28,7 @@ use crate::{
     frame::Stage,
     gpu::Gpu,
     measure::{picture::Picture, selection::Selection},
-    passes::view::ViewMode,
-    world::Camera,
+    world::{Camera, View},
 };
 
 /// The work, and what has come of it.
@@ -181,7 +180,7 @@ impl Judge<'_> {
             stage,
             &case.layouts[0],
             &case.parameters,
-            case.view(&case.cameras[0]),
+            case.shot(&case.cameras[0]),
         )?;
         frame_loop.stop_at(self.stop);
         let mut tracer = Tracer {
@@ -262,7 +261,7 @@ impl Judge<'_> {
         let dark = match self.masks.get(&camera.name) {
             Some(mask) => Some(mask.clone()),
             None => {
-                frame_loop.look(camera, ViewMode::Normal);
+                frame_loop.look(camera, View::Normal);
                 frame_loop.advance(&case.lights, 1, &|| {})?;
                 let mask = target.unlit(&frame_loop.radiance()?);
                 let selected = |mask: Picture| Selection::mask([mask.width, mask.height], &mask);

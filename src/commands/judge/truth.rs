@@ -9,17 +9,17 @@ use super::{
         Failure,
         options::RunOptions,
         output,
-        reference::{TraceRequest, content, sources, trace},
+        reference::{content, sources},
     },
     cache::{Cache, Found, Key, Truth, fnv1a},
 };
 use crate::{
-    frame::Stage,
+    frame::{Stage, TraceRequest, trace},
     gpu::Gpu,
     lights::Lights,
     measure::picture::Picture,
-    reference::{self, FilmOptions, View},
-    world::{Camera, World, generate, materials::MaterialSet, voxels::Voxels},
+    reference::{self, FilmOptions},
+    world::{Camera, View, World, generate, materials::MaterialSet, voxels::Voxels},
 };
 
 /// Who says what is true.

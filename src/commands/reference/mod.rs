@@ -1,17 +1,16 @@
 //! `grotto reference`: path-traced ground truth on the GPU, as far as there is patience for it.
 
+mod identity;
 mod part;
-mod trace;
 
 use std::{path::PathBuf, sync::atomic::AtomicBool, time::Instant};
 
 use clap::Args;
 use serde::Serialize;
 
-pub use self::trace::{TraceRequest, Traced, trace};
 pub(super) use self::{
+    identity::{content, sources},
     part::{COMMAND, merge},
-    trace::{content, sources},
 };
 use super::{
     Failure, memory,
@@ -21,12 +20,12 @@ use super::{
     stop,
 };
 use crate::{
-    frame::Stage,
+    frame::{Stage, TraceRequest, trace},
     gpu::{AdapterSummary, Gpu},
     lights::Lights,
     measure::picture_file::{self, PictureFormat},
-    passes::{path_trace::trace::PathTrace, view::ViewMode},
-    reference::View,
+    passes::path_trace::trace::PathTrace,
+    world::View,
 };
 
 /// Path-trace a picture on the GPU, as ground truth; Ctrl-C writes what there is and exits with 130
@@ -81,7 +80,6 @@ struct Record {
 struct Job<'a> {
     arguments: &'a Arguments,
     scene: &'a Setup,
-    view: View,
     gpu: &'a Gpu,
     stage: Stage,
     lights: Lights,
@@ -94,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(_) => PictureFormat::of(&arguments.output)?,
     };
     let scene = Setup::load(&arguments.world, run, options)?;
-    let view = render::traced_view(options.view)?;
+    render::check_traceable(options.view)?;
     render::note_without_probes(options, run, "`reference`");
     let pixels = options.size.map(u64::from).iter().product::<u64>();
     // Sums that are read back, at most eight sums of many blocks, and the picture with its bytes.
@@ -120,7 +118,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let job = Job {
         arguments,
         scene: &scene,
-        view,
         gpu: &gpu,
         stage,
         lights,
@@ -137,10 +134,10 @@ impl Job<'_> {
         TraceRequest {
             camera: &self.scene.camera,
             size: options.size,
-            view: self.view,
+            view: options.view,
             spp: self.arguments.spp,
             seed: options.seed,
-            textures: shows_textures(self.scene, options),
+            textures: self.scene.parameters.textures.enabled,
             antialias: self.arguments.antialias,
         }
     }
@@ -171,7 +168,7 @@ impl Job<'_> {
             )));
         }
         let mut picture = traced.picture;
-        if self.view == View::Depth {
+        if arguments.picture.view == View::Depth {
             render::show_depth(&mut picture);
         }
         let exposure_ev = self.scene.parameters.picture.exposure_ev;
@@ -242,8 +239,4 @@ impl Record {
             self.seconds, self.mpaths_per_s, self.adapter.name
         )
     }
-}
-
-fn shows_textures(scene: &Setup, options: &PictureOptions) -> bool {
-    scene.parameters.textures.enabled && options.view != ViewMode::TexturesOff
 }

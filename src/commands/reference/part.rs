@@ -15,17 +15,18 @@ use super::{
         render,
         shard::Shard,
     },
-    Arguments, Job, content, shows_textures, sources,
-    trace::{Blocks, Sampled, trace_blocks},
+    Arguments, Job, content, sources,
 };
 use crate::{
+    frame::trace_blocks,
     gpu::{AdapterSummary, Gpu},
     lights::Lights,
     measure::{
         block_sums::{BlockSums, Node},
         picture::Picture,
     },
-    passes::view::ViewMode,
+    passes::path_trace::Sampled,
+    world::View,
 };
 
 pub const COMMAND: &str = "reference";
@@ -95,7 +96,7 @@ pub fn head(
         ("the view", render::view_name(options.view)),
         ("the samples a pixel", arguments.spp.to_string()),
         ("the seed", options.seed.to_string()),
-        ("textures", shows_textures(scene, options).to_string()),
+        ("textures", scene.parameters.textures.enabled.to_string()),
         ("antialiasing", arguments.antialias.to_string()),
         (
             "the exposure",
@@ -128,7 +129,7 @@ pub fn run(job: &Job<'_>, file: PartFile, cancel: &AtomicBool) -> Result<(), Fai
     let (arguments, run) = (job.arguments, &job.arguments.run);
     let shard = file.shard();
     let request = job.request();
-    let blocks = Blocks::of(&request);
+    let blocks = request.blocks();
     let mine = shard.range(blocks.count());
     let bar = output::progress(run, "tiles × samples", 1);
     let progress = |done, total| {
@@ -220,12 +221,12 @@ pub fn merge(parts: &[Part], out: &Path) -> Result<(), Failure> {
     let (Some((description, certain)), Some(part)) = (first, parts.first()) else {
         return Err(Failure::bad_input("there are no parts"));
     };
-    let view = ViewMode::from_str(&description.view, false);
+    let view = View::from_str(&description.view, false);
     let (Ok(view), true) = (view, sums.blocks() == (0..description.blocks)) else {
         return Err(part.refused("the parts do not hold all samples; run them again"));
     };
     let mut picture = sums.mean(&certain, description.samples);
-    if view == ViewMode::Depth {
+    if view == View::Depth {
         render::show_depth(&mut picture);
     }
     let path = out.join(&part.head.whole);

@@ -152,7 +152,7 @@ impl Judge<'_> {
         let mut play = Play::new(&gpu, self.case, stage, self.examination.fault)?;
         if self.wants(&[Check::Marching]) {
             let on_gpu = &play.frame.stage.voxels;
-            let hits = marching::against_plain(&gpu, self.case, on_gpu, &play.voxels, &play.view)?;
+            let hits = marching::against_plain(&gpu, self.case, on_gpu, &play.voxels, &play.shot)?;
             self.findings.note(Check::Marching, hits);
         }
         gpu.wait()?;

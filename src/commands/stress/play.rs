@@ -14,8 +14,8 @@ use crate::{
     gpu::{Gpu, Recorder, Timing},
     lights::Lights,
     parameters::{Method, ProbeParameters, SourceWeights},
-    passes::view::{View, ViewMode},
-    world::voxels::Voxels,
+    passes::view::Shot,
+    world::{View, voxels::Voxels},
 };
 
 /// Width and height of the pictures: small, so that a scene takes a second where a CPU plays the GPU.
@@ -66,7 +66,7 @@ pub struct Play<'a> {
     pub frame: Frame,
     /// The CPU's copy, edited along.
     pub voxels: Voxels,
-    pub view: View,
+    pub shot: Shot,
     probes: ProbeParameters,
     elapsed_s: f64,
     timing: Timing,
@@ -96,13 +96,13 @@ impl<'a> Play<'a> {
             case,
             frame: Frame::new(gpu, stage, &case.layout, &probes, SIZE)?,
             voxels,
-            view: View {
+            shot: Shot {
                 camera: case.camera().clone(),
                 size: SIZE,
                 frame: 0,
                 seed: 0,
                 exposure_ev: parameters.picture.exposure_ev,
-                mode: ViewMode::Full,
+                view: View::Full,
                 time_s: case.script.start_s,
                 textures: parameters.textures.enabled,
             },
@@ -133,9 +133,9 @@ impl<'a> Play<'a> {
             }
             Part::Jump => {
                 self.elapsed_s += self.case.script.jump_s;
-                self.view.camera.position = self.place(self.case.script.goal) + Vec3::splat(999.0);
+                self.shot.camera.position = self.place(self.case.script.goal) + Vec3::splat(999.0);
                 self.frames(1)?;
-                self.view.camera = self.case.camera().clone();
+                self.shot.camera = self.case.camera().clone();
                 self.frames(JUMPED)
             }
             Part::Settled => {
@@ -153,24 +153,24 @@ impl<'a> Play<'a> {
         for step in 1..=MOVING {
             self.elapsed_s += FRAME_S;
             let way = step as f32 / MOVING as f32;
-            self.view.camera.position = start.position.lerp(goal, way);
-            self.view.camera.yaw_deg = start.yaw_deg + 40.0 * way;
+            self.shot.camera.position = start.position.lerp(goal, way);
+            self.shot.camera.yaw_deg = start.yaw_deg + 40.0 * way;
             self.frames(1)?;
         }
-        self.view.camera = start;
+        self.shot.camera = start;
         Ok(())
     }
 
     fn frames(&mut self, count: u32) -> Result<(), Failure> {
         for _ in 0..count {
             let lights = self.lights();
-            self.view.frame = self.frame.frames();
-            self.view.time_s = self.case.script.start_s + self.elapsed_s;
+            self.shot.frame = self.frame.frames();
+            self.shot.time_s = self.case.script.start_s + self.elapsed_s;
             // Where a CPU plays the GPU, timing would run one pass after the other, which no frame in use does.
             let timed = !self.gpu.summary.is_software();
             let mut recorder = Recorder::new(self.gpu, timed.then_some(&mut self.timing));
             self.frame
-                .record(self.gpu, &mut recorder, &self.view, &lights, &self.probes);
+                .record(self.gpu, &mut recorder, &self.shot, &lights, &self.probes);
             recorder.submit(self.gpu)?;
             self.gpu.wait()?;
             while let Some(times) = self.timing.next_frame() {

@@ -44,13 +44,18 @@ impl Schedule {
         }
     }
 
+    /// Tiles of the picture.
+    pub fn tiles(&self) -> u32 {
+        self.tiles
+    }
+
     /// One sample of every tile at once.
-    pub fn whole(tiles: u32) -> Chunk {
+    pub fn all_tiles(&self) -> Chunk {
         Chunk {
-            places: 0..tiles,
+            places: 0..self.tiles,
             samples: 0..1,
             scatter_bits: 0,
-            work: u64::from(tiles),
+            work: u64::from(self.tiles),
         }
     }
 
@@ -70,6 +75,11 @@ impl Schedule {
         }
     }
 
+    /// Whether every tile has all samples.
+    pub fn is_done(&self) -> bool {
+        self.complete() == self.samples
+    }
+
     /// Tiles × samples that are done, for a bar of progress.
     pub fn done(&self) -> u64 {
         let tiles = u64::from(self.tiles);
@@ -77,11 +87,6 @@ impl Schedule {
         let within = if self.place == 0 { 0.0 } else { share };
         let round = self.round.len() as f64 * tiles as f64 * within;
         u64::from(self.complete()) * tiles + round as u64
-    }
-
-    /// Tiles × samples in all.
-    pub fn total(&self) -> u64 {
-        u64::from(self.tiles) * u64::from(self.samples)
     }
 
     /// The next slice; `None` when all is done.
@@ -167,6 +172,7 @@ mod tests {
     /// Runs it with a device that takes `ms_per_work` a tile and sample, and gives the longest slice.
     fn run(tiles: u32, samples: u32, ms_per_work: f64) -> f64 {
         let mut schedule = Schedule::new(tiles, samples);
+        let in_all = u64::from(tiles) * u64::from(samples);
         let mut seen = vec![0; tiles as usize];
         let mut longest = 0.0f64;
         while let Some(chunk) = schedule.next_chunk() {
@@ -189,11 +195,13 @@ mod tests {
             let fewest = seen.iter().copied().min().expect("there are tiles");
             // The last places of a round may hold no tile.
             assert!(schedule.complete() <= fewest);
-            assert!(schedule.done() <= schedule.total());
+            assert!(schedule.done() <= in_all);
+            assert!(!schedule.is_done() || fewest == samples);
         }
         assert!(seen.iter().all(|samples_of| *samples_of == samples));
-        assert_eq!(schedule.done(), schedule.total());
+        assert_eq!(schedule.done(), in_all);
         assert_eq!(schedule.complete(), samples);
+        assert!(schedule.is_done());
         longest
     }
 

@@ -1,9 +1,22 @@
 //! Pass `path_trace/trace`: an unbiased picture of the world, sample by sample. Knows no probes.
+//!
+//! The loop over the samples is here too. The window, `grotto reference` and `grotto judge` share it.
 
-use super::Chunk;
+use std::{
+    collections::VecDeque,
+    ops::Range,
+    sync::atomic::{AtomicBool, Ordering},
+    time::Instant,
+};
+
+use super::{
+    Blocks, Sampled,
+    schedule::{Chunk, Schedule},
+    sums::Sums,
+};
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
-    measure::picture::Picture,
+    measure::block_sums::BlockSums,
 };
 
 crate::shared! {
@@ -34,16 +47,20 @@ crate::shared! {
     const TILE: u32 = 8;
 }
 
-/// The kernels, and what they add up.
+/// A picture of one size that gains samples step by step.
 pub struct PathTrace {
     begin: (Kernel, Bindings),
     trace: (Kernel, Bindings),
     job: wgpu::Buffer,
-    /// RGB: what is not random; RGB: sum, A: number of samples, twice.
-    certain: wgpu::Buffer,
-    sums: wgpu::Buffer,
-    totals: wgpu::Buffer,
+    sums: Sums,
     size: [u32; 2],
+    /// Spreads the samples over each pixel; else all look through its centre.
+    antialias: bool,
+    schedule: Schedule,
+    /// Number of the sample that the schedule counts as 0.
+    first_sample: u32,
+    /// Work of the steps whose times are not known yet, the oldest first.
+    pending: VecDeque<u64>,
 }
 
 /// The last step of [`PathTrace`] where its pictures are shown: the mean so far, as linear HDR.
@@ -57,29 +74,26 @@ pub struct Resolve {
 
 impl PathTrace {
     /// Bytes of each of the three buffers.
-    pub const BYTES_PER_PIXEL: u64 = 16;
+    pub const BYTES_PER_PIXEL: u64 = Sums::BYTES_PER_PIXEL;
     /// Most samples that a pixel's sums hold with a relative error far below 1e-5.
     pub const MOST_SAMPLES: u32 = 1 << 20;
 
-    /// For pictures of `size` pixels. `resources` are those of the voxels, the view, the lights, the
-    /// materials and what shines.
+    /// For pictures of `size` pixels. `antialias` spreads the samples over each pixel; else all look through its
+    /// centre. `resources` are those of the voxels, the view, the lights, the materials and what shines.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
+        antialias: bool,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
-        let bytes = u64::from(size[0]) * u64::from(size[1]) * Self::BYTES_PER_PIXEL;
-        let buffer = |label| gpu.storage_buffer(label, bytes);
-        let (certain, sums, totals) = (buffer("certain")?, buffer("sums")?, buffer("totals")?);
+        let sums = Sums::new(gpu, size)?;
         let job = gpu.uniform_buffer("job", &GpuTraceJob::default());
         let mut all = resources.to_vec();
         all.push(("job", job.as_entire_binding()));
-        all.push(("certain", certain.as_entire_binding()));
-        all.push(("sums", sums.as_entire_binding()));
-        all.push(("totals", totals.as_entire_binding()));
+        all.extend(sums.resources());
         let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
             let kernel = Kernel::new(
                 gpu,
@@ -94,32 +108,112 @@ impl PathTrace {
             let bindings = kernel.bind(gpu, &all);
             Ok((kernel, bindings))
         };
+        let [across, down] = size.map(|edge| edge.div_ceil(TILE));
         Ok(Self {
             begin: entry("begin")?,
             trace: entry("trace")?,
             job,
-            certain,
             sums,
-            totals,
             size,
+            antialias,
+            schedule: Schedule::new(across * down, 0),
+            first_sample: 0,
+            pending: VecDeque::new(),
         })
     }
 
-    /// Tiles of the picture, as a [`Schedule`](super::Schedule) counts them.
-    pub fn tiles(&self) -> u32 {
-        let [across, down] = self.size.map(|edge| edge.div_ceil(TILE));
-        across * down
+    /// Starts again after the view or the lights have changed: forgets all samples, and finds what is not random.
+    ///
+    /// It is a submission of its own. The next frame then shows nothing of what was before.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device does not take the work.
+    pub fn restart(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
+        self.first_sample = 0;
+        self.schedule.restart(Self::MOST_SAMPLES);
+        let mut recorder = Recorder::new(gpu, None);
+        self.record(gpu, &mut recorder, &self.begin, &self.schedule.all_tiles());
+        recorder.submit(gpu)?;
+        Ok(())
     }
 
-    /// Forgets all samples of these tiles, and finds what is not random about them. One slice a
-    /// submission, as for [`trace`](Self::trace).
-    pub fn begin(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, chunk: &Chunk, antialias: bool) {
-        self.record(gpu, recorder, &self.begin, chunk, antialias);
+    /// Records the next samples, as many as measured times allow. One step a submission: its numbers are in one
+    /// uniform.
+    pub fn step(&mut self, gpu: &Gpu, recorder: &mut Recorder<'_>) {
+        let Some(mut chunk) = self.schedule.next_chunk() else {
+            return;
+        };
+        self.pending.push_back(chunk.work);
+        let Range { start, end } = chunk.samples;
+        chunk.samples = start + self.first_sample..end + self.first_sample;
+        self.record(gpu, recorder, &self.trace, &chunk);
     }
 
-    /// Adds these samples. One slice a submission: its numbers lie in one uniform.
-    pub fn trace(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, chunk: &Chunk, antialias: bool) {
-        self.record(gpu, recorder, &self.trace, chunk, antialias);
+    /// Learns how long the oldest step took whose time was not known yet.
+    pub fn took(&mut self, ms: f64) {
+        if let Some(work) = self.pending.pop_front() {
+            self.schedule.took(work, ms);
+        }
+    }
+
+    /// Samples that every pixel has since the last restart.
+    pub fn samples(&self) -> u32 {
+        self.schedule.complete()
+    }
+
+    /// Traces the blocks `wanted` of `blocks`, reads the sum of each and adds these up. It begins by finding what is
+    /// not random.
+    ///
+    /// `progress` is told (samples done, samples in all), counted in tiles. Once `cancel` is set, the rest is left out.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn trace_blocks(
+        &mut self,
+        gpu: &Gpu,
+        blocks: Blocks,
+        wanted: &Range<u32>,
+        progress: &dyn Fn(u64, u64),
+        cancel: &AtomicBool,
+    ) -> Result<Sampled, GpuError> {
+        let tiles = self.schedule.tiles();
+        let mut schedule = Schedule::new(tiles, 1);
+        while let Some(chunk) = schedule.next_chunk() {
+            let ms = timed(gpu, |recorder| {
+                self.record(gpu, recorder, &self.begin, &chunk);
+            })?;
+            schedule.took(chunk.work, ms);
+        }
+        let mut sampled = Sampled {
+            certain: self.sums.read_certain(gpu)?,
+            sums: BlockSums::new(wanted.start),
+            unfinished: None,
+            samples: 0,
+        };
+
+        let in_all = u64::from(tiles) * blocks.samples(wanted).len() as u64;
+        for block in wanted.clone() {
+            let samples = blocks.samples(&(block..block + 1));
+            self.first_sample = samples.start;
+            self.schedule.restart(samples.len() as u32);
+            timed(gpu, |recorder| self.sums.clear(recorder))?;
+            while !self.schedule.is_done() && !cancel.load(Ordering::Relaxed) {
+                let ms = timed(gpu, |recorder| self.step(gpu, recorder))?;
+                self.took(ms);
+                let before = u64::from(tiles) * u64::from(sampled.samples);
+                progress(before + self.schedule.done(), in_all);
+            }
+            let complete = self.samples();
+            sampled.samples += complete;
+            let read = self.sums.read(gpu, complete)?;
+            if complete < samples.len() as u32 {
+                sampled.unfinished = Some(read);
+                break;
+            }
+            let rgb = read.iter().map(|[r, g, b, _]| [*r, *g, *b]);
+            sampled.sums.push(rgb.collect());
+        }
+        Ok(sampled)
     }
 
     fn record(
@@ -128,17 +222,16 @@ impl PathTrace {
         recorder: &mut Recorder<'_>,
         (kernel, bindings): &(Kernel, Bindings),
         chunk: &Chunk,
-        antialias: bool,
     ) {
         let job = GpuTraceJob {
             first_tile: chunk.places.start,
             end_tile: chunk.places.end,
             tiles_across: self.size[0].div_ceil(TILE),
-            tiles: self.tiles(),
+            tiles: self.schedule.tiles(),
             first_sample: chunk.samples.start,
             end_sample: chunk.samples.end,
             scatter_bits: chunk.scatter_bits,
-            antialias: u32::from(antialias),
+            antialias: u32::from(self.antialias),
         };
         gpu.queue
             .write_buffer(&self.job, 0, bytemuck::bytes_of(&job));
@@ -171,9 +264,7 @@ impl PathTrace {
         )?;
         let view = hdr.create_view(&Default::default());
         let mut all = resources.to_vec();
-        all.push(("certain", self.certain.as_entire_binding()));
-        all.push(("sums", self.sums.as_entire_binding()));
-        all.push(("totals", self.totals.as_entire_binding()));
+        all.extend(self.sums.resources());
         all.push(("traced_hdr", wgpu::BindingResource::TextureView(&view)));
         Ok(Resolve {
             bindings: kernel.bind(gpu, &all),
@@ -182,48 +273,16 @@ impl PathTrace {
             hdr,
         })
     }
+}
 
-    /// Forgets all samples, and keeps what is not random.
-    pub fn clear(&self, recorder: &mut Recorder<'_>) {
-        for buffer in [&self.sums, &self.totals] {
-            recorder.encoder.clear_buffer(buffer, 0, None);
-        }
-    }
-
-    /// What is not random: linear radiance, or the view's data (depth in voxels).
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn read_certain(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
-        let [width, height] = self.size;
-        let certain = self.read(gpu, &self.certain)?;
-        Ok(Picture {
-            width,
-            height,
-            rgb: certain.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect(),
-        })
-    }
-
-    /// Of each pixel the sum of the samples since [`clear`](Self::clear), and how many they are. `samples`: how
-    /// many they are expected to be.
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn read_sums(&self, gpu: &Gpu, samples: u32) -> Result<Vec<[f32; 4]>, GpuError> {
-        let mut sums = self.read(gpu, &self.sums)?;
-        if sums.iter().any(|sum| sum[3] != samples as f32) {
-            // Others have moved on.
-            for (sum, total) in sums.iter_mut().zip(self.read(gpu, &self.totals)?) {
-                *sum = std::array::from_fn(|channel| total[channel] + sum[channel]);
-            }
-        }
-        Ok(sums)
-    }
-
-    fn read(&self, gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<[f32; 4]>, GpuError> {
-        let bytes = u64::from(self.size[0]) * u64::from(self.size[1]) * Self::BYTES_PER_PIXEL;
-        gpu.read_buffer_range(buffer, 0, bytes)
-    }
+/// Submits what is recorded, waits for it, and gives the milliseconds that both took.
+fn timed(gpu: &Gpu, record: impl FnOnce(&mut Recorder<'_>)) -> Result<f64, GpuError> {
+    let start = Instant::now();
+    let mut recorder = Recorder::new(gpu, None);
+    record(&mut recorder);
+    recorder.submit(gpu)?;
+    gpu.wait()?;
+    Ok(start.elapsed().as_secs_f64() * 1e3)
 }
 
 impl Resolve {

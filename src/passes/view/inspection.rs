@@ -1,7 +1,7 @@
 //! What a picture shows of the probes themselves.
 
-use super::ViewMode;
 use crate::probes::AtlasLayout;
+use crate::world::View;
 
 /// What a probe's sphere is coloured by. The command line's `--probes` spells these in kebab case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, clap::ValueEnum)]
@@ -43,7 +43,7 @@ pub struct AtlasLayer {
 /// What is drawn of the probes, besides what they light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Inspection {
-    pub view: ViewMode,
+    pub view: View,
     /// Spheres in the places of the probes, over any view.
     pub probes: Option<ProbeColour>,
     /// In place of the picture.

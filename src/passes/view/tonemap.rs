@@ -2,10 +2,10 @@
 
 use clap::ValueEnum as _;
 
-use super::ViewMode;
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder},
     measure::picture::Picture,
+    world::View,
 };
 
 /// The kernel and the picture that it writes.
@@ -31,10 +31,10 @@ impl Tonemap {
         lit: &wgpu::TextureView,
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
-        let data_modes = ViewMode::value_variants()
+        let data_modes = View::value_variants()
             .iter()
-            .filter(|mode| mode.is_data())
-            .fold(0u32, |bits, &mode| bits | 1 << mode as u32);
+            .filter(|view| view.is_data())
+            .fold(0u32, |bits, &view| bits | 1 << view as u32);
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {

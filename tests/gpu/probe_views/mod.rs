@@ -13,9 +13,10 @@ use grotto::{
     parameters::{ProbeParameters, ProbeStates, Relocation},
     passes::{
         scene::GpuLights,
-        view::{Inspection, ProbeColour, View, ViewMode, state_view::StateView},
+        view::{Inspection, ProbeColour, Shot, state_view::StateView},
     },
     probes::Layout as _,
+    world::View,
 };
 use half::f16;
 use oracle::{Expected, Oracle};
@@ -28,7 +29,7 @@ struct Watched {
     frame: Frame,
     lights: Lights,
     parameters: ProbeParameters,
-    view: View,
+    shot: Shot,
 }
 
 impl Watched {
@@ -50,9 +51,9 @@ impl Watched {
         Self {
             frame: frame.expect("it fits"),
             lights: Lights::at(&world, &world.lamp_presets[0], 0.0),
-            view: View {
+            shot: Shot {
                 seed: 1,
-                ..frames::view(world.cameras[0].clone(), size)
+                ..frames::shot(world.cameras[0].clone(), size)
             },
             gpu,
             parameters,
@@ -62,9 +63,9 @@ impl Watched {
     fn settle(&mut self, frames: u32) {
         for _ in 0..frames {
             let mut recorder = Recorder::new(&self.gpu, None);
-            let (view, lights) = (&self.view, &self.lights);
+            let (shot, lights) = (&self.shot, &self.lights);
             self.frame
-                .record(&self.gpu, &mut recorder, view, lights, &self.parameters);
+                .record(&self.gpu, &mut recorder, shot, lights, &self.parameters);
             recorder.submit(&self.gpu).expect("submits");
             self.gpu.wait().expect("the device lives");
         }
@@ -72,10 +73,10 @@ impl Watched {
 
     /// What the probes as they are show in a view.
     fn look(&mut self, wanted: Inspection) -> Picture {
-        self.view.mode = wanted.view;
+        self.shot.view = wanted.view;
         self.frame.inspect(&self.gpu, wanted).expect("it fits");
         let mut recorder = Recorder::new(&self.gpu, None);
-        self.frame.show(&self.gpu, &mut recorder, &self.view);
+        self.frame.show(&self.gpu, &mut recorder, &self.shot);
         recorder.submit(&self.gpu).expect("submits");
         self.frame.read_radiance(&self.gpu).expect("reads back")
     }
@@ -87,7 +88,7 @@ impl Watched {
         })
     }
 
-    fn view(&mut self, view: ViewMode) -> Picture {
+    fn view(&mut self, view: View) -> Picture {
         self.look(Inspection {
             view,
             ..Inspection::default()
@@ -96,8 +97,8 @@ impl Watched {
 
     /// Who should be at each pixel, by the places that the field says.
     fn oracle(&mut self, lines: bool) -> Oracle {
-        let depth = self.view(ViewMode::Depth);
-        Oracle::new(&self.gpu, &self.frame, &self.view.camera, &depth, lines)
+        let depth = self.view(View::Depth);
+        Oracle::new(&self.gpu, &self.frame, &self.shot.camera, &depth, lines)
     }
 }
 
@@ -170,7 +171,7 @@ fn faults(
 fn spheres_and_lines_are_where_probes_and_twins_stand_and_walls_hide_them() {
     let mut watched = Watched::new("house", "house", [128, 72], few_rays());
     watched.settle(2);
-    let plain = watched.view(ViewMode::Full);
+    let plain = watched.view(View::Full);
     let drawn = watched.spheres(ProbeColour::State);
     let mut oracle = watched.oracle(true);
     let by_state = |expected: &Expected| match (expected.is_back_side, expected.is_moved) {
@@ -197,9 +198,9 @@ fn every_level_of_a_volume_that_moves_is_drawn_where_it_is_now() {
     let mut watched = Watched::new("house", "around", [96, 54], few_rays());
     watched.settle(2);
     let before = watched.oracle(false);
-    watched.view.camera.position += Vec3::new(-9.0, 1.0, 8.3);
+    watched.shot.camera.position += Vec3::new(-9.0, 1.0, 8.3);
     watched.settle(2);
-    let plain = watched.view(ViewMode::Full);
+    let plain = watched.view(View::Full);
     let drawn = watched.spheres(ProbeColour::Cascade);
     let by_level = |expected: &Expected| {
         [
@@ -223,8 +224,8 @@ fn a_camera_in_a_sphere_looks_through_it() {
     let volume = watched.frame.field().volume();
     let centre = (0..volume.slots()).map(|slot| volume.position(slot));
     let inside = centre.clone().find(|at| at.abs().max_element() < 5.0);
-    watched.view.camera.position = inside.expect("a probe in the room") + Vec3::splat(0.1);
-    let plain = watched.view(ViewMode::Full);
+    watched.shot.camera.position = inside.expect("a probe in the room") + Vec3::splat(0.1);
+    let plain = watched.view(View::Full);
     let drawn = watched.spheres(ProbeColour::Offset);
     let oracle = watched.oracle(true);
     // Nothing has moved: black.
@@ -241,7 +242,7 @@ fn in_a_furnace_every_sphere_shows_the_light_of_all_directions() {
     let mut watched = Watched::new("furnace", "coarse", [64, 36], parameters);
     let radiance_of_spheres = |watched: &mut Watched| -> Vec<f32> {
         let marked = watched.spheres(ProbeColour::State);
-        let plain = watched.view(ViewMode::Full);
+        let plain = watched.view(View::Full);
         let light = watched.spheres(ProbeColour::Irradiance);
         let spheres = (0..light.rgb.len()).filter(|&at| marked.rgb[at] != plain.rgb[at]);
         // Where there is no line: it shows what is behind.
@@ -267,13 +268,13 @@ fn has_hue(rgb: [f32; 3], hue: Vec3) -> bool {
 fn surfaces_show_the_states_of_the_probes_that_light_them() {
     let mut watched = Watched::new("furnace", "fine", [48, 27], unmoved());
     watched.settle(2);
-    let green = watched.view(ViewMode::States);
+    let green = watched.view(View::States);
     assert!(green.rgb.iter().all(|rgb| has_hue(*rgb, ALIVE)));
 
     // Of those in pillars some move, and light what was lit by others.
     let mut watched = Watched::new("furnace", "fine", [48, 27], few_rays());
     watched.settle(2);
-    let mixed = watched.view(ViewMode::States);
+    let mixed = watched.view(View::States);
     let green = mixed.rgb.iter().filter(|rgb| has_hue(**rgb, ALIVE)).count();
     let moved = mixed.rgb.iter().filter(|rgb| has_hue(**rgb, MOVED)).count();
     assert!(green > 0 && moved > 0, "{green} green, {moved} amber");
@@ -295,7 +296,7 @@ fn painted_cubes_count_as_the_states_do() {
     let surfaces = gpu.storage_buffer("surfaces", 16 * 9 * 8).expect("it fits");
     let format = wgpu::TextureFormat::Rgba16Float;
     let hdr = gpu.texture("hdr", [16, 9, 1], format).expect("it fits");
-    let (view, lights) = (View::buffer(gpu), GpuLights::new(gpu));
+    let (view, lights) = (Shot::buffer(gpu), GpuLights::new(gpu));
     let scene = frame::resources(&watched.frame.stage, &view, &lights);
     let offer = frame::offer(field, watched.frame.faces(), &scene);
     let paint = StateView::new(gpu, &hdr, &surfaces, field.atlas(), &offer).expect("it fits");

@@ -7,9 +7,9 @@ use grotto::{
     probes::{Layout as _, Volume},
     reference::{
         march::{FACE_NORMALS, Outcome, Ray, march},
-        render::{FilmOptions, RenderOptions, View, render},
+        render::{FilmOptions, RenderOptions, render},
     },
-    world::{Camera, World, generate, voxels::Voxels},
+    world::{Camera, View, World, generate, voxels::Voxels},
 };
 
 use crate::support::{layout_of, scenes::volume_of, shipped};

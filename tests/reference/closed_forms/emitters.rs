@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, IVec3, UVec3};
-use grotto::reference::View;
+use grotto::world::View;
 
 use super::super::stage::{Stage, Tracer, options, square_camera};
 use super::{assert_agrees, ratio};

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use grotto::measure::picture::Picture;
 use grotto::measure::statistics::MeanEstimate;
-use grotto::reference::View;
+use grotto::world::View;
 
 use super::stage::{Cpu, Stage, Tracer, all_around, options, point_lamp, square_camera};
 use emitters::{a_ball_of_voxels_is_a_sphere_from_afar, a_glowing_box_over_a_floor};

@@ -3,8 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, IVec3, UVec3, Vec3};
-use grotto::reference::View;
-use grotto::world::{Sky, Sun};
+use grotto::world::{Sky, Sun, View};
 
 use super::super::stage::{Stage, Tracer, options, point_lamp, square_camera, uniform_sky};
 use super::assert_agrees;

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, UVec3};
-use grotto::reference::{FilmOptions, View};
-use grotto::world::Camera;
+use grotto::reference::FilmOptions;
+use grotto::world::{Camera, View};
 
 use super::super::stage::{Cpu, Stage, Tracer, options, square_camera};
 use super::{assert_agrees, ratio};

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use grotto::measure::picture::Picture;
-use grotto::reference::{FilmOptions, View};
-use grotto::world::Camera;
+use grotto::reference::FilmOptions;
+use grotto::world::{Camera, View};
 
 use super::super::pictures::room;
 use super::super::stage::{Cpu, Stage, Tracer, options, point_lamp, square_camera};

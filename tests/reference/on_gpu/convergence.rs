@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, UVec3};
 use grotto::gpu::ShaderChecks;
 use grotto::measure::picture::Picture;
-use grotto::reference::{FilmOptions, View};
+use grotto::reference::FilmOptions;
+use grotto::world::View;
 
 use super::super::pictures::room;
 use super::super::stage::{Cpu, Stage, Tracer, options, square_camera, uniform_sky};

@@ -6,8 +6,7 @@ mod scenes;
 
 use std::sync::atomic::AtomicBool;
 
-use grotto::commands::reference::{TraceRequest, Traced, trace};
-use grotto::frame;
+use grotto::frame::{self, TraceRequest, Traced, trace};
 use grotto::gpu::{Gpu, ShaderChecks};
 use grotto::measure::picture::Picture;
 use grotto::reference::FilmOptions;

@@ -25,7 +25,7 @@ use crate::{
         selection::Selection,
         stability::StabilityMeter,
     },
-    passes::view::ViewMode,
+    world::View,
 };
 
 /// Frames from fresh probes to the picture that is judged, as in the judge's own tables.
@@ -62,10 +62,10 @@ fn settled(
     rig: &mut Rig<'_>,
     spec: &RowSpec,
     size: [u32; 2],
-    mode: ViewMode,
+    view: View,
     frames: u32,
 ) -> Result<Picture, Failure> {
-    rig.advance(spec, size, mode, frames)?;
+    rig.advance(spec, size, view, frames)?;
     Ok(rig.frame.read_radiance(rig.gpu)?)
 }
 
@@ -107,8 +107,8 @@ impl Judging<'_> {
         let target = self.target(rig, spec, size)?;
         let exposure_ev = spec.parameters.picture.exposure_ev;
         rig.prepare(spec, size)?;
-        let full = settled(rig, spec, size, ViewMode::Full, self.frames() + 1)?;
-        let bounced = settled(rig, spec, size, ViewMode::Indirect, 1)?;
+        let full = settled(rig, spec, size, View::Full, self.frames() + 1)?;
+        let bounced = settled(rig, spec, size, View::Indirect, 1)?;
         let [full, bounced] = [full, bounced].map(|light| Shown::from_linear(light, exposure_ev));
         let full = compared(&full, &target.full)?;
         let bounced = compared(&bounced, &target.indirect)?;
@@ -120,8 +120,8 @@ impl Judging<'_> {
         })
     }
 
-    /// The source's figures of error: the sum over RGB of the absolute difference, of the display. `mode` is
-    /// [`ViewMode::Direct`] for light without any probes.
+    /// The source's figures of error: the sum over RGB of the absolute difference, of the display. `view` is
+    /// [`View::Direct`] for light without any probes.
     ///
     /// # Errors
     /// As [`quality`](Self::quality).
@@ -129,12 +129,12 @@ impl Judging<'_> {
         &self,
         rig: &mut Rig<'_>,
         spec: &RowSpec,
-        mode: ViewMode,
+        view: View,
     ) -> Result<(BTreeMap<String, Figure>, Quality), Failure> {
         let size = judged_size(spec.size);
         let target = self.target(rig, spec, size)?;
         rig.prepare(spec, size)?;
-        let light = settled(rig, spec, size, mode, self.frames() + 1)?;
+        let light = settled(rig, spec, size, view, self.frames() + 1)?;
         let shown = Shown::from_linear(light, spec.parameters.picture.exposure_ev);
         let full = compared(&shown, &target.full)?;
         let quality = Quality {
@@ -162,10 +162,10 @@ impl Judging<'_> {
     ) -> Result<BTreeMap<String, Figure>, Failure> {
         let size = judged_size(spec.size);
         rig.prepare(spec, size)?;
-        rig.advance(spec, size, ViewMode::Full, self.frames())?;
+        rig.advance(spec, size, View::Full, self.frames())?;
         let mut meter = StabilityMeter::new();
         for _ in 0..STILL_FRAMES {
-            rig.advance(spec, size, ViewMode::Full, 1)?;
+            rig.advance(spec, size, View::Full, 1)?;
             let display = rig.frame.read_display(rig.gpu)?;
             meter.add(display).map_err(Failure::fault)?;
         }

@@ -15,8 +15,8 @@ use crate::{
     frame::{Frame, Stage},
     gpu::{Gpu, PassTimes, Recorder, Timing},
     lights::Lights,
-    passes::view::{View, ViewMode},
-    world::voxels::Voxels,
+    passes::view::Shot,
+    world::{View, voxels::Voxels},
 };
 
 /// From frame to frame that is timed pass by pass; no divisor of the interval of edits.
@@ -113,14 +113,14 @@ impl<'a> Rig<'a> {
     }
 
     /// What a frame of the spec shows; its number is set when it is recorded.
-    pub fn view(&self, spec: &RowSpec, size: [u32; 2], mode: ViewMode, time_s: f64) -> View {
-        View {
+    pub fn shot(&self, spec: &RowSpec, size: [u32; 2], view: View, time_s: f64) -> Shot {
+        Shot {
             camera: spec.camera.clone(),
             size,
             frame: 0,
             seed: self.seed,
             exposure_ev: spec.parameters.picture.exposure_ev,
-            mode,
+            view,
             time_s,
             textures: spec.parameters.textures.enabled,
         }
@@ -134,18 +134,18 @@ impl<'a> Rig<'a> {
         &mut self,
         spec: &RowSpec,
         size: [u32; 2],
-        mode: ViewMode,
+        view: View,
         frames: u32,
     ) -> Result<(), Failure> {
         let lights = self.lights(spec, self.time_s);
         for _ in 0..frames {
             self.check_stop()?;
-            let mut view = self.view(spec, size, mode, self.time_s);
-            view.frame = self.frame.frames();
+            let mut shot = self.shot(spec, size, view, self.time_s);
+            shot.frame = self.frame.frames();
             let mut recorder = Recorder::new(self.gpu, Some(&mut self.timing));
             let probes = &spec.parameters.probes;
             self.frame
-                .record(self.gpu, &mut recorder, &view, &lights, probes);
+                .record(self.gpu, &mut recorder, &shot, &lights, probes);
             recorder.submit(self.gpu)?;
             self.gpu.wait()?;
             while self.timing.next_frame().is_some() {}
@@ -202,9 +202,9 @@ impl<'a> Rig<'a> {
             let flown_s = f64::from(index.saturating_sub(length.settling)) / RATE;
             let time_s = self.time_s + elapsed_s;
             let lights = self.lights(spec, time_s);
-            let mut view = self.view(spec, spec.size, ViewMode::Full, time_s);
-            view.camera = track.at(flown_s);
-            view.frame = self.frame.frames();
+            let mut shot = self.shot(spec, spec.size, View::Full, time_s);
+            shot.camera = track.at(flown_s);
+            shot.frame = self.frame.frames();
             let start = Instant::now();
             if let Some(digging) = digging.as_mut().filter(|_| index >= length.settling) {
                 digging.step(gpu, &mut self.frame, index - length.settling)?;
@@ -218,7 +218,7 @@ impl<'a> Rig<'a> {
             };
             let probes = &spec.parameters.probes;
             self.frame
-                .record(gpu, &mut recorder, &view, &lights, probes);
+                .record(gpu, &mut recorder, &shot, &lights, probes);
             pending.push_back(recorder.submit(gpu)?);
             let cpu_ms = start.elapsed().as_secs_f64() * 1e3;
             if pending.len() >= IN_FLIGHT

@@ -21,8 +21,9 @@ use crate::{
     frame::{BuildReport, Stage},
     gpu::{Gpu, Recorder},
     measure::{frame_times::Interval, statistics::median},
-    passes::{scene::distances::Distances, view::ViewMode},
+    passes::scene::distances::Distances,
     probes::Layout as _,
+    world::View,
 };
 
 /// Times that a world is voxelised, and a process started, for a row.
@@ -98,11 +99,11 @@ impl Common<'_> {
                 Ok(self.row(spec, "none", figures))
             }
             work => {
-                let mode = match work {
-                    Work::DirectError => ViewMode::Direct,
-                    _ => ViewMode::Full,
+                let view = match work {
+                    Work::DirectError => View::Direct,
+                    _ => View::Full,
                 };
-                let (figures, quality) = judging.errors(rig, spec, mode)?;
+                let (figures, quality) = judging.errors(rig, spec, view)?;
                 let mut row = self.row(spec, "none", figures);
                 row.quality = Some(quality);
                 Ok(row)

@@ -26,7 +26,8 @@ use crate::{
     gpu::{Recorder, Timing},
     lights::Lights,
     measure::frame_times::Interval,
-    passes::view::{View, ViewMode},
+    passes::view::Shot,
+    world::View,
 };
 
 /// Frames after which light is settled.
@@ -84,18 +85,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // As the window does: a frame that is never timed goes out in slices for ever.
     let mut timing = Timing::new(&gpu)?;
     let mut step = |frame: &mut Frame| {
-        let view = View {
+        let shot = Shot {
             camera: scene.camera.clone(),
             size: picture.size,
             frame: frame.frames(),
             seed: picture.seed,
             exposure_ev: scene.parameters.picture.exposure_ev,
-            mode: ViewMode::Full,
+            view: View::Full,
             time_s: picture.time,
             textures: scene.parameters.textures.enabled,
         };
         let mut recorder = Recorder::new(&gpu, Some(&mut timing));
-        frame.record(&gpu, &mut recorder, &view, &lights, probes);
+        frame.record(&gpu, &mut recorder, &shot, &lights, probes);
         recorder.submit(&gpu)?;
         gpu.wait()?;
         while timing.next_frame().is_some() {}

@@ -29,7 +29,7 @@ const SOLID: u8 = 2;
 impl Darkness {
     pub fn of(play: &Play<'_>) -> Self {
         Self::seen_by(
-            &play.view.camera,
+            &play.shot.camera,
             &play.case.world,
             &play.voxels,
             &play.lights(),

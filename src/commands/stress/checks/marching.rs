@@ -9,7 +9,7 @@ use crate::{
     passes::{
         bench::rays::{Marcher, RayBench, RayKind, RaySet},
         scene::GpuVoxels,
-        view::View,
+        view::Shot,
     },
     probes::sampling,
     world::voxels::Voxels,
@@ -25,7 +25,7 @@ pub fn against_plain(
     case: &TestCase,
     on_gpu: &GpuVoxels,
     known: &Voxels,
-    view: &View,
+    shot: &Shot,
 ) -> Result<Result<(), String>, Failure> {
     let mut air: Vec<UVec3> = voxels::all(known.size())
         .filter(|voxel| known.material(*voxel) == 0)
@@ -47,10 +47,10 @@ pub fn against_plain(
             Vec3::new(1.0, -1.0, 0.0),
         ])
         .collect();
-    let view_buffer = gpu.uniform_buffer("view", &view.to_gpu());
+    let view_buffer = gpu.uniform_buffer("view", &shot.to_gpu());
     let rays = RaySet {
         view: &view_buffer,
-        size: view.size,
+        size: shot.size,
         rays_per_edge: 1,
         probes: &air,
         directions: &directions,

@@ -5,14 +5,10 @@ use std::sync::atomic::AtomicBool;
 use super::super::play::{Play, SIZE};
 use super::{darkness::Darkness, energy};
 use crate::{
-    commands::{
-        Failure,
-        reference::{TraceRequest, trace},
-    },
+    commands::Failure,
+    frame::{TraceRequest, trace},
     measure::picture::Picture,
-    reference::View,
-    world::LayoutSpec,
-    world::World,
+    world::{LayoutSpec, View, World},
 };
 
 /// Paths of each pixel: the mean over a picture is then known to a few per cent.
@@ -27,12 +23,12 @@ const MOST_ALBEDO: f32 = 0.9;
 
 pub fn traced(play: &Play<'_>) -> Result<Picture, Failure> {
     let request = TraceRequest {
-        camera: &play.view.camera,
+        camera: &play.shot.camera,
         size: SIZE,
         view: View::Full,
         spp: SAMPLES,
         seed: 1,
-        textures: play.view.textures,
+        textures: play.shot.textures,
         antialias: false,
     };
     let never = AtomicBool::new(false);

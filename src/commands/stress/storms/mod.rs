@@ -30,7 +30,7 @@ use super::super::{
     out_file::OutFile,
     output,
 };
-use crate::{gpu::Gpu, passes::view::ViewMode};
+use crate::{gpu::Gpu, world::View};
 
 /// Which storms, and how long.
 #[derive(Args)]
@@ -167,7 +167,7 @@ pub fn run(
         frames: None,
         time: 0.0,
         seed,
-        view: ViewMode::Full,
+        view: View::Full,
     };
     let scenes = paths
         .iter()

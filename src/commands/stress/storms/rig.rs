@@ -7,9 +7,9 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     parameters::Parameters,
-    passes::view::{View, ViewMode},
+    passes::view::Shot,
     world::{
-        Camera, LampPreset, LayoutSpec, World,
+        Camera, LampPreset, LayoutSpec, View, World,
         voxels::{Edit, Voxels},
     },
 };
@@ -172,18 +172,18 @@ impl<'a> Rig<'a> {
 }
 
 fn draw(gpu: &Gpu, frame: &mut Frame, now: &Now, lights: &Lights) -> Result<(), Failure> {
-    let view = View {
+    let shot = Shot {
         camera: now.camera.clone(),
         size: now.size,
         frame: frame.frames(),
         seed: now.seed,
         exposure_ev: now.parameters.picture.exposure_ev,
-        mode: ViewMode::Full,
+        view: View::Full,
         time_s: now.time_s,
         textures: now.parameters.textures.enabled,
     };
     let mut recorder = Recorder::new(gpu, None);
-    frame.record(gpu, &mut recorder, &view, lights, &now.parameters.probes);
+    frame.record(gpu, &mut recorder, &shot, lights, &now.parameters.probes);
     recorder.submit(gpu)?;
     Ok(gpu.wait()?)
 }

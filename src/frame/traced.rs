@@ -1,0 +1,222 @@
+//! A picture of a stage that is path-traced, where a [`Frame`](super::Frame) is lit by probes.
+
+use std::{ops::Range, sync::atomic::AtomicBool};
+
+use super::{Stage, resources};
+use crate::{
+    gpu::{Gpu, GpuError, Recorder},
+    lights::Lights,
+    measure::picture::Picture,
+    passes::{
+        path_trace::{
+            Blocks, Sampled,
+            trace::{PathTrace, Resolve},
+        },
+        scene::GpuLights,
+        view::{GpuShot, Shot, tonemap::Tonemap},
+    },
+    world::{Camera, View},
+};
+
+/// What to trace.
+pub struct TraceRequest<'a> {
+    pub camera: &'a Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// A traceable one.
+    pub view: View,
+    /// Samples (paths) per pixel: 1 to [`PathTrace::MOST_SAMPLES`].
+    pub spp: u32,
+    pub seed: u32,
+    /// Whether textures are seen; else every texture is its mean.
+    pub textures: bool,
+    /// Spreads the samples over the pixel; else all look through its centre.
+    pub antialias: bool,
+}
+
+/// What came of a [`TraceRequest`].
+pub struct Traced {
+    /// Linear Rec. 709 radiance, or the view's data; depth in voxels, 0 where there is no surface.
+    pub picture: Picture,
+    /// Samples that every pixel holds: fewer than were asked for when it was cancelled. Views
+    /// without randomness need none, and say what was asked for.
+    pub spp: u32,
+}
+
+/// The path tracer of a stage, for pictures of one size. An edit of the stage takes a new one.
+pub struct TracedFrame {
+    view: wgpu::Buffer,
+    lights: GpuLights,
+    pass: PathTrace,
+    /// What the samples so far are of.
+    shown: Option<(GpuShot, Lights)>,
+}
+
+/// Path-traces a picture on the GPU.
+///
+/// The picture depends on the arguments and the adapter alone. `progress` is told (samples done,
+/// samples in all), counted in tiles. Once `cancel` is set the rest is left out; pixels without a
+/// sample then show the light that is not random.
+///
+/// # Errors
+/// When the adapter cannot hold the picture, and when it fails on the way.
+pub fn trace(
+    gpu: &Gpu,
+    stage: &Stage,
+    lights: &Lights,
+    request: &TraceRequest<'_>,
+    progress: &dyn Fn(u64, u64),
+    cancel: &AtomicBool,
+) -> Result<Traced, GpuError> {
+    let blocks = request.blocks();
+    let all = 0..blocks.count();
+    let sampled = trace_blocks(gpu, stage, lights, request, &all, progress, cancel)?;
+    Ok(Traced {
+        picture: sampled.picture(blocks),
+        spp: if all.is_empty() {
+            request.spp
+        } else {
+            sampled.samples
+        },
+    })
+}
+
+/// Path-traces some blocks of a picture, as [`trace`] does all.
+///
+/// # Errors
+/// As [`trace`].
+pub fn trace_blocks(
+    gpu: &Gpu,
+    stage: &Stage,
+    lights: &Lights,
+    request: &TraceRequest<'_>,
+    wanted: &Range<u32>,
+    progress: &dyn Fn(u64, u64),
+    cancel: &AtomicBool,
+) -> Result<Sampled, GpuError> {
+    let mut frame = TracedFrame::new(gpu, stage, request.size, request.antialias)?;
+    frame.look(gpu, &request.shot(), lights);
+    let blocks = request.blocks();
+    frame
+        .pass
+        .trace_blocks(gpu, blocks, wanted, progress, cancel)
+}
+
+impl TraceRequest<'_> {
+    /// None where nothing about the picture is random.
+    pub fn blocks(&self) -> Blocks {
+        let is_random = self.antialias || self.view.is_random();
+        Blocks::of(if is_random { self.spp } else { 0 })
+    }
+
+    fn shot(&self) -> Shot {
+        Shot {
+            camera: self.camera.clone(),
+            size: self.size,
+            frame: 0,
+            seed: self.seed,
+            exposure_ev: 0.0,
+            view: self.view,
+            time_s: 0.0,
+            textures: self.textures,
+        }
+    }
+}
+
+impl TracedFrame {
+    /// `antialias` spreads the samples over each pixel; else all look through its centre.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter cannot hold the picture, and when a shader does not compile.
+    pub fn new(
+        gpu: &Gpu,
+        stage: &Stage,
+        size: [u32; 2],
+        antialias: bool,
+    ) -> Result<Self, GpuError> {
+        let (view, lights) = (Shot::buffer(gpu), GpuLights::new(gpu));
+        let pass = PathTrace::new(gpu, size, antialias, &resources(stage, &view, &lights))?;
+        Ok(Self {
+            view,
+            lights,
+            pass,
+            shown: None,
+        })
+    }
+
+    /// What shows the picture so far, as linear HDR and on a display.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn display(
+        &self,
+        gpu: &Gpu,
+        stage: &Stage,
+        size: [u32; 2],
+    ) -> Result<(Resolve, Tonemap), GpuError> {
+        let resources = resources(stage, &self.view, &self.lights);
+        let resolve = self.pass.resolve(gpu, &resources)?;
+        let hdr = resolve.hdr.create_view(&Default::default());
+        let tonemap = Tonemap::new(gpu, size, &hdr, &resources)?;
+        Ok((resolve, tonemap))
+    }
+
+    /// Records as many samples of a shot as a frame has time for. Restarts first when the shot or its lights have
+    /// changed. The shot's size must be the frame's, and its view a traceable one.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device does not take the work.
+    pub fn record(
+        &mut self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        shot: &Shot,
+        lights: &Lights,
+    ) -> Result<(), GpuError> {
+        if self.look(gpu, shot, lights) {
+            self.pass.restart(gpu)?;
+        }
+        if shot.view.is_random() {
+            self.pass.step(gpu, recorder);
+        }
+        Ok(())
+    }
+
+    /// Learns from the milliseconds that the samples of a recorded frame took, frame by frame.
+    pub fn took(&mut self, ms: f64) {
+        self.pass.took(ms);
+    }
+
+    /// Samples that every pixel has.
+    pub fn samples(&self) -> u32 {
+        self.pass.samples()
+    }
+
+    /// Tells the GPU what to trace, and says whether the samples so far are of something else.
+    fn look(&mut self, gpu: &Gpu, shot: &Shot, lights: &Lights) -> bool {
+        assert!(
+            shot.view.is_traceable(),
+            "path tracing has no view {:?}",
+            shot.view
+        );
+        let uniform = shot.to_gpu();
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        // Neither the time nor the exposure is part of the light.
+        let now = GpuShot {
+            frame: 0,
+            time_s: 0.0,
+            exposure: 0.0,
+            ..uniform
+        };
+        let is_same = self
+            .shown
+            .as_ref()
+            .is_some_and(|(shot, before)| *shot == now && before == lights);
+        if !is_same {
+            self.lights.set(gpu, lights);
+            self.shown = Some((now, lights.clone()));
+        }
+        !is_same
+    }
+}

@@ -1,0 +1,81 @@
+//! What one frame is to show, and the uniform that tells its threads.
+
+use crate::{
+    gpu::Gpu,
+    world::{Camera, View},
+};
+
+crate::shared! {
+    in frame;
+
+    /// What is the same for every thread of a frame.
+    pub struct GpuShot as View {
+        /// The ray through the centre of pixel (x, y) is
+        /// forward + right · (2 (x + ½) / width − 1) + up · (1 − 2 (y + ½) / height).
+        pub position_ws: [f32; 3],
+        pub width: u32,
+        pub forward_ws: [f32; 3],
+        pub height: u32,
+        pub right_ws: [f32; 3],
+        /// Frames since the probes were made.
+        pub frame: u32,
+        pub up_ws: [f32; 3],
+        pub seed: u32,
+        /// Angle of a pixel at the picture's centre (radians): the spread of a camera ray's cone.
+        pub pixel_angle: f32,
+        /// 2^EV.
+        pub exposure: f32,
+        /// One of the VIEW_ constants.
+        pub mode: u32,
+        /// World time (seconds).
+        pub time_s: f32,
+        /// 0: faces show the mean of their textures.
+        pub textures: u32,
+        pub _pad: [u32; 3],
+    }
+}
+
+/// What one frame is to show: from which camera, at what time, in which view.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    pub camera: Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Frames since the probes were made.
+    pub frame: u32,
+    pub seed: u32,
+    pub exposure_ev: f32,
+    pub view: View,
+    /// World time (seconds).
+    pub time_s: f64,
+    /// Whether faces show their textures or the mean of them.
+    pub textures: bool,
+}
+
+impl Shot {
+    pub fn to_gpu(&self) -> GpuShot {
+        let [width, height] = self.size;
+        let basis = self.camera.basis(f64::from(width) / f64::from(height));
+        GpuShot {
+            position_ws: basis.origin.as_vec3().to_array(),
+            width,
+            forward_ws: basis.forward.as_vec3().to_array(),
+            height,
+            right_ws: basis.right.as_vec3().to_array(),
+            frame: self.frame,
+            up_ws: basis.up.as_vec3().to_array(),
+            seed: self.seed,
+            pixel_angle: (2.0 * basis.up.length() / f64::from(height)) as f32,
+            exposure: self.exposure_ev.exp2(),
+            mode: self.view as u32,
+            time_s: self.time_s as f32,
+            textures: u32::from(self.textures && self.view != View::TexturesOff),
+            ..Default::default()
+        }
+    }
+
+    /// The uniform buffer, to be written before each frame.
+    pub fn buffer(gpu: &Gpu) -> wgpu::Buffer {
+        gpu.uniform_buffer("view", &GpuShot::default())
+    }
+}
