@@ -85,12 +85,12 @@ fn told(counts: &StateCounts) -> String {
         back_side => format!(" with {back_side} on back sides"),
     };
     format!(
-        "{}{back_side}: {} alive, {} asleep, {} dead; {} due",
+        "{}{back_side}: {} alive, {} asleep, {} dead; {} updated",
         counts.total(),
         counts.alive,
         counts.sleeping,
         counts.dead,
-        counts.due
+        counts.updated
     )
 }
 

@@ -91,7 +91,7 @@ pub struct ProbeCounts {
     pub sleeping: u32,
     pub dead: u32,
     /// Updated in the last frame.
-    pub due: u32,
+    pub updated: u32,
     /// How many of `total` are twins, which the layout does not count.
     pub back_side: u32,
 }
@@ -108,7 +108,7 @@ impl ProbeCounts {
             alive: counts.alive,
             sleeping: counts.sleeping,
             dead: counts.dead,
-            due: counts.due,
+            updated: counts.updated,
             back_side: counts.back_side,
         })
     }

@@ -74,7 +74,7 @@ pub fn row(id: &str, ms: f64) -> Row {
             alive: 100,
             sleeping: 25,
             dead: 50,
-            due: 100,
+            updated: 100,
         }),
         memory_bytes: BTreeMap::from([("total".to_owned(), 12_345_678)]),
         figures: BTreeMap::new(),

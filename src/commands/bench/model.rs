@@ -216,7 +216,8 @@ pub struct Probes {
     pub sleeping: u32,
     pub dead: u32,
     /// Updated in the last frame.
-    pub due: u32,
+    #[serde(alias = "due")]
+    pub updated: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

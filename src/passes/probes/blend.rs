@@ -42,7 +42,7 @@ impl ProbeBlend {
 
     /// After pass `probes/trace`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let due = (&self.dispatch, ProbeField::PROBES_OFFSET);
-        recorder.run_indirect(&self.kernel, &self.bindings, self.most, due);
+        let active = (&self.dispatch, ProbeField::PROBES_OFFSET);
+        recorder.run_indirect(&self.kernel, &self.bindings, self.most, active);
     }
 }

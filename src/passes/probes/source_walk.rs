@@ -87,7 +87,7 @@ impl SourceWalk {
 
     /// After pass `probes/blend`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let due = (&self.dispatch, ProbeField::PROBES_OFFSET);
-        recorder.run_indirect(&self.walk.0, &self.walk.1, self.most, due);
+        let active = (&self.dispatch, ProbeField::PROBES_OFFSET);
+        recorder.run_indirect(&self.walk.0, &self.walk.1, self.most, active);
     }
 }

@@ -46,7 +46,7 @@ impl ProbeTrace {
 
     /// After pass `probes/schedule`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let due = (&self.dispatch, ProbeField::RAYS_OFFSET);
-        recorder.run_indirect(&self.kernel, &self.bindings, self.most, due);
+        let active = (&self.dispatch, ProbeField::RAYS_OFFSET);
+        recorder.run_indirect(&self.kernel, &self.bindings, self.most, active);
     }
 }

@@ -49,7 +49,7 @@ pub struct StateCounts {
     /// In stone: neither updated nor gathered.
     pub dead: u32,
     /// Updated in the last frame.
-    pub due: u32,
+    pub updated: u32,
     /// How many of those that are not dead are twins: beyond the probes of the lattice.
     pub back_side: u32,
 }
@@ -76,7 +76,7 @@ crate::shared! {
 
     /// What `active_list` begins with: how many probes are due.
     struct GpuActiveListHead as ActiveListHead {
-        due: u32,
+        count: u32,
     }
 
     /// Workgroups that the due probes take.
@@ -84,7 +84,7 @@ crate::shared! {
         /// Of pass `probes/trace`.
         pub(super) ray_groups: [u32; 3],
         /// Counts while the list grows.
-        pub(super) due: u32 => "atomic<u32>",
+        pub(super) count: u32 => "atomic<u32>",
         /// Of passes with one for each probe.
         pub(super) probe_groups: [u32; 3],
         pub(super) _pad: u32,
@@ -214,11 +214,11 @@ impl UpdateSchedule {
     }
 
     /// Slots of the probes that were due, in no particular order.
-    pub fn due(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        let due = self.head(gpu)?.due as usize;
+    pub fn active_slots(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        let count = self.head(gpu)?.count as usize;
         let list: Vec<u32> =
             gpu.read_buffer_range(&self.work, HEAD_BYTES, u64::from(self.slots) * 4)?;
-        Ok(list[..due]
+        Ok(list[..count]
             .iter()
             .map(|word| word & !MAKES_REQUESTS)
             .collect())
@@ -236,7 +236,7 @@ impl UpdateSchedule {
         lattice: u32,
     ) -> Result<StateCounts, GpuError> {
         let mut counts = StateCounts {
-            due: self.head(gpu)?.due,
+            updated: self.head(gpu)?.count,
             ..Default::default()
         };
         let states: Vec<GpuProbeState> = gpu.read_buffer(states)?;

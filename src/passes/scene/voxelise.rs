@@ -123,7 +123,7 @@ impl Voxelise {
         };
         Ok(Self {
             classify: kernel("classify")?,
-            solid: kernel("stone")?,
+            solid: kernel("solid")?,
             survey: kernel("survey")?,
             exposed: kernel("exposed")?,
             fill: kernel("fill")?,

@@ -109,7 +109,7 @@ impl Slab {
             // Without an alert, so that intervals are those of light that is steady.
             self.field.changes = Default::default();
         }
-        let list = self.field.due(&self.gpu).expect("reads back");
+        let list = self.field.active_slots(&self.gpu).expect("reads back");
         let due: BTreeSet<u32> = list.iter().copied().collect();
         assert_eq!(due.len(), list.len(), "a slot twice");
         due
@@ -270,7 +270,7 @@ fn stone_is_dead_what_nobody_sees_sleeps_and_what_lights_pixels_is_alive() {
         alive: 9,
         sleeping: 27,
         dead: 18,
-        due: slab.counts().due,
+        updated: slab.counts().updated,
         back_side: 0,
     };
     assert_eq!(slab.counts(), expected);
@@ -410,5 +410,5 @@ fn without_states_all_are_due_that_are_not_in_stone() {
         assert_eq!(slab.update(), columns(2..6));
     }
     let counts = slab.counts();
-    assert_eq!((counts.alive, counts.dead, counts.due), (36, 18, 36));
+    assert_eq!((counts.alive, counts.dead, counts.updated), (36, 18, 36));
 }

@@ -241,7 +241,7 @@ impl Facts {
         let (gpu, frame) = (rig.gpu, &rig.frame);
         let counts = ProbeCounts::read(gpu, frame.field())?;
         let pixels = u64::from(spec.size[0]) * u64::from(spec.size[1]);
-        let probe_rays = u64::from(counts.due) * u64::from(frame.field().rays_per_probe());
+        let probe_rays = u64::from(counts.updated) * u64::from(frame.field().rays_per_probe());
         let mut rays: BTreeMap<String, u64> = [
             ("camera".to_owned(), pixels),
             ("shadow".to_owned(), frame.count_shadow_rays(gpu, true)?),
@@ -259,7 +259,7 @@ impl Facts {
                 alive: counts.alive,
                 sleeping: counts.sleeping,
                 dead: counts.dead,
-                due: counts.due,
+                updated: counts.updated,
             },
             memory_bytes: [
                 ("voxels".to_owned(), memory.voxels),

@@ -257,8 +257,8 @@ impl ProbeField {
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
-    pub fn due(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        self.update_schedule.due(gpu)
+    pub fn active_slots(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        self.update_schedule.active_slots(gpu)
     }
 
     /// Where each probe stands, twins after the others: [`GpuProbePlace`].
