@@ -1,5 +1,5 @@
-//! The path-traced picture in the window: it gathers samples as long as nothing changes, and begins
-//! again when anything does.
+//! The path-traced picture in the window: it gathers samples as long as nothing changes, and starts again when
+//! anything does.
 
 use std::collections::VecDeque;
 
@@ -18,7 +18,7 @@ use crate::{
     },
 };
 
-/// A picture of one size of a stage.
+/// A path-traced picture of one size of a stage.
 pub struct Truth {
     view: wgpu::Buffer,
     lights: GpuLights,
@@ -27,9 +27,9 @@ pub struct Truth {
     tonemap: Tonemap,
     schedule: Schedule,
     size: [u32; 2],
-    /// What the samples so far are of.
+    /// The view and the lights of the samples so far.
     shown: Option<(GpuView, Lights)>,
-    /// Work of slices whose times have not arrived yet.
+    /// Work of dispatch chunks whose times have not arrived yet.
     pending: VecDeque<u64>,
 }
 
@@ -56,8 +56,7 @@ impl Truth {
         })
     }
 
-    /// Adds samples for about as long as a frame may take, and shows their mean.
-    ///
+    /// Adds samples for about as long as a frame may take, and shows the mean of all samples.
     /// # Errors
     /// [`GpuError`] when the device does not take the work.
     pub fn record(
@@ -69,7 +68,7 @@ impl Truth {
     ) -> Result<(), GpuError> {
         let mut uniform = view.to_gpu();
         let mode = match view.mode {
-            // They show how probes light a picture.
+            // These modes show how probes light a picture.
             ViewMode::Steps | ViewMode::Cage | ViewMode::States => ViewMode::Full,
             mode => mode,
         };
@@ -90,7 +89,7 @@ impl Truth {
         if !goes_on {
             self.lights.set(gpu, lights);
             self.schedule.restart(PathTrace::MOST_SAMPLES);
-            // A submission of its own: both slices of this frame tell of themselves in one uniform.
+            // Uses a submission of its own: both chunks of this frame write the same uniform.
             let whole = Schedule::whole(self.pass.tiles());
             let mut first = Recorder::new(gpu, None);
             self.pass.begin(gpu, &mut first, &whole, false);
@@ -110,8 +109,8 @@ impl Truth {
         Ok(())
     }
 
-    /// Learns from the times of a frame that this recorded; `None` where the adapter has no clock, and
-    /// only the whole frame's milliseconds are known.
+    /// Learns from the times of a recorded frame. `None` where the adapter has no timestamps: then only the
+    /// milliseconds of the whole frame are known.
     pub fn took(&mut self, times: Option<&PassTimes>, frame_ms: f64) {
         let ms = match times {
             None => Some(frame_ms),
@@ -134,12 +133,12 @@ impl Truth {
         self.size
     }
 
-    /// As [`crate::frame::Frame::display`].
+    /// See [`crate::frame::Frame::display`].
     pub fn display(&self) -> &wgpu::Texture {
         &self.tonemap.display
     }
 
-    /// As [`crate::frame::Frame::read_display`].
+    /// See [`crate::frame::Frame::read_display`].
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
