@@ -120,11 +120,11 @@ impl Judging<'_> {
         })
     }
 
-    /// The source's figures of error: the sum over RGB of the absolute difference, of the display. `mode` is
-    /// [`ViewMode::Direct`] for light without any probes.
+    /// The source's figures of error: the sum over RGB of the absolute difference of the displayed pictures.
+    /// `mode` is [`ViewMode::Direct`] for light without any probes.
     ///
     /// # Errors
-    /// As [`quality`](Self::quality).
+    /// See [`quality`](Self::quality).
     pub fn errors(
         &self,
         rig: &mut Rig<'_>,
@@ -151,10 +151,10 @@ impl Judging<'_> {
         Ok((named(&figures), quality))
     }
 
-    /// The mean and the greatest change of a pixel between frames of the still scene.
+    /// The mean and the greatest change of a pixel between frames of a scene at rest.
     ///
     /// # Errors
-    /// As [`quality`](Self::quality).
+    /// See [`quality`](Self::quality).
     pub fn stability(
         &self,
         rig: &mut Rig<'_>,
