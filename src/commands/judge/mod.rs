@@ -68,10 +68,10 @@ pub struct Arguments {
     /// Also write every picture in full size, as PNG, into a folder `pictures` beside the page
     #[arg(long)]
     pictures: bool,
-    /// Leave the stability out
+    /// Leave out the stability
     #[arg(long)]
     skip_stability: bool,
-    /// Leave the response out: most of the time goes there
+    /// Leave out the response, which takes most of the time
     #[arg(long)]
     skip_response: bool,
     /// Frames to watch after each change

@@ -1,4 +1,4 @@
-//! Path tracing on the GPU, block by block, so that the sum does not depend on who traces which.
+//! Path tracing on the GPU, block by block, so that the sum does not depend on which part traces which block.
 
 use std::{
     ops::Range,
@@ -30,18 +30,18 @@ pub struct TraceRequest<'a> {
     /// Samples (paths) per pixel: 1 to [`PathTrace::MOST_SAMPLES`].
     pub spp: u32,
     pub seed: u32,
-    /// Whether textures are seen; else every texture is its mean.
+    /// Whether textures are visible; else every texture is replaced by its mean.
     pub textures: bool,
-    /// Spreads the samples over the pixel; else all look through its centre.
+    /// Spreads the samples over the pixel; else all pass through its centre.
     pub antialias: bool,
 }
 
-/// What came of a [`TraceRequest`].
+/// The result of a [`TraceRequest`].
 pub struct Traced {
     /// Linear Rec. 709 radiance, or the view's data; depth in voxels, 0 where there is no surface.
     pub picture: Picture,
-    /// Samples that every pixel holds: fewer than were asked for when it was cancelled. Views
-    /// without randomness need none, and say what was asked for.
+    /// Samples that every pixel has: fewer than requested after a cancellation. Views without randomness need
+    /// none, and report the requested number.
     pub spp: u32,
     /// Exposed faces of emissive voxels.
     pub emitters: usize,
@@ -49,19 +49,19 @@ pub struct Traced {
 
 /// Most blocks of a picture.
 const MOST_BLOCKS: u32 = 64;
-/// Fewest samples of a block but the last: reading one back must cost less than tracing it.
+/// Fewest samples of a block, except the last: reading a block back must cost less than tracing it.
 const LEAST_SAMPLES: u32 = 8;
 
-/// The samples of a picture in blocks, which are summed one by one and then added as [`BlockSums`] says.
+/// The samples of a picture in blocks. Each block is summed, and the sums are added as [`BlockSums`] says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Blocks {
     samples: u32,
-    /// Samples of each block but the last.
+    /// Samples of each block, except the last.
     size: u32,
 }
 
 impl Blocks {
-    /// None where nothing about the picture is random.
+    /// No blocks where nothing about the picture is random.
     pub fn of(request: &TraceRequest<'_>) -> Self {
         let random = request.antialias
             || matches!(request.view, View::Full | View::Indirect | View::Irradiance);
@@ -76,7 +76,7 @@ impl Blocks {
         }
     }
 
-    /// How many there are.
+    /// The number of blocks.
     pub fn count(self) -> u32 {
         self.samples.div_ceil(self.size)
     }
@@ -88,25 +88,25 @@ impl Blocks {
     }
 }
 
-/// Some blocks of a picture.
+/// The traced samples of some blocks of a picture.
 pub struct Sampled {
-    /// What is not random: linear Rec. 709 radiance, or the view's data.
+    /// The part that is not random: linear Rec. 709 radiance, or the view's data.
     pub certain: Picture,
     pub sums: BlockSums,
-    /// Of each pixel the sum and the number of samples of the block in which it was cancelled.
+    /// For each pixel, the sum and the number of samples of the block that was cancelled.
     unfinished: Option<Vec<[f32; 4]>>,
-    /// Samples that every pixel holds.
+    /// Samples that every pixel has.
     pub samples: u32,
 }
 
 /// Path-traces a picture on the GPU.
 ///
-/// The picture depends on the arguments and the adapter alone. `progress` is told (samples done,
-/// samples in all), counted in tiles. Once `cancel` is set the rest is left out; pixels without a
-/// sample then show the light that is not random.
+/// The picture depends only on the arguments and the adapter. `progress` receives (samples done, samples in
+/// all), counted in tiles. Once `cancel` is set, the remaining samples are left out; pixels without a sample
+/// then show the light that is not random.
 ///
 /// # Errors
-/// When the adapter cannot hold the picture, and when it fails on the way.
+/// When the adapter cannot hold the picture, and when it fails later.
 pub fn trace(
     gpu: &Gpu,
     stage: &Stage,
@@ -129,10 +129,10 @@ pub fn trace(
     })
 }
 
-/// Path-traces some blocks of a picture, as [`trace`] does all.
+/// Path-traces some blocks of a picture; [`trace`] traces all of them.
 ///
 /// # Errors
-/// As [`trace`].
+/// See [`trace`].
 pub fn trace_blocks(
     gpu: &Gpu,
     stage: &Stage,
@@ -216,12 +216,12 @@ pub fn trace_blocks(
 }
 
 impl Sampled {
-    /// Whether it was not cancelled.
+    /// Whether all blocks were traced without a cancellation.
     pub fn is_complete(&self) -> bool {
         self.unfinished.is_none()
     }
 
-    /// Of a picture whose first blocks these are.
+    /// The picture of which these are the first blocks.
     fn picture(&self, blocks: Blocks) -> Picture {
         let samples = blocks.samples(&self.sums.blocks()).end;
         let Some(unfinished) = &self.unfinished else {
@@ -244,8 +244,8 @@ impl Sampled {
     }
 }
 
-/// What is traced of a world, as a text: who looks, where probes stand and what may change change nothing
-/// about the world as it is.
+/// Everything that the tracer sees of a world, as a text. Names, cameras, layouts and possible changes are left
+/// out: they do not affect the world as it is.
 pub fn content(world: &World, lights: &Lights) -> String {
     let mut world = world.clone();
     world.name.clear();
@@ -257,7 +257,7 @@ pub fn content(world: &World, lights: &Lights) -> String {
     format!("{world:?} {lights:?}")
 }
 
-/// The sources of the tracer: what it gives is the same for as long as they are.
+/// The sources of the tracer: as long as they are unchanged, its results are unchanged.
 const SOURCES: [&str; 5] = [
     include_str!("trace.rs"),
     include_str!("../../lights/emitters.rs"),
@@ -266,7 +266,7 @@ const SOURCES: [&str; 5] = [
     include_str!("../../passes/path_trace/trace.rs"),
 ];
 
-/// The text of all sources of the tracer, those of its shader too.
+/// The text of all sources of the tracer, including those of its shader.
 ///
 /// # Errors
 /// When the shader cannot be composed.
@@ -342,7 +342,7 @@ mod tests {
         append("probes/gather.wesl");
         assert!(
             texts.contains(&read(folder.path())),
-            "the tracer knows no probes"
+            "the tracer does not use probes"
         );
         append("march/march.wesl");
         assert!(!texts.contains(&read(folder.path())), "it marches");
