@@ -97,7 +97,7 @@ pub fn run(options: Options) -> Result<u32, AppError> {
         options,
         session: None,
         error: None,
-        asked: Instant::now(),
+        requested: Instant::now(),
     };
     event_loop.run_app(&mut app).map_err(no_window)?;
     let presented = app.session.as_ref().map_or(0, Session::presented);
@@ -118,7 +118,7 @@ struct App {
     session: Option<Session>,
     error: Option<AppError>,
     /// When a window that waits between frames last requested a frame.
-    asked: Instant,
+    requested: Instant,
 }
 
 impl App {
@@ -172,7 +172,7 @@ impl ApplicationHandler for App {
         };
         event_loop.set_control_flow(match session.pause() {
             // The system may delay a requested frame: do not request it again at once.
-            Some(pause) => ControlFlow::WaitUntil(session.drawn().max(self.asked) + pause),
+            Some(pause) => ControlFlow::WaitUntil(session.drawn().max(self.requested) + pause),
             None => {
                 session.request_frame();
                 ControlFlow::Poll
@@ -182,7 +182,7 @@ impl ApplicationHandler for App {
 
     fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
         if let (Some(session), StartCause::ResumeTimeReached { .. }) = (&self.session, cause) {
-            self.asked = Instant::now();
+            self.requested = Instant::now();
             session.request_frame();
         }
     }

@@ -85,7 +85,7 @@ fn told(counts: &StateCounts) -> String {
         back_side => format!(" with {back_side} on back sides"),
     };
     format!(
-        "{}{back_side}: {} alive, {} asleep, {} dead; {} due",
+        "{}{back_side}: {} alive, {} asleep, {} dead; {} updated",
         counts.total(),
         counts.alive,
         counts.sleeping,
@@ -248,7 +248,7 @@ fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut O
         }
         ui.end_row();
 
-        ui.label("layout").on_hover_text("Where the probes stand");
+        ui.label("layout").on_hover_text("Positions of the probes");
         let layouts: Vec<&str> = world.layouts.iter().map(|layout| &*layout.name).collect();
         let mut chosen = &*settings.choice.layout;
         let before = chosen;

@@ -57,6 +57,7 @@ impl Truth {
     }
 
     /// Adds samples for about as long as a frame may take, and shows the mean of all samples.
+    ///
     /// # Errors
     /// [`GpuError`] when the device does not take the work.
     pub fn record(
@@ -82,11 +83,11 @@ impl Truth {
             exposure: 0.0,
             ..uniform
         };
-        let goes_on = self
+        let unchanged = self
             .shown
             .as_ref()
             .is_some_and(|(view, before)| *view == now && before == lights);
-        if !goes_on {
+        if !unchanged {
             self.lights.set(gpu, lights);
             self.schedule.restart(PathTrace::MOST_SAMPLES);
             // Uses a submission of its own: both chunks of this frame write the same uniform.

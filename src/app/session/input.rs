@@ -129,8 +129,9 @@ impl Session {
         self.settings.choice.traced = traced;
         if traced {
             self.settings.clock.paused = true;
-            self.messages
-                .toast("Path-traced reference: time stands still (P lets it go on), F6 returns to the probes");
+            self.messages.toast(
+                "Path-traced reference: time is paused (P resumes it), F6 returns to the probes",
+            );
         }
     }
 

@@ -256,8 +256,7 @@ fn less_is_better(name: &str) -> bool {
         && !name.ends_with("_per_s")
 }
 
-/// Passes that have changed in at least half of the rows that have them, or that have changed in fewer rows but
-/// everywhere in the same direction.
+/// Passes that have changed in one direction in at least half of the rows that have them.
 fn pass_changes(rows: &[RowDifference]) -> Vec<PassChange> {
     let all = || rows.iter().flat_map(|row| &row.passes);
     let mut names: Vec<&str> = all().map(|pass| pass.name.as_str()).collect();

@@ -81,7 +81,7 @@ impl<'a> Rig<'a> {
         })
     }
 
-    /// Makes the probes of the spec anew, and a frame for pictures of this size.
+    /// Replaces the probes by fresh ones of the spec, and resizes the picture.
     ///
     /// # Errors
     /// When the adapter cannot hold them.

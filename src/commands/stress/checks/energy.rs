@@ -15,7 +15,7 @@ use crate::{
     world::{Colour, LampKind, Motion, World},
 };
 
-/// Estimates of light from emissive faces are unbiased but noisy: single estimates are above the mean.
+/// Estimates of light from emissive faces are unbiased but noisy: single estimates may lie above the mean.
 const NOISE: f32 = 2.0;
 /// Halves are rounded, and probes clamp to the largest half.
 const ROUNDING: f32 = 1.01;

@@ -85,7 +85,7 @@ impl StormOptions {
     }
 
     fn kinds(&self) -> Kinds {
-        let asked = [
+        let requested = [
             (self.edit_storm, Kind::Edit),
             (self.layout_storm, Kind::Layout),
             (self.resize_storm, Kind::Resize),
@@ -93,8 +93,8 @@ impl StormOptions {
             (self.device_loss, Kind::Loss),
             (self.soak.is_some(), Kind::Soak),
         ];
-        let asked = asked.into_iter().filter(|(asked, _)| *asked);
-        Kinds::new(&asked.map(|(_, kind)| kind).collect::<Vec<_>>())
+        let requested = requested.into_iter().filter(|(requested, _)| *requested);
+        Kinds::new(&requested.map(|(_, kind)| kind).collect::<Vec<_>>())
     }
 
     fn length(&self) -> Length {
