@@ -1,4 +1,4 @@
-//! Digging and building: what the crosshair points at, and what a stroke there changes.
+//! Digging and building: finds what the crosshair points at, and changes voxels there.
 
 use egui::{Color32, LayerId, Order, Slider, Stroke as Line, Ui};
 use glam::IVec3;
@@ -12,17 +12,17 @@ use crate::{
     },
 };
 
-/// Longest radius that the panel offers (voxels).
+/// Largest radius that the panel offers (voxels).
 const MOST_RADIUS: f32 = 24.0;
 /// From the crosshair's middle to its ends (egui's points).
 const CROSSHAIR: f32 = 7.0;
 
-/// What strokes are made with.
+/// Settings of the strokes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brush {
-    /// What is placed: 1-based index into the world's materials.
+    /// Material to place: 1-based index into the world's materials.
     pub material: u8,
-    /// Of the sphere that a stroke changes (voxels); 0 for a single voxel.
+    /// Radius of the sphere that a stroke changes (voxels); 0 for a single voxel.
     pub radius: f32,
 }
 
@@ -38,9 +38,9 @@ impl Default for Brush {
 /// What a stroke does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
-    /// Takes stone away, from the voxel under the crosshair on.
+    /// Removes solid voxels, starting with the voxel under the crosshair.
     Dig,
-    /// Fills air with the brush's material, from the face under the crosshair on.
+    /// Fills air with the brush's material, starting at the face under the crosshair.
     Place,
     /// Takes the material under the crosshair into the brush.
     Pick,
@@ -55,7 +55,7 @@ impl Brush {
         camera: &Camera,
         stroke: Stroke,
     ) -> Edit {
-        // An edited world file may have fewer.
+        // An edited world file may have fewer materials.
         self.material = self.material.clamp(1, world.materials.len().max(1) as u8);
         let basis = camera.basis(1.0);
         let ray = Ray::new(basis.origin - world.origin.as_dvec3(), basis.forward);
@@ -77,7 +77,7 @@ impl Brush {
         self.change(voxels, at, |_, _| 0)
     }
 
-    /// The voxel `camera` stays as it is: nobody is walled in.
+    /// The voxel of `camera` stays as it is, so that nobody is walled in.
     fn place(&self, voxels: &mut Voxels, at: IVec3, camera: IVec3) -> Edit {
         self.change(voxels, at, |voxel, old| {
             if old == 0 && voxel != camera {
@@ -88,7 +88,7 @@ impl Brush {
         })
     }
 
-    /// Rewrites the voxels whose centres lie within the radius of that of `at`.
+    /// Rewrites the voxels whose centres lie within the radius of the centre of `at`.
     fn change(&self, voxels: &mut Voxels, at: IVec3, new: impl Fn(IVec3, u8) -> u8) -> Edit {
         let radius = self.radius.clamp(0.0, MOST_RADIUS);
         let reach = IVec3::splat(radius as i32);
@@ -103,8 +103,9 @@ impl Brush {
 
     /// Rows of a grid of two columns: the material and the radius.
     pub fn rows(&mut self, ui: &mut Ui, world: &World) {
-        ui.label("material")
-            .on_hover_text("What a right click places; a middle click takes what is aimed at");
+        ui.label("material").on_hover_text(
+            "What a right click places; a middle click takes the material under the crosshair",
+        );
         let names: Vec<&str> = world.materials.iter().map(|m| &*m.name).collect();
         let index = usize::from(self.material).saturating_sub(1);
         let mut chosen = names.get(index).or(names.last()).copied().unwrap_or("none");
@@ -113,14 +114,15 @@ impl Brush {
             self.material = index.map_or(1, |index| index as u8 + 1);
         }
         ui.end_row();
-        ui.label("radius")
-            .on_hover_text("Of the sphere that a click changes (voxels); 0 for a single voxel");
+        ui.label("radius").on_hover_text(
+            "Radius of the sphere that a click changes (voxels); 0 for a single voxel",
+        );
         ui.add(Slider::new(&mut self.radius, 0.0..=MOST_RADIUS).max_decimals(1));
         ui.end_row();
     }
 }
 
-/// Draws a cross where strokes go: light on dark, and the other way round.
+/// Draws a cross where strokes go: light on dark backgrounds, dark on light ones.
 pub fn crosshair(ui: &Ui) {
     let layer = LayerId::new(Order::Middle, egui::Id::unique("crosshair"));
     let painter = ui.ctx().layer_painter(layer);
@@ -177,7 +179,7 @@ mod tests {
         assert_eq!((voxels.material(top), count(&voxels, 2)), (0, 2047));
         brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
         assert_eq!((voxels.material(top), count(&voxels, 1)), (1, 1));
-        // On top of it, with what lies there.
+        // On top of it, with the material that lies there.
         brush.material = 3;
         brush.stroke(&mut voxels, &world, &camera, Stroke::Pick);
         assert_eq!(brush.material, 1);
@@ -187,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn a_radius_changes_a_sphere_and_building_leaves_stone_and_the_camera_alone() {
+    fn a_radius_changes_a_sphere_and_building_leaves_solid_voxels_and_the_camera_alone() {
         let (world, mut voxels, mut camera) = scene();
         let mut brush = Brush {
             material: 3,
@@ -199,13 +201,13 @@ mod tests {
         camera.position.y = 6.5;
         let (mut voxels, at) = (scene().1, IVec3::new(16, 2, 16));
         brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
-        assert_eq!(count(&voxels, 2), 2048, "stone stays what it is");
+        assert_eq!(count(&voxels, 2), 2048, "solid voxels stay as they are");
         assert_eq!(voxels.material(at), 0, "the camera stays free");
         assert_eq!(count(&voxels, 3), 13 - 1 + 9 + 1);
     }
 
     #[test]
-    fn strokes_into_the_void_change_nothing_and_stone_around_the_camera_is_dug() {
+    fn strokes_into_the_void_change_nothing_and_solid_voxels_around_the_camera_are_dug() {
         let (world, mut voxels, mut camera) = scene();
         let mut brush = Brush::default();
         camera.pitch_deg = 45.0;

@@ -1,4 +1,4 @@
-//! The free-flying camera: a function of what was held and moved, and for how long.
+//! The free-flying camera: a function of the input and its duration.
 
 use glam::Vec3;
 
@@ -7,7 +7,7 @@ use crate::world::Camera;
 /// What a user did since the last frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlyInput {
-    /// Seconds of flight to the right (x), up (y) and forwards (z): for how long the keys were held.
+    /// Seconds of flight to the right (x), up (y) and forwards (z): how long the keys were held.
     pub held_s: Vec3,
     /// Whether the flight was [`BOOST`] times as fast.
     pub boost: bool,
@@ -25,12 +25,12 @@ pub const SPEEDS: std::ops::RangeInclusive<f32> = 0.5..=500.0;
 pub const DEFAULT_SPEED: f32 = 12.0;
 
 const DEGREES_PER_PIXEL: f32 = 0.1;
-/// One short of straight up and down, where left and right would trade places.
+/// One degree short of straight up and down, where left and right would trade places.
 const STEEPEST_DEG: f32 = 89.0;
 const SPEED_PER_NOTCH: f32 = 1.2;
 
-/// The camera after this input. Forwards is where it looks, up is always the world's; `speed` is in
-/// voxels a second. The same time held gives the same place, whatever the frame rate.
+/// The camera after this input. Forwards is where it looks; up is always the world's. `speed` is in voxels a
+/// second. The same time held gives the same place, whatever the frame rate.
 pub fn flown(camera: &Camera, input: &FlyInput, speed: f32) -> Camera {
     let mut next = camera.clone();
     next.yaw_deg =
@@ -48,7 +48,7 @@ pub fn flown(camera: &Camera, input: &FlyInput, speed: f32) -> Camera {
     next
 }
 
-/// The speed after this many notches of the mouse wheel (away from the user: faster).
+/// The speed after this many notches of the mouse wheel (away from the user is faster).
 pub fn scrolled(speed: f32, notches: f32) -> f32 {
     (speed * SPEED_PER_NOTCH.powf(notches)).clamp(*SPEEDS.start(), *SPEEDS.end())
 }
@@ -88,7 +88,7 @@ mod tests {
         close(flight(0.0, 0.0, &held(1.0, 0.0, 0.0)), Vec3::X * 10.0);
         close(flight(90.0, 0.0, &held(0.0, 0.0, 1.0)), Vec3::NEG_X * 10.0);
         close(flight(90.0, 0.0, &held(1.0, 0.0, 0.0)), Vec3::NEG_Z * 10.0);
-        // Up is the world's, however the camera looks; forwards is where it looks.
+        // Up is the world's, whatever the pitch of the camera; forwards is where it looks.
         close(flight(30.0, -60.0, &held(0.0, 0.5, 0.0)), Vec3::Y * 5.0);
         assert!(flight(30.0, -60.0, &held(0.0, 0.0, 1.0)).y < -8.0);
         assert_eq!(flight(30.0, -60.0, &held(0.0, 0.0, 0.0)), Vec3::ZERO);

@@ -1,4 +1,4 @@
-//! World time, and how fast the window is.
+//! World time, and the frame rate of the window.
 
 use std::{
     collections::VecDeque,
@@ -7,15 +7,15 @@ use std::{
 
 use crate::measure::frame_times::FrameStatistics;
 
-/// Longest step of world time (seconds): lamps do not leap after a stall.
+/// Longest step of world time (seconds), so that lamps do not leap after a stall.
 const LONGEST_STEP_S: f64 = 0.25;
 
-/// World time: it can stand still, and run slower or faster.
+/// World time: it can be paused, and run slower or faster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldClock {
     pub time_s: f64,
     pub paused: bool,
-    /// Seconds of the world to a second of ours.
+    /// Seconds of world time per second of real time.
     pub rate: f32,
 }
 
@@ -30,7 +30,7 @@ impl Default for WorldClock {
 }
 
 impl WorldClock {
-    /// Lets this many seconds of ours pass.
+    /// Advances by this many seconds of real time.
     pub fn advance(&mut self, elapsed_s: f64) {
         if !self.paused {
             self.time_s += elapsed_s.min(LONGEST_STEP_S) * f64::from(self.rate);
@@ -43,21 +43,21 @@ impl WorldClock {
 pub struct FrameRate {
     /// Milliseconds, the latest last.
     frames_ms: VecDeque<f64>,
-    /// When the frame before began, if the time since then is that of a frame.
+    /// When the previous frame began; `None` if the time since then belongs to no frame.
     last: Option<Instant>,
-    /// What they say, and when that was looked at.
+    /// The statistics, and when they were computed.
     figures: Option<(Instant, FrameStatistics)>,
 }
 
 impl FrameRate {
-    /// Frames that the figures are of.
+    /// Number of frames that the statistics cover.
     pub const KEPT: usize = 300;
-    /// From look to look at what they say, so that it can be read.
+    /// Time between two updates of the statistics, so that they can be read.
     const LOOKED_AT: Duration = Duration::from_millis(250);
-    /// The rate is that of the frames of so many milliseconds, so that it can be read.
+    /// Milliseconds of frames that the rate covers, so that it can be read.
     const SMOOTHED_MS: f64 = 500.0;
 
-    /// A frame begins: the time since the one before counts, if there was one.
+    /// A frame begins. The time since the previous one counts, if there was one.
     pub fn tick(&mut self, now: Instant) {
         if let Some(last) = self.last.replace(now) {
             self.push(now.saturating_duration_since(last).as_secs_f64() * 1e3);
@@ -70,7 +70,7 @@ impl FrameRate {
         }
     }
 
-    /// What goes on now is no part of a frame.
+    /// The time from now until the next frame belongs to no frame.
     pub fn interrupt(&mut self) {
         self.last = None;
     }
@@ -82,7 +82,7 @@ impl FrameRate {
         self.frames_ms.push_back(frame_ms);
     }
 
-    /// As when frames so far say nothing about those to come.
+    /// Forgets all frames, for when they say nothing about those to come.
     pub fn clear(&mut self) {
         self.frames_ms.clear();
         self.figures = None;
@@ -107,7 +107,7 @@ impl FrameRate {
         self.frames_ms.iter().copied().collect()
     }
 
-    /// What the frames said a moment ago; `None` before the first.
+    /// Statistics of the frames, updated every quarter of a second; `None` before the first frame.
     pub fn figures(&self) -> Option<&FrameStatistics> {
         self.figures.as_ref().map(|(_, figures)| figures)
     }

@@ -1,4 +1,4 @@
-//! Keys and mouse, gathered between frames.
+//! Keys and mouse input, gathered between frames.
 
 use std::{collections::HashMap, time::Instant};
 
@@ -22,22 +22,22 @@ pub const HELP: &[(&str, &str)] = &[
     ("F1", "this panel"),
     ("F2", "save a screenshot"),
     ("F3", "draw the probes, by another colour"),
-    ("F4", "benchmark: a flight, and what its frames took"),
+    ("F4", "benchmark: a flight, and its frame times"),
     ("F5", "read world and shaders again"),
     ("F6", "path-traced reference"),
     ("F11", "full screen"),
 ];
 
-/// Longest flight of one frame (seconds): a stall does not throw the camera out of the world.
+/// Longest flight in one frame (seconds), so that a stall does not throw the camera out of the world.
 const LONGEST_STEP_S: f32 = 0.5;
 
-/// What was held and moved since the last frame. Keys count for as long as they were down, also
-/// when a slow frame sees them go down and up again.
+/// Input since the last frame. Keys count for as long as they were down, even if they went down and up again
+/// within one slow frame.
 #[derive(Default)]
 pub struct Controls {
-    /// When each key that is down began to count.
+    /// For each key that is down, the time from which it counts.
     down: HashMap<KeyCode, Instant>,
-    /// Seconds that keys were down since the last frame, but for those still down.
+    /// Seconds that keys were down since the last frame, except for those still down.
     counted_s: HashMap<KeyCode, f32>,
     look_px: [f32; 2],
 }
@@ -53,7 +53,7 @@ impl Controls {
         }
     }
 
-    /// As when the window loses the keyboard: no release will be heard of.
+    /// Releases every key, for when the window loses the keyboard: no release will be reported.
     pub fn release_all(&mut self) {
         self.down.clear();
         self.counted_s.clear();
@@ -65,7 +65,7 @@ impl Controls {
         self.look_px[1] += down as f32;
     }
 
-    /// What happened since the last call.
+    /// The input since the last call.
     pub fn take(&mut self, now: Instant) -> FlyInput {
         let mut held_s = std::mem::take(&mut self.counted_s);
         for (key, since) in &mut self.down {
@@ -110,7 +110,7 @@ mod tests {
         let after = |ms| start + Duration::from_millis(ms);
         let mut controls = Controls::default();
         controls.press(KeyCode::KeyW, after(0));
-        // Auto-repeat is no second press.
+        // Auto-repeat is not a second press.
         controls.press(KeyCode::KeyW, after(50));
         // A tap within a slow frame.
         controls.press(KeyCode::KeyA, after(60));

@@ -1,4 +1,4 @@
-//! The curve of frame times: every frame, with the median and the slow tail marked.
+//! The graph of frame times: a curve of every frame, with the median and the slow tail marked.
 
 use egui::{
     Color32, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2, epaint::Mesh, pos2, vec2,
@@ -7,25 +7,25 @@ use egui::{
 use super::{clock::FrameRate, panel::digits};
 use crate::measure::frame_times::FrameStatistics;
 
-/// Of the line of the median and of its figure.
+/// Colour of the line of the median and of its figure.
 pub const MEDIAN: Color32 = Color32::from_rgb(130, 200, 130);
-/// Of the line of the 1 % low and of its figure.
+/// Colour of the line of the 1 % low and of its figure.
 pub const LOW: Color32 = Color32::from_rgb(255, 190, 80);
-/// Of the curve.
+/// Colour of the curve.
 const CURVE: Color32 = Color32::from_rgb(120, 180, 255);
 
-/// Of the graph in the panel (egui's points).
+/// Height of the graph in the panel (egui's points).
 const PANEL_HEIGHT: f32 = 56.0;
-/// Height of the letters below it.
+/// Height of the letters below the graph.
 const FIGURES: f32 = 11.0;
-/// Medians that the graph shows at least, and at most unless the P99 is above: one hitch must not flatten all
-/// other frames.
+/// The graph's height in medians: at least LEAST, and at most MOST unless the P99 is above that. One hitch must
+/// not flatten all other frames.
 const LEAST_MEDIANS: f64 = 2.0;
 const MOST_MEDIANS: f64 = 4.0;
-/// Room above the highest of what is shown.
+/// Room above the highest value shown.
 const HEADROOM: f64 = 1.1;
 
-/// The last frames of the window, as the panel shows them.
+/// The last frames of the window, for the panel.
 pub fn show(ui: &mut Ui, rate: &FrameRate) {
     let figures = rate.figures();
     let size = vec2(ui.available_width(), PANEL_HEIGHT);
@@ -49,13 +49,13 @@ pub fn show(ui: &mut Ui, rate: &FrameRate) {
     })
     .response
     .on_hover_text(format!(
-        "Of the last {} frames, by the wall's clock",
+        "Of the last {} frames, by the wall clock",
         FrameRate::KEPT
     ));
 }
 
-/// Draws the frames from left to right, the latest at the right edge; `slots` frames fill the width. Frames that
-/// are slower than the graph is high touch its upper edge.
+/// Draws the frames from left to right, the latest at the right edge; `slots` frames fill the width. Frames
+/// slower than the top of the graph touch its upper edge.
 pub fn draw(
     ui: &mut Ui,
     frames_ms: &[f64],
@@ -89,7 +89,7 @@ pub fn draw(
     let colour = ui.visuals().text_color();
     let scale = painter.layout_no_wrap(scale, FontId::proportional(10.0), colour);
     let at = rect.left_top() + vec2(4.0, 2.0);
-    // The lines are not to run through it.
+    // The lines must not run through the text.
     let behind = Rect::from_min_size(at, scale.size()).expand(2.0);
     painter.rect_filled(behind, 2.0, ui.visuals().extreme_bg_color);
     painter.galley(at, scale, colour);
@@ -117,7 +117,7 @@ fn points(frames_ms: &[f64], rect: Rect, slots: usize, top_ms: f64) -> Vec<Pos2>
     points
 }
 
-/// What lies between the curve and the bottom.
+/// The area between the curve and the bottom.
 fn area(points: &[Pos2], bottom: f32) -> Mesh {
     let mut mesh = Mesh::default();
     let fill = CURVE.gamma_multiply(0.25);

@@ -1,4 +1,4 @@
-//! What the window says: toasts that go away, and diagnostics that stay until they are mended.
+//! Messages of the window: toasts that disappear, and diagnostics that stay until the error is fixed.
 
 use std::time::{Duration, Instant};
 
@@ -6,7 +6,7 @@ use egui::{Align2, Area, Color32, Frame, Id, RichText, ScrollArea, Ui, Window};
 
 /// How long a toast is shown.
 const SHOWN: Duration = Duration::from_secs(5);
-/// Errors are longer to read.
+/// Errors take longer to read.
 const ERROR_SHOWN: Duration = Duration::from_secs(12);
 const ERROR: Color32 = Color32::from_rgb(255, 120, 100);
 
@@ -16,7 +16,7 @@ pub struct Messages {
     pub world: Option<String>,
     /// What is wrong with the shaders; the last good ones run.
     pub shaders: Option<String>,
-    /// What is going on, as long as it does.
+    /// What is in progress, while it lasts.
     pub status: Option<String>,
     toasts: Vec<Toast>,
 }
@@ -37,7 +37,7 @@ impl Messages {
     }
 
     fn push(&mut self, text: String, error: bool, shown: Duration) {
-        // The same again only lasts longer.
+        // The same text again only lasts longer.
         self.toasts.retain(|toast| toast.text != text);
         self.toasts.push(Toast {
             text,
@@ -46,7 +46,7 @@ impl Messages {
         });
     }
 
-    /// Draws what there is to say.
+    /// Draws the messages.
     pub fn show(&mut self, ui: &mut Ui) {
         let now = Instant::now();
         self.toasts.retain(|toast| toast.until > now);
@@ -76,7 +76,8 @@ impl Messages {
     }
 }
 
-/// Room that a message leaves to the edges of the window, in points: its own frame, title and margins included.
+/// Space between a message and the edges of the window, in points, including the message's own frame, title and
+/// margins.
 const AROUND: egui::Vec2 = egui::vec2(48.0, 96.0);
 /// Widest and highest text of a diagnostic, in points.
 const DIAGNOSTIC: egui::Vec2 = egui::vec2(720.0, 420.0);
@@ -100,8 +101,8 @@ fn toasts(ui: &Ui, toasts: &[Toast]) {
         });
 }
 
-/// A window with a text as a terminal would show it, until it is closed. It first appears at `height`
-/// of the way down. Long lines wrap, and what does not fit scrolls: the window stays within its own.
+/// A window with a text as a terminal would show it, until it is closed. It first appears at `height` of the
+/// way down. Long lines wrap, and longer texts scroll: the window stays within the application's window.
 fn diagnostic(ui: &Ui, title: &str, height: f32, text: &mut Option<String>) {
     let Some(shown) = text else {
         return;
@@ -135,7 +136,7 @@ fn diagnostic(ui: &Ui, title: &str, height: f32, text: &mut Option<String>) {
 mod tests {
     use super::*;
 
-    /// The rectangles of all shapes of a frame of this size that says this of the world file.
+    /// The rectangles of all shapes of a frame of this size with this diagnostic of the world file.
     fn drawn(size: egui::Vec2, text: &str) -> (egui::Rect, usize) {
         let context = egui::Context::default();
         let mut messages = Messages {
@@ -144,7 +145,7 @@ mod tests {
         };
         messages.toast_error(text.lines().next().unwrap_or_default());
         let mut painted = (egui::Rect::NOTHING, 0);
-        // Windows find their size in the frames after the first.
+        // Windows settle on their size in the frames after the first.
         for _ in 0..4 {
             let input = egui::RawInput {
                 screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),

@@ -1,10 +1,10 @@
 //! The window: a camera that flies through a world, a panel, and files that are read again when
 //! they are edited.
 //!
-//! `session` is an open window: it hears the user and draws the frames; `show` is what it shows.
-//! The rest are their parts: `camera` and `controls` steer, `brush` digs and builds, `panel` and
-//! `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself and
-//! `frame_graph` draws how long frames took.
+//! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. The
+//! other modules are their parts: `camera` and `controls` steer, `brush` digs and builds, `panel` and `widgets`
+//! choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and `frame_graph`
+//! draws frame times.
 
 mod benchmark;
 mod brush;
@@ -43,7 +43,7 @@ use crate::{
 };
 use session::Session;
 
-/// What a window begins with.
+/// What a window starts with.
 pub struct Options {
     /// The file that `world` was read from, with the overrides of `parameters`.
     pub world_path: PathBuf,
@@ -53,25 +53,25 @@ pub struct Options {
     /// Name of a probe layout of the world.
     pub layout: String,
     pub inspection: Inspection,
-    /// Path-traced in place of lit by probes.
+    /// Show the path-traced picture in place of the one lit by probes.
     pub traced: bool,
     /// Width and height of the window in pixels.
     pub size: [u32; 2],
-    /// Part of the name of the adapter to run on; the fastest without.
+    /// Part of the name of the adapter to run on; `None` for the fastest.
     pub adapter: Option<String>,
-    /// Of the random rays.
+    /// Seed of the random rays.
     pub seed: u32,
-    /// Reads the shaders from this folder, and again when they are edited.
+    /// Reads the shaders from this folder, and again whenever they are edited.
     pub shaders: Option<PathBuf>,
-    /// Begins with the benchmark.
+    /// Starts with the benchmark.
     pub benchmark: bool,
     /// Closes the window after this many frames.
     pub frames: Option<u32>,
-    /// Destroys the device after this many frames, as a driver that fails does: for tests.
+    /// Destroys the device after this many frames, as a failing driver does: for tests.
     pub lose_device_at: Option<u32>,
 }
 
-/// Why the window is not, or no longer, open.
+/// Why the window did not open, or closed.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
     #[error(
@@ -85,11 +85,11 @@ pub enum AppError {
     Frame(#[from] FrameError),
 }
 
-/// Opens the window and returns when it is closed, with how many frames it has shown.
+/// Opens the window. Returns, when it is closed, the number of frames that it has shown.
 ///
 /// # Errors
-/// [`AppError`] without a display or a usable adapter, when the adapter cannot hold the world, and
-/// when it fails on the way.
+/// [`AppError`] without a display or a usable adapter, when the adapter cannot hold the world, and when the
+/// adapter fails later.
 pub fn run(options: Options) -> Result<u32, AppError> {
     let no_window = |error: EventLoopError| AppError::NoWindow(without_place(&error.to_string()));
     let event_loop = EventLoop::new().map_err(no_window)?;
@@ -97,14 +97,14 @@ pub fn run(options: Options) -> Result<u32, AppError> {
         options,
         session: None,
         error: None,
-        asked: Instant::now(),
+        requested: Instant::now(),
     };
     event_loop.run_app(&mut app).map_err(no_window)?;
     let presented = app.session.as_ref().map_or(0, Session::presented);
     app.error.map_or(Ok(presented), Err)
 }
 
-/// An error of winit without the line of its own source that it begins with.
+/// An error of winit without the source position that it begins with.
 fn without_place(message: &str) -> String {
     let told = message
         .strip_prefix("os error at ")
@@ -117,8 +117,8 @@ struct App {
     options: Options,
     session: Option<Session>,
     error: Option<AppError>,
-    /// When the last frame of a window that waits between frames was asked for.
-    asked: Instant,
+    /// When a window that waits between frames last requested a frame.
+    requested: Instant,
 }
 
 impl App {
@@ -171,8 +171,8 @@ impl ApplicationHandler for App {
             return;
         };
         event_loop.set_control_flow(match session.pause() {
-            // The system may hold back a frame that was asked for: it is not asked for again at once.
-            Some(pause) => ControlFlow::WaitUntil(session.drawn().max(self.asked) + pause),
+            // The system may delay a requested frame: do not request it again at once.
+            Some(pause) => ControlFlow::WaitUntil(session.drawn().max(self.requested) + pause),
             None => {
                 session.request_frame();
                 ControlFlow::Poll
@@ -182,7 +182,7 @@ impl ApplicationHandler for App {
 
     fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
         if let (Some(session), StartCause::ResumeTimeReached { .. }) = (&self.session, cause) {
-            self.asked = Instant::now();
+            self.requested = Instant::now();
             session.request_frame();
         }
     }

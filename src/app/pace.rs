@@ -1,27 +1,28 @@
-//! How often the window draws: as often as the display shows while somebody works with it, and rarely else.
+//! How often the window draws: at the rate of the display while somebody works with it, and rarely otherwise.
 
 use std::time::Duration;
 
-/// From frame to frame of a window that is seen but not worked with: enough to see what becomes of the light.
+/// Time between two frames of a window that is visible but not in use: enough to follow changes of the light.
 const BESIDE: Duration = Duration::from_millis(100);
-/// How often a window that nobody sees is looked after.
+/// Time between two checks of a window that nobody sees.
 const IDLE: Duration = Duration::from_millis(250);
-/// Pauses are so many times as long as the frames before them, so that slow frames too leave most of the time.
+/// Pauses are at least REST times as long as the frames before them, so that even slow frames leave most of the
+/// time free.
 const REST: u32 = 3;
 
-/// Who attends to the window.
+/// Whether somebody uses or sees the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attention {
-    /// Keys go to it.
+    /// The window has the keyboard.
     pub focused: bool,
-    /// Nobody sees it.
+    /// Nobody sees the window.
     pub hidden: bool,
-    /// Its frames are counted or measured: by a benchmark, or to close it after some.
+    /// Its frames are measured by a benchmark, or counted so that the window closes after N of them.
     pub measured: bool,
 }
 
 impl Attention {
-    /// The pause after a frame that took so long to draw; none where the display alone sets the pace.
+    /// The pause after a frame that took `drawing`; `None` where the display alone sets the pace.
     pub fn pause(self, drawing: Duration) -> Option<Duration> {
         let Self {
             focused,
@@ -68,7 +69,7 @@ mod tests {
         assert_eq!(
             measured.pause(slow),
             None,
-            "or its figures would be of the pause"
+            "or its figures would measure the pause"
         );
     }
 

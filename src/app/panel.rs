@@ -1,4 +1,4 @@
-//! The panel: figures of what runs, and a widget for everything that can be chosen.
+//! The panel: figures of the running world, and a widget for everything that can be chosen.
 
 use std::collections::BTreeMap;
 
@@ -22,44 +22,44 @@ use crate::{
 /// What is chosen in the panel.
 #[derive(Clone)]
 pub struct Settings {
-    /// What takes work to show.
+    /// What takes work to change.
     pub choice: Choice,
     pub inspection: Inspection,
-    /// Edge of the picture in parts of the window's.
+    /// Edge length of the picture relative to the window's.
     pub scale: f32,
     pub vsync: bool,
     pub clock: WorldClock,
     pub brush: Brush,
 }
 
-/// What the panel tells of.
+/// What the panel displays.
 pub struct Facts<'a> {
     pub viewport: &'a Viewport,
     pub rate: &'a FrameRate,
     pub passes: &'a PassMeans,
     pub camera: &'a Camera,
     pub speed: f32,
-    /// Probes by state, once that is known.
+    /// Probes by state, once they have been counted.
     pub probes: Option<StateCounts>,
 }
 
-/// What a user asked for.
+/// What a user clicked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// To the world's camera of this index.
+    /// Move to the world's camera of this index.
     JumpTo(usize),
     Screenshot,
     Reload,
 }
 
-/// Milliseconds of each pass, smoothed so that they can be read.
+/// Mean milliseconds of each pass, smoothed so that they can be read.
 #[derive(Default)]
 pub struct PassMeans {
     mean_ms: BTreeMap<String, f64>,
 }
 
 impl PassMeans {
-    /// Share of what was known that one frame leaves.
+    /// Weight of the previous mean when a frame is added.
     const KEPT: f64 = 0.9;
 
     pub fn push(&mut self, times: &PassTimes) {
@@ -72,13 +72,13 @@ impl PassMeans {
     }
 }
 
-/// Edges of pictures in parts of the window's that the panel offers.
+/// Edge lengths of the picture, relative to the window's, that the panel offers.
 pub const SCALES: std::ops::RangeInclusive<f32> = 0.1..=1.0;
 
 const WIDTH: f32 = 320.0;
 const WARNING: Color32 = Color32::from_rgb(255, 190, 80);
 
-/// The states add up to the number that they follow.
+/// The counts of the states add up to the total.
 fn told(counts: &StateCounts) -> String {
     let back_side = match counts.back_side {
         0 => String::new(),
@@ -158,7 +158,7 @@ fn grid(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
         .show(ui, add);
 }
 
-/// What runs, how fast, and on what.
+/// What runs, its frame rate, and the adapter.
 fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
     let gpu = &facts.viewport.gpu;
     ui.horizontal(|ui| {
@@ -231,7 +231,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
     });
 }
 
-/// What of the world is shown, and how.
+/// Which part of the world is shown, and how.
 fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut Option<Action>) {
     let world = facts.viewport.world();
     ui.label(RichText::new(&world.name).strong())
@@ -248,7 +248,7 @@ fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut O
         }
         ui.end_row();
 
-        ui.label("layout").on_hover_text("Where the probes stand");
+        ui.label("layout").on_hover_text("Positions of the probes");
         let layouts: Vec<&str> = world.layouts.iter().map(|layout| &*layout.name).collect();
         let mut chosen = &*settings.choice.layout;
         let before = chosen;
@@ -261,7 +261,7 @@ fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut O
         views::rows(ui, facts.viewport, &mut settings.inspection);
 
         ui.label("resolution").on_hover_text(
-            "Edge of the picture in parts of the window's; time grows with its square",
+            "Edge length of the picture relative to the window's; time grows with its square",
         );
         ui.add(
             Slider::new(&mut settings.scale, SCALES)
@@ -292,7 +292,7 @@ fn time(ui: &mut Ui, clock: &mut WorldClock) {
         });
         ui.end_row();
         ui.label("rate")
-            .on_hover_text("Seconds of the world to a second of ours");
+            .on_hover_text("Seconds of world time per second of real time");
         ui.horizontal(|ui| {
             ui.add(
                 Slider::new(&mut clock.rate, 0.0..=10.0)
@@ -307,7 +307,7 @@ fn time(ui: &mut Ui, clock: &mut WorldClock) {
     });
 }
 
-/// A bar for each pass, the longest as wide as the panel allows.
+/// A bar for each pass; the longest is as wide as the panel allows.
 fn passes(ui: &mut Ui, facts: &Facts<'_>) {
     let means = &facts.passes.mean_ms;
     let longest = means.values().fold(0.0, |a: f64, b| a.max(*b));
@@ -343,8 +343,8 @@ fn passes(ui: &mut Ui, facts: &Facts<'_>) {
         });
 }
 
-/// A section for each of the parameters', in the order of their table but with what needs a new
-/// world last.
+/// A section for each group of parameters, in the order of their table, except that those that rebuild the
+/// world come last.
 fn parameters(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
     let presets = &facts.viewport.world().lamp_presets;
     let presets: Vec<&str> = presets.iter().map(|preset| &*preset.name).collect();
@@ -378,7 +378,7 @@ fn parameters(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
     }
 }
 
-/// Three digits or so.
+/// About three significant digits.
 pub fn digits(number: f64) -> String {
     let decimals = match number {
         number if number >= 100.0 => 0,
@@ -398,7 +398,7 @@ mod tests {
 
     #[test]
     fn every_parameter_has_its_section() {
-        // Those that `parameters` lists.
+        // The sections that `parameters` lists.
         let known = [
             "probes",
             "source",

@@ -1,4 +1,4 @@
-//! Notices that files were edited, by looking at them a few times a second.
+//! Notices that files were edited, by checking them a few times a second.
 
 use std::{
     fs,
@@ -8,32 +8,32 @@ use std::{
 
 use crate::world::file;
 
-/// Four looks a second.
+/// Four checks a second.
 const INTERVAL: Duration = Duration::from_millis(250);
 
-/// When each file was written and how long it is, in the order of their names.
+/// Time of modification and length of each file, in the order of their names.
 type Stamp = Vec<(PathBuf, SystemTime, u64)>;
 
-/// Watches some files, or every file of a folder that a filter lets through.
+/// Watches some files, or every file of a folder that passes a filter.
 pub struct Watch {
     paths: Vec<PathBuf>,
     extension: Option<&'static str>,
-    /// What was last reported or there from the start.
+    /// The state that was last reported, or the initial one.
     known: Stamp,
-    /// What the last look saw.
+    /// The state at the last check.
     seen: Stamp,
     looked: Instant,
 }
 
 impl Watch {
-    /// A world file with all that it includes.
+    /// Watches a world file with all files that it includes.
     pub fn world(path: &Path) -> Self {
         let mut watch = Self::new(vec![path.to_owned()], None);
         watch.follow_world();
         watch
     }
 
-    /// The files under `folder` that end in this extension (without a dot).
+    /// Watches the files under `folder` with this extension (without a dot).
     pub fn folder(folder: &Path, extension: &'static str) -> Self {
         Self::new(vec![folder.to_owned()], Some(extension))
     }
@@ -49,8 +49,8 @@ impl Watch {
         }
     }
 
-    /// Watches what the world file includes by now, before it is read: an edit from then on is reported. While it
-    /// cannot be read, what it included before is watched.
+    /// Watches the files that the world file includes now. Call this before reading them: an edit from then on
+    /// is reported. While the world file cannot be read, the files that it included before are watched.
     pub fn follow_world(&mut self) {
         let Some(included) = self.paths.first().and_then(|world| file::included(world)) else {
             return;
@@ -64,7 +64,7 @@ impl Watch {
         self.paths.extend(included);
         self.paths[1..].sort();
         self.paths.dedup();
-        // Of files that were watched before, what is known stays.
+        // For files that were watched before, the known state stays.
         let (known, paths) = (&mut self.known, &self.paths);
         known.retain(|(path, ..)| paths.contains(path));
         known.extend(stamp(&new, None));
@@ -73,9 +73,9 @@ impl Watch {
         self.seen.clone_from(known);
     }
 
-    /// Whether an edit has been completed since the last time that this said so: two looks in a row
-    /// saw the same, so that nothing is read half-written, and something is there, so that an editor
-    /// that removes and renames is not heard twice.
+    /// Whether an edit has been completed since the last time that this returned true. Two checks in a row must
+    /// see the same state, so that nothing is read half-written, and at least one file must exist, so that an
+    /// editor that removes and renames is not reported twice.
     pub fn changed(&mut self, now: Instant) -> bool {
         if now.saturating_duration_since(self.looked) < INTERVAL {
             return false;
@@ -92,7 +92,7 @@ impl Watch {
     }
 }
 
-/// Of what can be read; the rest is not there.
+/// The state of the files that can be read; the others count as missing.
 fn stamp(paths: &[PathBuf], extension: Option<&str>) -> Stamp {
     let mut stamp = Stamp::new();
     for path in paths {
@@ -169,7 +169,7 @@ mod tests {
         assert_eq!(seen(&mut watch, &mut now), 1);
     }
 
-    /// Looks often enough that an edit must be seen, at times that never pass.
+    /// Checks often enough that an edit must be seen. The times are simulated.
     fn seen(watch: &mut Watch, now: &mut Instant) -> usize {
         let mut look = || {
             *now += INTERVAL;

@@ -1,4 +1,4 @@
-//! The window's surface: configured, and configured again whenever it asks for that.
+//! The window's surface: configured, and configured again whenever that is needed.
 
 use std::sync::Arc;
 
@@ -6,12 +6,12 @@ use winit::window::Window;
 
 use crate::gpu::{Gpu, GpuError};
 
-/// What can be drawn to in the window.
+/// The surface of the window and its configuration.
 pub struct Screen {
     window: Arc<Window>,
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
-    /// What frames are presented by without vsync.
+    /// The present mode without vsync.
     unpaced: wgpu::PresentMode,
     /// The surface no longer fits the window.
     stale: bool,
@@ -20,13 +20,13 @@ pub struct Screen {
 /// Whether a frame can be drawn.
 pub enum Acquired {
     Texture(wgpu::SurfaceTexture),
-    /// Not now; the next frame may be.
+    /// Not now; perhaps at the next frame.
     Later,
-    /// Nobody would see it.
+    /// Nobody would see the frame.
     Hidden,
 }
 
-/// The surface of a window, before an adapter is chosen that can draw to it.
+/// The surface of a window. It exists before an adapter is chosen that can draw to it.
 ///
 /// # Errors
 /// [`GpuError::NoAdapter`] when the system offers none.
@@ -65,7 +65,7 @@ impl Screen {
             width: size.width,
             height: size.height,
             present_mode: wgpu::PresentMode::AutoVsync,
-            // More frames in flight only make slow ones answer later.
+            // With more frames in flight, slow frames only respond later.
             desired_maximum_frame_latency: if gpu.summary.is_software() { 1 } else { 2 },
             alpha_mode: wgpu::CompositeAlphaMode::Auto,
             view_formats: Vec::new(),
@@ -88,7 +88,7 @@ impl Screen {
         [self.configuration.width, self.configuration.height]
     }
 
-    /// The window has this size now.
+    /// Sets the size of the window.
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         if self.size() != [width, height] {
             (self.configuration.width, self.configuration.height) = (width, height);
@@ -108,8 +108,8 @@ impl Screen {
         }
     }
 
-    /// What frames are presented by without vsync: [`wgpu::PresentMode::Fifo`], which waits for the display all the
-    /// same, where the surface has nothing else.
+    /// The present mode without vsync. It is [`wgpu::PresentMode::Fifo`], which still waits for the display,
+    /// where the surface offers nothing else.
     pub fn unpaced_mode(&self) -> wgpu::PresentMode {
         self.unpaced
     }
@@ -130,7 +130,7 @@ impl Screen {
         Ok(match self.surface.get_current_texture() {
             Current::Success(texture) => Acquired::Texture(texture),
             Current::Suboptimal(texture) => {
-                // It can still be shown; the next one will fit.
+                // This texture can still be shown; the next one will fit.
                 self.stale = true;
                 Acquired::Texture(texture)
             }
@@ -145,13 +145,13 @@ impl Screen {
                 self.stale = true;
                 Acquired::Later
             }
-            // The device's error handler has heard why.
+            // The device's error handler has received the reason.
             Current::Validation => Acquired::Later,
         })
     }
 }
 
-/// The best of what a surface offers for frames that wait for nothing.
+/// The best offered present mode that does not wait for the display.
 fn unpaced(offered: &[wgpu::PresentMode]) -> wgpu::PresentMode {
     use wgpu::PresentMode::{Fifo, Immediate, Mailbox};
     let mut known = [Immediate, Mailbox].into_iter();

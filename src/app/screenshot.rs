@@ -1,4 +1,4 @@
-//! Names for screenshots, by the time that they were taken.
+//! Names of screenshots, from the time when they were taken.
 
 use std::{
     path::{Path, PathBuf},
@@ -28,7 +28,7 @@ fn stamp(since_1970: Duration) -> String {
 /// Year, month and day of a number of days since 1970-01-01 (Hinnant 2013, "chrono-compatible
 /// low-level date algorithms", `civil_from_days`, for days after 1970 alone).
 fn civil(days: u64) -> (u64, u64, u64) {
-    // Years begin in March, so that a leap day is their last.
+    // The year starts in March here, so that a leap day is its last day.
     let days = days + 719_468;
     let era = days / 146_097;
     let day_of_era = days % 146_097;

@@ -1,4 +1,4 @@
-//! What the window shows: a world on the GPU, and what was chosen of it.
+//! What the window shows: a world on the GPU, and the choices made for it.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ use crate::{
     },
 };
 
-/// What a user chooses of a world; a change takes effect through [`Show::apply`].
+/// What a user can choose about a world; a change takes effect through [`Viewport::apply`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     pub parameters: Parameters,
@@ -27,11 +27,11 @@ pub struct Choice {
     pub layout: String,
     /// Width and height of the picture in pixels.
     pub size: [u32; 2],
-    /// The path-traced picture in place of the one that probes light.
+    /// Show the path-traced picture in place of the one lit by probes.
     pub traced: bool,
 }
 
-/// Why what was chosen or edited cannot be shown; what was shown before still is.
+/// Why a choice or an edit cannot be shown; the previous picture stays.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewportError {
     /// The diagnostic of a world file, as a terminal would show it.
@@ -54,24 +54,24 @@ impl From<Report> for ViewportError {
     }
 }
 
-/// A world, its frame, and what was chosen.
+/// A world, its frame, and the user's choices.
 pub struct Viewport {
     pub gpu: Gpu,
     path: PathBuf,
     world: World,
     frame: Frame,
-    /// While it is chosen.
+    /// Present while `choice.traced`.
     reference_view: Option<ReferenceView>,
     choice: Choice,
     inspection: Inspection,
-    /// The voxels as the GPU has them, once something has needed them.
+    /// The voxels as on the GPU, read back at the first need.
     voxels: Option<Voxels>,
 }
 
-/// Letters to a line of what is wrapped in a diagnostic.
+/// Columns at which a diagnostic wraps.
 const DIAGNOSTIC_COLUMNS: usize = 84;
 
-/// Shaders that voxels and distances come of: an edit builds the world again.
+/// Shaders that produce voxels and distances: when one is edited, the world is built again.
 const STAGE_SHADERS: [&str; 5] = [
     "sdf/",
     "scene/voxelise",
@@ -104,7 +104,7 @@ impl Viewport {
         Ok(viewport)
     }
 
-    /// The path tracer of the picture that this is a choice of, if it is.
+    /// The path tracer for this choice, if the choice is path-traced.
     fn traced(&self, choice: &Choice) -> Result<Option<ReferenceView>, GpuError> {
         choice
             .traced
@@ -125,10 +125,10 @@ impl Viewport {
         &self.choice
     }
 
-    /// Shows another choice, and makes anew what it takes. Returns whether that was anything at all.
+    /// Applies another choice and rebuilds what depends on it. Returns whether anything was rebuilt.
     ///
     /// # Errors
-    /// [`ShowError`] when the adapter cannot hold it; what was shown still is.
+    /// [`ViewportError`] when the adapter cannot hold it; the previous picture stays.
     pub fn apply(&mut self, next: Choice) -> Result<bool, ViewportError> {
         let mut remake = self.choice.parameters.remake_for(&next.parameters);
         if remake == Remake::World {
@@ -168,15 +168,15 @@ impl Viewport {
     /// Reads the world file again.
     ///
     /// # Errors
-    /// [`ShowError`] with the diagnostic; the last good world stays.
+    /// [`ViewportError`] with the diagnostic; the last good world stays.
     pub fn reload_world(&mut self) -> Result<(), ViewportError> {
         let overrides = Overrides::from(&self.choice.parameters);
         let world = world::file::load(&self.path, &overrides)?;
         Ok(self.rebuild(world, self.choice.clone())?)
     }
 
-    /// Compiles every pass from the shaders in `folder`; the probes keep their light unless the
-    /// voxels change. What else draws should then be rebuilt with [`Show::gpu`] too.
+    /// Compiles every pass from the shaders in `folder`; the probes keep their light unless the voxels change.
+    /// The caller should then rebuild other users of the device with [`Viewport::gpu`] too.
     ///
     /// # Errors
     /// [`FrameError`] with the place; the last good shaders stay.
@@ -200,7 +200,7 @@ impl Viewport {
         Ok(())
     }
 
-    /// Shows the same on a device that takes the place of a lost one: edits stay, light is found anew.
+    /// Shows the same on a device that replaces a lost one: edits are kept, light is computed again.
     ///
     /// # Errors
     /// [`FrameError`] when the adapter cannot hold it.
@@ -221,7 +221,7 @@ impl Viewport {
         Ok(())
     }
 
-    /// The voxels as the GPU has them.
+    /// The voxels as on the GPU.
     ///
     /// # Errors
     /// [`FrameError`] when the device is lost.
@@ -232,10 +232,10 @@ impl Viewport {
         Ok(self.voxels.as_ref().expect("they are read"))
     }
 
-    /// Changes voxels, on the CPU and on the GPU. They stay changed until the world is built anew.
+    /// Changes voxels, on the CPU and on the GPU. They stay changed until the world is built again.
     ///
     /// # Errors
-    /// [`FrameError`] when the adapter cannot hold them; they are as before then.
+    /// [`FrameError`] when the adapter cannot hold them; then nothing changes.
     pub fn edit(
         &mut self,
         change: impl FnOnce(&mut Voxels, &World) -> Edit,
@@ -243,18 +243,17 @@ impl Viewport {
         self.voxels()?;
         let mut voxels = self.voxels.take().expect("they were just read");
         let edit = change(&mut voxels, &self.world);
-        // After an error the GPU's copy is as before: the next edit reads it back.
+        // After an error the GPU's copy is unchanged: the next edit reads it back.
         self.frame.apply(&self.gpu, &voxels, &edit)?;
         self.voxels = Some(voxels);
         self.reference_view = self.traced(&self.choice)?;
         Ok(())
     }
 
-    /// Shows another view, and more or less of the probes themselves; where there is no such layer of an
-    /// atlas, the last one.
+    /// Shows another view and the chosen probes and atlas. A layer that the atlas lacks becomes its last one.
     ///
     /// # Errors
-    /// [`FrameError`] when it cannot be shown; then all is as before.
+    /// [`FrameError`] when it cannot be shown; then nothing changes.
     pub fn inspect(&mut self, wanted: &mut Inspection) -> Result<(), FrameError> {
         if let Some(atlas) = &mut wanted.atlas {
             atlas.layer = atlas.layer.min(self.frame.field().atlas().layers - 1);
@@ -300,12 +299,12 @@ impl Viewport {
         Ok(())
     }
 
-    /// The path-traced picture, while it is what is shown.
+    /// The path-traced picture, while it is shown.
     pub fn reference_view(&mut self) -> Option<&mut ReferenceView> {
         self.reference_view.as_mut()
     }
 
-    /// What is shown: `rgba8unorm`, sRGB-encoded.
+    /// The picture shown: `rgba8unorm`, sRGB-encoded.
     pub fn display(&self) -> &wgpu::Texture {
         match &self.reference_view {
             Some(reference_view) => reference_view.display(),
@@ -313,7 +312,7 @@ impl Viewport {
         }
     }
 
-    /// What is shown, as values in [0, 1].
+    /// The picture shown, as values in [0, 1].
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
@@ -324,7 +323,7 @@ impl Viewport {
         }
     }
 
-    /// As many lamps of the chosen preset as the parameters allow.
+    /// The lamps of the chosen preset, up to the number that the parameters allow.
     fn lamps(&self) -> LampPreset {
         let parameters = &self.choice.parameters.lights;
         let presets = &self.world.lamp_presets;
@@ -339,7 +338,7 @@ impl Viewport {
     }
 }
 
-/// The choice with what this world lacks replaced by what it has.
+/// The choice, with everything that this world lacks replaced.
 fn fitting(mut choice: Choice, world: &World) -> Choice {
     choice
         .layout

@@ -1,4 +1,4 @@
-//! Rows of the panel that choose what the picture shows: the view, the probes in it, an atlas.
+//! Rows of the panel for the view, the probes drawn in it, and the atlas.
 
 use clap::ValueEnum;
 use egui::{ComboBox, DragValue, Ui};
@@ -26,7 +26,7 @@ pub fn rows(ui: &mut Ui, viewport: &Viewport, inspection: &mut Inspection) {
     }
 
     ui.label("probes")
-        .on_hover_text("Spheres where the probes stand, and what they are coloured by (F3)");
+        .on_hover_text("Spheres at the probes, and what colours them (F3)");
     let shown = inspection.probes.as_ref().map_or_else(none, name);
     combo(ui, "probes drawn", shown, |ui| {
         ui.selectable_value(&mut inspection.probes, None, none());
@@ -73,7 +73,7 @@ fn combo(ui: &mut Ui, id: &str, shown: String, add: impl FnOnce(&mut Ui)) {
         .show_ui(ui, add);
 }
 
-/// An entry of a list of `chosen` values: what `variant` is called, and on hover its help.
+/// An entry of a list of values for `chosen`: the name of `variant`, with its help on hover.
 fn variant<T: PartialEq>(ui: &mut Ui, chosen: &mut T, variant: &impl ValueEnum, value: T) {
     let response = ui.selectable_value(chosen, value, name(variant));
     let known = variant.to_possible_value();
@@ -82,7 +82,7 @@ fn variant<T: PartialEq>(ui: &mut Ui, chosen: &mut T, variant: &impl ValueEnum, 
     }
 }
 
-/// As the command line spells it, words apart.
+/// As the command line spells it, with spaces between words.
 pub fn name(variant: &impl ValueEnum) -> String {
     let value = variant.to_possible_value().expect("no variant is hidden");
     value.get_name().replace('-', " ")

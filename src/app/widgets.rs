@@ -1,12 +1,12 @@
-//! Widgets for parameters of any kind: what the panel knows of a key comes from the key's table.
+//! Widgets for parameters of any kind: everything that the panel knows about a key comes from the key table.
 
 use egui::{ComboBox, DragValue, Response, RichText, Slider, Ui};
 use glam::{UVec3, Vec3};
 
 use crate::parameters::{Key, Kind, Parameters, Value};
 
-/// One row of a grid of two columns: the key's name, and a widget that edits it. `names` are what a
-/// [`Kind::Name`] can be.
+/// One row of a grid of two columns: the key's name, and a widget that edits it. `names` are the allowed values
+/// of a [`Kind::Name`].
 pub fn row(ui: &mut Ui, key: &Key, parameters: &mut Parameters, names: &[&str]) {
     let before = key.get(parameters);
     ui.label(label(key)).on_hover_text(format!(
@@ -29,12 +29,12 @@ pub fn row(ui: &mut Ui, key: &Key, parameters: &mut Parameters, names: &[&str]) 
     });
     ui.end_row();
     if after != before {
-        // What the range refuses (a number typed as NaN) stays as it was.
+        // A value that the range refuses (a number typed as NaN) leaves the parameter unchanged.
         let _ = key.set(parameters, after);
     }
 }
 
-/// `hysteresis` for `probes.hysteresis`, words apart.
+/// `hysteresis` for `probes.hysteresis`, with spaces between words.
 fn label(key: &Key) -> String {
     let field = key
         .name
@@ -43,7 +43,7 @@ fn label(key: &Key) -> String {
     field.replace('_', " ")
 }
 
-/// A value for people: the empty name is the world's first.
+/// A value for display: the empty name is the world's first.
 fn shown(value: &Value) -> String {
     match value {
         Value::Name(name) if name.is_empty() => "the world's first".to_owned(),
@@ -94,7 +94,7 @@ fn edit(ui: &mut Ui, key: &Key, value: &mut Value, names: &[&str]) {
         (Kind::Size { max }, Value::Size(size)) => {
             or_file(ui, size, UVec3::splat(128), |ui, size| {
                 let mut edge = |edge: &mut u32| {
-                    // Each number on the way would be a world to build.
+                    // Otherwise each number on the way would build a world.
                     let field = DragValue::new(edge).range(1..=max);
                     ui.add(field.update_while_editing(false))
                 };
@@ -105,7 +105,7 @@ fn edit(ui: &mut Ui, key: &Key, value: &mut Value, names: &[&str]) {
     }
 }
 
-/// A box of words; whether another was chosen.
+/// A box of words. Returns whether another word was chosen.
 pub fn choose<'a>(ui: &mut Ui, id: &str, chosen: &mut &'a str, words: &[&'a str]) -> bool {
     let before = *chosen;
     ComboBox::from_id_salt(id)
@@ -119,7 +119,7 @@ pub fn choose<'a>(ui: &mut Ui, id: &str, chosen: &mut &'a str, words: &[&'a str]
     *chosen != before
 }
 
-/// A box that hands the value over to the world file, and a widget while it is not ticked.
+/// A check box that leaves the value to the world file, and a widget while it is not ticked.
 fn or_file<T>(
     ui: &mut Ui,
     value: &mut Option<T>,
@@ -136,12 +136,12 @@ fn or_file<T>(
     }
 }
 
-/// Whether a range is too wide for a slider on which every value is as near as any other.
+/// Whether a range is too wide for a linear slider.
 fn spans_decades(min: f64, max: f64) -> bool {
     min >= 0.0 && (max >= 100.0 * min.max(1.0) || (min > 0.0 && max >= 1000.0 * min))
 }
 
-/// What a logarithmic slider goes down to before it leaps to 0.
+/// Smallest value of a logarithmic slider before it leaps to 0.
 fn smallest(min: f64) -> f64 {
     if min > 0.0 { min } else { 0.01 }
 }
@@ -169,7 +169,7 @@ mod tests {
         output.drop_without_applying_deltas();
     }
 
-    /// Sets every key to some value of its range, at its ends too.
+    /// Sets every key to a value within its range, including both ends.
     fn extremes(parameters: &mut Parameters, key: &Key, most: bool) {
         let value = match key.kind {
             Kind::Flag => Value::Flag(most),

@@ -1,4 +1,4 @@
-//! `grotto check`: reads world files and says what is in them, or what is wrong.
+//! `grotto check`: reads world files and reports their contents, or their errors.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub struct Arguments {
     output: OutputOptions,
 }
 
-/// The `--json` of all files.
+/// The `--json` output for all files.
 #[derive(Serialize)]
 struct Record {
     worlds: Vec<Checked>,
@@ -28,7 +28,7 @@ struct Record {
 struct Checked {
     file: String,
     ok: bool,
-    /// What is in it, or what is wrong with it, as a person reads it.
+    /// The contents or the errors, as readable text.
     text: String,
 }
 

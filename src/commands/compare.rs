@@ -19,33 +19,32 @@ use crate::{
 
 /// Compare two pictures: FLIP, absolute and relative error, energy
 ///
-/// FLIP (Andersson et al. 2020, 67 pixels per degree) and the sum over RGB of the absolute difference
-/// (0 to 3) are of the pictures as a display shows them: an EXR is tone-mapped first, as `grotto
-/// render` does for a PNG. Relative MSE and energy ratio (A over B) are of linear light: a PNG is
-/// sRGB-decoded first, so that its light is the display's, not the world's. Compare EXR files to
-/// judge light.
+/// FLIP (Andersson et al. 2020, 67 pixels per degree) and the sum over RGB of the absolute difference (0 to 3)
+/// compare the pictures as a display shows them: an EXR is tone-mapped first, as `grotto render` does for a
+/// PNG. Relative MSE and energy ratio (A over B) compare linear light: a PNG is sRGB-decoded first, so that its
+/// light is the display's, not the world's. Compare EXR files to judge light.
 #[derive(Args)]
 pub struct Arguments {
     /// The picture to judge: .png or .exr
     #[arg(value_name = "A")]
     picture: PathBuf,
-    /// What it should be: .png or .exr
+    /// The reference: .png or .exr
     #[arg(value_name = "B")]
     reference: PathBuf,
-    /// Write FLIP of every pixel in the colours of magma, from black (0) to pale yellow (1)
+    /// Write FLIP of every pixel, coloured from black (0) to pale yellow (1) with the colour map magma
     #[arg(long, value_name = "FILE.png")]
     heatmap: Option<PathBuf>,
     /// Measure only where this picture has a channel above one half
     #[arg(long, value_name = "FILE", conflicts_with = "region")]
     mask: Option<PathBuf>,
-    /// With --mask: measure only where its red channel lies between LOW and HIGH. In a view of depth d
-    /// voxels show as 2^(-d/32)
+    /// With --mask: measure only where the mask's red channel lies between LOW and HIGH. A depth view shows d
+    /// voxels as 2^(-d/32)
     #[arg(long, value_name = "LOW,HIGH", requires = "mask", value_parser = band, allow_hyphen_values = true)]
     mask_band: Option<[f32; 2]>,
     /// Measure only this rectangle, counted in pixels from the top left
     #[arg(long, value_name = "X,Y,WxH", value_parser = region, allow_hyphen_values = true)]
     region: Option<[u32; 4]>,
-    /// Stops by which EXR pictures are brightened before they are tone-mapped
+    /// Stops by which EXR pictures are brightened before tone mapping
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
     exposure: f32,
     /// Exit with 4 when this metric is greater (repeatable): flip.mean, flip.p99, flip.max,
@@ -56,7 +55,7 @@ pub struct Arguments {
     output: OutputOptions,
 }
 
-/// A metric that must not be greater than a limit.
+/// A metric with its upper limit.
 #[derive(Clone, Debug, PartialEq)]
 struct Gate {
     metric: &'static str,
@@ -118,7 +117,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let reference = read(&arguments.reference)?;
     let size = same_size(arguments, &picture.0, &reference.0)?;
     let selection = selection(arguments, size)?;
-    // Planes of filtered values: some forty numbers a pixel at a time.
+    // The planes of filtered values take about forty numbers per pixel at a time.
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     memory::check("comparing pictures of this size", pixels * 160)?;
 
@@ -140,7 +139,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     hold(&comparison, &arguments.fail_over)
 }
 
-/// A heat map is data: it has no light that an EXR could keep.
+/// A heat map is data: it has no light that an EXR could store.
 fn check_heat_map(path: &Path) -> Result<(), Failure> {
     match picture_file::check_writable(path)? {
         PictureFormat::Png => Ok(()),
@@ -151,7 +150,7 @@ fn check_heat_map(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Reads a picture and refuses one that is not finite, with the pixel.
+/// Reads a picture and refuses one that is not finite; the error names the pixel.
 fn read(path: &Path) -> Result<(Picture, Encoding), Failure> {
     let (picture, encoding) = picture_file::read(path)?;
     let Some([x, y]) = metrics::first_not_finite(&picture) else {
@@ -160,7 +159,7 @@ fn read(path: &Path) -> Result<(Picture, Encoding), Failure> {
     let [r, g, b] = picture.rgb[y as usize * picture.width as usize + x as usize];
     Err(Failure::bad_input(format!(
         "{}: pixel ({x}, {y}) is not a finite colour: red {r}, green {g}, blue {b}; a picture with \
-         such pixels cannot be measured, render it anew",
+         such pixels cannot be measured, render it again",
         path.display()
     )))
 }
@@ -216,7 +215,7 @@ fn table(comparison: &Comparison) -> String {
 }
 
 /// # Errors
-/// One line for each metric that is over its limit, or no number.
+/// One line for each metric that exceeds its limit or is not a number.
 fn hold(comparison: &Comparison, gates: &[Gate]) -> Result<(), Failure> {
     let over = gates.iter().filter_map(|gate| {
         let value = comparison.metric(gate.metric)?;

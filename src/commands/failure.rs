@@ -1,4 +1,4 @@
-//! Why a command ended without its result, and the exit code that says whose fault it is.
+//! Why a command ended without its result, and the exit code that says where the fault lies.
 
 use std::{fmt, io, path::Path};
 
@@ -9,7 +9,7 @@ use crate::{
     parameters::ParameterError,
 };
 
-/// A fault of ours or of the machine.
+/// A fault of grotto or of the machine.
 pub const EXIT_FAULT: u8 = 1;
 /// A bad file or flag.
 pub const EXIT_BAD_INPUT: u8 = 2;
@@ -19,7 +19,7 @@ pub const EXIT_NO_GPU: u8 = 3;
 /// A comparison or regression gate failed.
 pub const EXIT_GATE: u8 = 4;
 
-/// Stopped by Ctrl-C or SIGTERM before it was done: what shells say of such a program.
+/// Stopped by Ctrl-C or SIGTERM before the end: the exit code that shells report for such a program.
 pub const EXIT_INTERRUPTED: u8 = 130;
 
 /// One message for a person, and the exit code.
@@ -30,32 +30,32 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// A fault of ours or of the machine.
+    /// A fault of grotto or of the machine.
     pub fn fault(error: impl fmt::Display) -> Self {
         Self::new(EXIT_FAULT, error)
     }
 
-    /// A file or flag that cannot be used as it is: the message says what would be right.
+    /// A file or flag that cannot be used: the message says what would be right.
     pub fn bad_input(error: impl fmt::Display) -> Self {
         Self::new(EXIT_BAD_INPUT, error)
     }
 
-    /// The work was done, and what it found is not as it must be.
+    /// The work was done, but its result fails a gate.
     pub fn gate(error: impl fmt::Display) -> Self {
         Self::new(EXIT_GATE, error)
     }
 
-    /// What kept a file or a folder from being written.
+    /// A file or a folder that cannot be written.
     pub fn unwritten(path: &Path, reason: io::Error) -> Self {
         FileError::writing(path, reason).into()
     }
 
-    /// What kept a file from being read.
+    /// A file that cannot be read.
     pub fn unread(path: &Path, reason: io::Error) -> Self {
         FileError::reading(path, reason).into()
     }
 
-    /// The user stopped it before it was done; what is there by then is written.
+    /// The user stopped the run; results up to then are written.
     pub fn interrupted(error: impl fmt::Display) -> Self {
         Self::new(EXIT_INTERRUPTED, error)
     }
@@ -71,7 +71,7 @@ impl Failure {
         self.exit_code
     }
 
-    /// The message as a part of another.
+    /// The message, for use within another message.
     pub fn reason(&self) -> &str {
         self.message
             .strip_prefix("error: ")

@@ -1,4 +1,4 @@
-//! A world's frames, one after another: how pictures settle, hold still and follow changes.
+//! Draws a world's frames one after another: pictures settle, stay steady, and follow changes.
 
 use std::sync::{
     Arc,
@@ -19,7 +19,7 @@ use crate::{
     },
 };
 
-/// A frame with all that it takes to record the next one.
+/// A frame with everything needed to record the next one.
 pub struct FrameLoop<'a> {
     gpu: &'a Gpu,
     frame: Frame,
@@ -50,12 +50,12 @@ impl<'a> FrameLoop<'a> {
         })
     }
 
-    /// Lets no frame begin any more once this is set.
+    /// Starts no further frame once `stop` is set.
     pub fn stop_at(&mut self, stop: &Arc<AtomicBool>) {
         self.stop = Some(stop.clone());
     }
 
-    /// Fresh probes, in a layout and with parameters that may be others.
+    /// Starts again with fresh probes, in this layout and with these parameters.
     ///
     /// # Errors
     /// When the adapter cannot hold them.
@@ -70,22 +70,22 @@ impl<'a> FrameLoop<'a> {
         Ok(())
     }
 
-    /// Forgets all light.
+    /// Starts again with fresh probes that have no light.
     ///
     /// # Errors
-    /// As [`replace_probes`](Self::replace_probes).
+    /// See [`replace_probes`](Self::replace_probes).
     pub fn forget(&mut self) -> Result<(), Failure> {
         let frame = &mut self.frame;
         Ok(frame.replace_probes(self.gpu, &self.layout, &self.probes)?)
     }
 
-    /// What the next frames show; the probes keep their light.
+    /// Sets the view of the next frames; the probes keep their light.
     pub fn look(&mut self, camera: &Camera, view: View) {
         self.shot.camera = camera.clone();
         self.shot.view = view;
     }
 
-    /// Width and height in pixels of the next pictures; the probes keep their light.
+    /// Sets the width and height in pixels of the next pictures; the probes keep their light.
     ///
     /// # Errors
     /// When the adapter cannot hold them.
@@ -101,10 +101,10 @@ impl<'a> FrameLoop<'a> {
         &self.shot
     }
 
-    /// Records frames under the same lights; `after` is called after each.
+    /// Records frames under constant lights; `after` is called after each.
     ///
     /// # Errors
-    /// When the adapter fails, and when it was told to stop.
+    /// When the adapter fails, and when the user stops the run.
     pub fn advance(
         &mut self,
         lights: &Lights,
@@ -151,7 +151,7 @@ impl<'a> FrameLoop<'a> {
         Ok(self.frame.stage.read_back(self.gpu)?)
     }
 
-    /// Makes the adapter follow an edit of that copy.
+    /// Updates the adapter after an edit of that copy.
     ///
     /// # Errors
     /// When the adapter cannot hold the bricks.
@@ -159,7 +159,7 @@ impl<'a> FrameLoop<'a> {
         Ok(self.frame.apply(self.gpu, voxels, edit)?)
     }
 
-    /// What stands in the world.
+    /// The world on the adapter.
     pub fn stage(&self) -> &Stage {
         &self.frame.stage
     }
@@ -169,12 +169,12 @@ impl<'a> FrameLoop<'a> {
         self.frame.memory().probes
     }
 
-    /// Rays of each probe in a frame.
+    /// Rays per probe in a frame.
     pub fn rays(&self) -> u32 {
         self.probes.rays
     }
 
-    /// Share of history that a probe keeps.
+    /// Share of history kept per update of a probe.
     pub fn hysteresis(&self) -> f32 {
         self.probes.hysteresis
     }

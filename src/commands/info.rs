@@ -1,4 +1,4 @@
-//! `grotto info`: what this machine would run on, and every parameter.
+//! `grotto info`: the adapters of this machine, which one would run, and every parameter.
 
 use std::fmt::Write as _;
 
@@ -14,7 +14,7 @@ use crate::{
 /// Show adapters, limits and what would run; or every parameter
 #[derive(Args)]
 pub struct Arguments {
-    /// List every parameter of --set with its default, its range and what it costs
+    /// List every parameter of --set with its default, its range and its cost
     #[arg(long)]
     keys: bool,
     #[command(flatten)]
@@ -60,7 +60,7 @@ struct Adapter {
     #[serde(flatten)]
     summary: AdapterSummary,
     usable: bool,
-    /// Whether this one runs when `--adapter` names none.
+    /// Whether this adapter runs when `--adapter` names none.
     chosen: bool,
     limits: Limits,
     features: Features,

@@ -1,11 +1,11 @@
-//! Refuses work that this machine's memory cannot hold, before any of it is allocated.
+//! Refuses work that does not fit into this machine's memory, before any of it is allocated.
 
 use super::{Failure, info::bytes};
 use crate::gpu::available_memory;
 
 /// # Errors
-/// When `what` needs more bytes than the system says are available. Systems that do not say
-/// (anything but Linux) are trusted.
+/// When `what` needs more bytes than the system reports as available. Systems that report nothing (all but
+/// Linux) are assumed to have enough.
 pub fn check(what: &str, needed: u64) -> Result<(), Failure> {
     match available_memory() {
         Some(available) if needed > available => Err(Failure::bad_input(format!(

@@ -20,21 +20,21 @@ use crate::measure::whole_file;
 
 /// Join the parts that --shard I/N of stress, judge, reference or bench wrote
 ///
-/// What comes of it is what one run would have written, to the byte. Parts that are missing, there twice, damaged,
-/// or of different work are refused, and so is an --out that holds another result.
+/// The result equals that of one run, to the byte. Parts that are missing, given twice, damaged, or of
+/// different work are refused, and so is an --out that holds another result.
 #[derive(Args)]
 pub struct Arguments {
     /// The folders of the parts, in any order; parts may share a folder
     #[arg(value_name = "DIR", required = true)]
     parts: Vec<PathBuf>,
-    /// The folder for the whole, made if need be
+    /// The folder for the whole, created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
     run: RunOptions,
 }
 
-/// The reports of commands, beside pages that are made of them.
+/// The reports of commands, apart from the pages made from them.
 const REPORTS: [(&str, &str); 3] = [
     (BENCH, "bench.json"),
     (STRESS, "stress.json"),
@@ -43,20 +43,20 @@ const REPORTS: [(&str, &str); 3] = [
 const BENCH: &str = "bench";
 const STRESS: &str = "stress";
 
-/// What was made of the parts: the `--json`.
+/// The files made from the parts: the `--json` output.
 #[derive(Serialize)]
 struct Record {
-    /// Whose parts they were.
+    /// The command that wrote the parts.
     command: String,
     parts: usize,
     files: Vec<String>,
 }
 
-/// What lies in the folders.
+/// The content of the folders.
 enum Found {
-    /// Files of parts of one command, by their wholes.
+    /// Part files of one command, grouped by the whole that they belong to.
     Files(String, BTreeMap<String, Vec<Part>>),
-    /// A report of this command in each folder: a folder is a part.
+    /// A report of this command in each folder: each folder is a part.
     Reports(&'static str),
 }
 
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     verdict
 }
 
-/// Writes the wholes into a folder. What comes of it is how the whole run would have ended.
+/// Writes the wholes into a folder. The inner result is that of the whole run.
 fn join_files(
     wholes: BTreeMap<String, Vec<Part>>,
     folder: &Path,
@@ -112,7 +112,7 @@ fn join_files(
     Ok(verdict)
 }
 
-/// Writes the whole of these folders' reports into a folder. What comes of it is how the whole run would have ended.
+/// Joins these folders' reports into one in a folder. The inner result is that of the whole run.
 fn join_reports(
     command: &str,
     parts: &[PathBuf],
@@ -167,7 +167,7 @@ fn look(folders: &[PathBuf]) -> Result<Found, Failure> {
     )))
 }
 
-/// Sorts parts by what they are parts of.
+/// Groups parts by the whole that they belong to.
 fn group(parts: impl Iterator<Item = Result<Part, Failure>>) -> Result<Found, Failure> {
     let mut wholes: BTreeMap<String, Vec<Part>> = BTreeMap::new();
     let mut command = String::new();
@@ -187,8 +187,8 @@ fn group(parts: impl Iterator<Item = Result<Part, Failure>>) -> Result<Found, Fa
     Ok(Found::Files(command, wholes))
 }
 
-/// Refuses a folder with the report of another command. What the whole consists of itself is for
-/// [`Draft::publish`] to compare.
+/// Refuses a folder that holds another command's report. Files of the same names are compared later, by
+/// [`Draft::publish`].
 fn check_other_results(out: &Path, command: &str) -> Result<(), Failure> {
     let other = REPORTS
         .iter()
@@ -202,11 +202,11 @@ fn check_other_results(out: &Path, command: &str) -> Result<(), Failure> {
     }
 }
 
-/// A folder within the folder for the whole, where it is made; gone when it is dropped.
+/// A temporary folder inside the output folder, where the whole is made; removed when dropped.
 struct Draft {
     out: PathBuf,
     folder: PathBuf,
-    /// Whether nothing was there before.
+    /// Whether the output folder was created for this.
     made_out: bool,
 }
 
@@ -222,10 +222,10 @@ impl Draft {
         })
     }
 
-    /// Moves all files to their places, and gives those.
+    /// Moves all files to their places, and returns their paths.
     ///
     /// # Errors
-    /// When a file is there already and is another one: then none is moved.
+    /// When a different file exists at one of the paths: then none is moved.
     fn publish(mut self) -> Result<Vec<PathBuf>, Failure> {
         let mut files = Vec::new();
         files_under(&self.folder, Path::new(""), &mut files)
@@ -235,7 +235,7 @@ impl Draft {
             let place = self.out.join(file);
             if place.exists() && fs::read(&place).ok() != fs::read(self.folder.join(file)).ok() {
                 return Err(Failure::bad_input(format!(
-                    "{} is there already, and is not what these parts make; delete it or choose another \
+                    "{} exists already with other content than these parts make; delete it or choose another \
                      folder for --out",
                     place.display()
                 )));
@@ -258,7 +258,7 @@ impl Draft {
 
 impl Drop for Draft {
     fn drop(&mut self) {
-        // What cannot be removed is hidden, and harms nobody.
+        // A folder that cannot be removed is hidden and harmless.
         let _ = fs::remove_dir_all(&self.folder);
         if self.made_out {
             let _ = fs::remove_dir(&self.out);
@@ -266,7 +266,7 @@ impl Drop for Draft {
     }
 }
 
-/// The files under `folder` and its folders, as paths from `folder` on.
+/// The files under `folder` and its subfolders, as paths relative to `folder`.
 fn files_under(folder: &Path, prefix: &Path, files: &mut Vec<PathBuf>) -> std::io::Result<()> {
     for entry in fs::read_dir(folder.join(prefix))? {
         let entry = entry?;

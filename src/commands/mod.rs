@@ -30,7 +30,7 @@ use clap::{Parser, Subcommand};
 
 pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_GATE, EXIT_INTERRUPTED, EXIT_NO_GPU, Failure};
 
-/// What is printed to those who type nothing but the name.
+/// Printed when `grotto` is called without arguments.
 const GREETING: &str = "\
 grotto renders procedural voxel worlds with real-time global illumination (DDGI).
 
@@ -67,10 +67,10 @@ enum Command {
     Info(info::Arguments),
 }
 
-/// Runs what was asked for.
+/// Runs the command of the user.
 ///
 /// # Errors
-/// Why it could not be done, with the exit code that says whose fault it is.
+/// Why the command failed, with the exit code that says where the fault lies.
 pub fn run(cli: Cli) -> Result<(), Failure> {
     stop::listen();
     match cli.command {
@@ -88,7 +88,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
     }
 }
 
-/// What a panic says to a user: a broken invariant is ours, never theirs.
+/// The message of a panic to a user: a broken invariant is a fault of grotto.
 pub fn bug_report(info: &PanicHookInfo<'_>) -> String {
     let place = info
         .location()

@@ -1,4 +1,4 @@
-//! Options that commands share, and the scene that they name, checked.
+//! Options that commands share, and the scene that they select, checked.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::{
     world::{self, Camera, LampPreset, LayoutSpec, View, World, file::Overrides},
 };
 
-/// What every command takes: who reads its results.
+/// Output options of every command.
 #[derive(Args, Clone, Copy)]
 pub struct OutputOptions {
     /// Print one JSON object on stdout
@@ -22,10 +22,11 @@ pub struct OutputOptions {
     pub quiet: bool,
 }
 
-/// Options of everything that runs on an adapter.
+/// Options of every command that runs on an adapter.
 #[derive(Args)]
 pub struct RunOptions {
-    /// The adapter whose name contains this, in place of the fastest; NAME#2 is the second of several alike
+    /// Use the adapter whose name contains this [default: the fastest]; NAME#2 is the second of several with
+    /// the same name
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
     /// Set a parameter (repeatable); `grotto info --keys` lists them
@@ -84,7 +85,7 @@ pub struct InspectionOptions {
 }
 
 impl InspectionOptions {
-    /// In pictures of this view.
+    /// These options for pictures of this view.
     pub fn with(self, view: View) -> Inspection {
         let Self { probes, atlas } = self;
         Inspection {
@@ -95,7 +96,7 @@ impl InspectionOptions {
     }
 }
 
-/// Settling frames of those who ask for no number.
+/// Settling frames where the user names no number.
 pub const DEFAULT_FRAMES: u32 = 64;
 /// Longest edge of a picture.
 const MAX_EDGE: u32 = 16384;
@@ -117,7 +118,7 @@ pub fn world_time(text: &str) -> Result<f64, String> {
     time.ok_or_else(|| "write seconds as a number, at most 1e9".to_owned())
 }
 
-/// Accepts what [`Parameters::set`] accepts, so that mistakes show as those of any other flag.
+/// Accepts what [`Parameters::set`] accepts, so that mistakes are reported like those of any other flag.
 pub fn assignment(text: &str) -> Result<String, String> {
     let tried = Parameters::default().set(text);
     tried
@@ -126,7 +127,7 @@ pub fn assignment(text: &str) -> Result<String, String> {
 }
 
 impl RunOptions {
-    /// The parameters that `--set` leaves.
+    /// The parameters after all `--set` options.
     pub fn parameters(&self) -> Result<Parameters, Failure> {
         let mut parameters = Parameters::default();
         for assignment in &self.set {
@@ -136,20 +137,20 @@ impl RunOptions {
     }
 }
 
-/// A world with the parts of it that a picture is made of.
+/// A world and everything selected in it for a picture.
 pub struct Setup {
     pub world: World,
     pub parameters: Parameters,
     pub camera: Camera,
     pub layout: LayoutSpec,
-    /// As many of the preset's lamps as the parameters allow.
+    /// The lamps of the preset, up to the number that the parameters allow.
     pub lamps: LampPreset,
-    /// World time at which the lamps stand.
+    /// World time of the lamps' positions.
     pub lamp_time_s: f64,
 }
 
 impl Setup {
-    /// Reads a world and finds in it what the options name.
+    /// Reads a world and selects in it what the options name.
     pub fn load(path: &Path, run: &RunOptions, picture: &PictureOptions) -> Result<Self, Failure> {
         let parameters = run.parameters()?;
         let world = load_world(path, &parameters)?;
@@ -191,12 +192,12 @@ impl Setup {
     }
 }
 
-/// Reads a world, with what the parameters put in place of what its file says.
+/// Reads a world, with the parameters replacing values of its file.
 pub fn load_world(path: &Path, parameters: &Parameters) -> Result<World, Failure> {
     Ok(world::file::load(path, &Overrides::from(parameters))?)
 }
 
-/// The one of that name, or the first when none is asked for.
+/// The item of that name, or the first when none is named.
 pub fn choose<T: Clone>(
     path: &Path,
     what: &str,

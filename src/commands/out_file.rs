@@ -1,4 +1,4 @@
-//! Files of results: opened before the work starts, there when it is complete.
+//! Files of results: opened before the work starts, visible when they are complete.
 
 use std::{
     io::Write as _,
@@ -11,18 +11,17 @@ use serde::Serialize;
 use super::Failure;
 use crate::measure::whole_file;
 
-/// A result to be written when it is complete. Until then an older one stays; dropped, it leaves no
-/// trace.
+/// A result that is written when it is complete. Until then an older file stays; a dropped one leaves no trace.
 pub struct OutFile {
     path: PathBuf,
     file: AtomicWriteFile,
 }
 
 impl OutFile {
-    /// In a folder, which is made if need be.
+    /// A file in a folder, which is created if need be.
     ///
     /// # Errors
-    /// When the folder cannot be made or the file not be written, with the path.
+    /// When the folder cannot be created or the file cannot be written, with the path.
     pub fn new(folder: &Path, name: &str) -> Result<Self, Failure> {
         let path = folder.join(name);
         whole_file::create_folder(folder)?;
@@ -39,7 +38,7 @@ impl OutFile {
     }
 
     /// # Errors
-    /// As [`write_json`](Self::write_json).
+    /// See [`write_json`](Self::write_json).
     pub fn write(mut self, text: &str) -> Result<(), Failure> {
         let written = self.file.write_all(text.as_bytes());
         written

@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::{Failure, options::RunOptions};
 use crate::gpu::{Gpu, ShaderChecks};
 
-/// Prints a result. A reader that has gone (`grotto info | head -1`) is no fault.
+/// Prints a result. A reader that has closed the pipe (`grotto info | head -1`) is not an error.
 ///
 /// # Errors
 /// When stdout cannot be written, as on a full disk.
@@ -32,21 +32,21 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// Prints one JSON object on one line.
 ///
 /// # Errors
-/// As [`print`].
+/// See [`print()`].
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let mut line = serde_json::to_string(value).map_err(Failure::fault)?;
     line.push('\n');
     print(&line)
 }
 
-/// Says something to a person who did not ask for quiet.
+/// Prints a note to stderr, unless the user asked for quiet.
 pub fn note(run: &RunOptions, text: &str) {
     if !run.quiet {
         eprintln!("{text}");
     }
 }
 
-/// A bar on stderr where that is a terminal and nobody asked for quiet; else one that is never seen.
+/// A bar on stderr if that is a terminal and `--quiet` is not given; else a hidden one.
 pub fn progress(run: &RunOptions, unit: &'static str, length: u64) -> ProgressBar {
     if run.quiet || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -59,7 +59,7 @@ pub fn progress(run: &RunOptions, unit: &'static str, length: u64) -> ProgressBa
         .with_message(unit)
 }
 
-/// A sign of life for work whose length nobody knows, seen where [`progress`] is.
+/// A sign of life for work of unknown length, shown where [`progress`] is.
 pub fn spinner(run: &RunOptions, doing: &'static str) -> ProgressBar {
     if run.quiet || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -69,7 +69,7 @@ pub fn spinner(run: &RunOptions, doing: &'static str) -> ProgressBar {
     spinner
 }
 
-/// Opens the adapter that was asked for, or the fastest; says so loudly if it is a CPU.
+/// Opens the adapter that the user named, or the fastest. Prints a warning if it is a CPU.
 ///
 /// # Errors
 /// Without any adapter, and when none has that name.

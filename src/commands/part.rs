@@ -1,7 +1,7 @@
-//! Files of parts: what `--shard I/N` leaves for `grotto merge`.
+//! Part files, which `--shard I/N` writes for `grotto merge`.
 //!
-//! A file: a line that says what it is, then in little endian CRC-32 of the rest, and of the rest the length of
-//! the head, the head (RON, which gives every number back exactly), and what the command itself stores.
+//! Format of a file: a line that identifies it. Then, in little endian: the CRC-32 of the rest, the length of
+//! the head, the head (RON, which restores every number exactly), and the data of the command.
 
 use std::{
     fs,
@@ -15,26 +15,27 @@ use serde::{Deserialize, Serialize};
 use super::{Failure, shard::Shard};
 use crate::measure::whole_file;
 
-/// Ends with the version of the format.
+/// The first line of a file. It ends with the version of the format.
 const FIRST_LINE: &[u8] = b"grotto part 1\n";
-/// The first line of every version.
+/// How the first line starts in every version.
 const ANY_VERSION: &[u8] = b"grotto part ";
-/// Between the name of the whole and that of the part.
+/// Separator between the name of the whole and that of the part.
 const MARK: &str = ".part-";
 
-/// What a part is a part of.
+/// The whole that a part belongs to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Head {
     /// `reference` or `judge`.
     pub command: String,
-    /// The whole's file, or the stem of its files.
+    /// Name of the whole's file, or the stem of its files.
     pub whole: String,
     pub shard: Shard,
-    /// Everything that the whole depends on, each under a name for people. Parts of one whole have the same.
+    /// Everything that the whole depends on, each under a readable name. All parts of one whole have the same
+    /// facts.
     pub facts: Vec<(String, String)>,
 }
 
-/// A part, as it was read.
+/// A part that has been read.
 #[derive(Debug)]
 pub struct Part {
     pub path: PathBuf,
@@ -68,7 +69,7 @@ impl Head {
     }
 }
 
-/// A part to be written when it is complete. Dropped, it leaves no trace.
+/// A part that is written when it is complete. A dropped one leaves no trace.
 pub struct PartFile {
     path: PathBuf,
     file: AtomicWriteFile,
@@ -76,22 +77,22 @@ pub struct PartFile {
 }
 
 impl PartFile {
-    /// In a folder, which is made if need be.
+    /// A part in a folder, which is created if need be.
     ///
     /// # Errors
-    /// When the folder cannot be made or the file not be written, and when the file is there and is a part of
-    /// something else.
+    /// When the folder cannot be created or the file cannot be written, and when the file exists as a part of
+    /// another whole.
     pub fn new(folder: &Path, head: Head) -> Result<Self, Failure> {
         let path = folder.join(head.file_name());
         whole_file::create_folder(folder)?;
         if path.exists() {
             let other = |difference: &str| {
                 Failure::bad_input(format!(
-                    "{}: is there already, and {difference}; delete it or choose another folder",
+                    "{}: exists already, and {difference}; delete it or choose another folder",
                     path.display()
                 ))
             };
-            let there = Part::read(&path).map_err(|_| other("is no part that can be read"))?;
+            let there = Part::read(&path).map_err(|_| other("is not a readable part"))?;
             if let Some((name, old, new)) = there.head.difference(&head) {
                 return Err(other(&format!(
                     "is a part of something else: {name} was {old} and would be {new}"
@@ -106,7 +107,7 @@ impl PartFile {
         self.head.shard
     }
 
-    /// Gives the path of what is written.
+    /// Writes the part and returns its path.
     ///
     /// # Errors
     /// When the file cannot be written, as on a full disk.
@@ -122,7 +123,7 @@ impl PartFile {
 
 impl Part {
     /// # Errors
-    /// When it cannot be read, is damaged, or is another version's.
+    /// When the file cannot be read, is damaged, or is of another version.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let bad = |reason: &str| Failure::bad_input(format!("{}: {reason}", path.display()));
         let bytes = fs::read(path).map_err(|reason| Failure::unread(path, reason))?;
@@ -134,7 +135,7 @@ impl Part {
         })
     }
 
-    /// What is wrong with its content, as a refusal.
+    /// The error for a part whose content is wrong.
     pub fn refused(&self, reason: &str) -> Failure {
         Failure::bad_input(format!("{}: {reason}", self.path.display()))
     }
@@ -165,7 +166,7 @@ pub fn files_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
 /// Sorts the parts of one whole by their numbers.
 ///
 /// # Errors
-/// Names the part that is missing, there twice, or of something else.
+/// Names the part that is missing, given twice, or of another whole.
 pub fn in_order(mut parts: Vec<Part>) -> Result<Vec<Part>, Failure> {
     parts.sort_by_key(|part| part.head.shard.index);
     if let [first, others @ ..] = &parts[..] {
@@ -206,7 +207,7 @@ fn decode(bytes: &[u8]) -> Result<(Head, Vec<u8>), &'static str> {
             true => {
                 "the part was written by another version of grotto; run all parts with one version"
             }
-            false => "it is no part that grotto wrote",
+            false => "it is not a part that grotto wrote",
         });
     };
     let (crc, rest) = number(rest).ok_or(DAMAGED)?;
@@ -216,12 +217,12 @@ fn decode(bytes: &[u8]) -> Result<(Head, Vec<u8>), &'static str> {
     let (length, rest) = number(rest).ok_or(DAMAGED)?;
     let (head, body) = rest.split_at_checked(length as usize).ok_or(DAMAGED)?;
     let head: Head = ron::de::from_bytes(head).map_err(|_| DAMAGED)?;
-    // Whoever joins the parts writes a file of this name.
+    // `grotto merge` writes a file of this name.
     let is_name = Path::new(&head.whole).file_name() == Some(head.whole.as_ref());
     is_name.then(|| (head, body.to_vec())).ok_or(DAMAGED)
 }
 
-/// The first four bytes as a number, and what follows them.
+/// The first four bytes as a number, and the remaining bytes.
 pub fn number(bytes: &[u8]) -> Option<(u32, &[u8])> {
     let (first, rest) = bytes.split_first_chunk()?;
     Some((u32::from_le_bytes(*first), rest))

@@ -22,7 +22,7 @@ use crate::{
 #[derive(Serialize)]
 struct Record {
     world: String,
-    /// Frames that it has shown.
+    /// Frames that the window has shown.
     frames: u32,
 }
 
@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Width and height of the window in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size)]
     size: [u32; 2],
-    /// One of the world's cameras to begin at [default: its first]
+    /// One of the world's cameras to start at [default: its first]
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
     /// One of the world's probe layouts [default: its first]
@@ -46,16 +46,17 @@ pub struct Arguments {
     view: View,
     #[command(flatten)]
     inspection: InspectionOptions,
-    /// Begin with the path-traced reference (F6), and with time standing still
+    /// Start with the path-traced reference (F6), and with time paused
     #[arg(long)]
     reference: bool,
-    /// Begin with the benchmark (F4)
+    /// Start with the benchmark (F4)
     #[arg(long, conflicts_with = "reference")]
     benchmark: bool,
     /// Set a parameter (repeatable); `grotto info --keys` lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     set: Vec<String>,
-    /// The adapter whose name contains this, in place of the fastest; NAME#2 is the second of several alike
+    /// Use the adapter whose name contains this [default: the fastest]; NAME#2 is the second of several with
+    /// the same name
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
     /// Seed of the random rays; the world's own is `--set world.seed=N`
@@ -69,7 +70,7 @@ pub struct Arguments {
     /// Close the window after this many frames
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
-    /// Destroy the device after this many frames, as a driver that fails does
+    /// Destroy the device after this many frames, as a failing driver does
     #[arg(long, value_name = "N", hide = true)]
     lose_device_at: Option<u32>,
 }

@@ -1,4 +1,4 @@
-//! The `--json` of render, and of a row of a benchmark: what ran, and how fast.
+//! The `--json` of `render`, and of a row of a benchmark: what ran, and how fast.
 
 use std::collections::BTreeMap;
 
@@ -29,25 +29,25 @@ pub struct Record {
     pub frame_ms: FrameTimes,
     /// Median milliseconds of each pass.
     pub passes: BTreeMap<String, f64>,
-    /// In one frame.
+    /// Rays in one frame.
     pub rays: Rays<u64>,
     pub mrays_per_s: Rays<f64>,
     pub probes: ProbeCounts,
     pub memory_bytes: MemoryUse,
-    /// What voxelising the world took; `null` where the GPU did not.
+    /// The cost of voxelising the world; `null` where the GPU did not voxelise it.
     pub build: Option<Build>,
 }
 
-/// How the world's voxels came about.
+/// How the world's voxels were built.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Build {
     /// GPU milliseconds; `null` where the adapter cannot time them.
     pub voxelise_ms: Option<f64>,
     pub distances_ms: Option<f64>,
-    /// From start to end, without compiling, counts read back included.
+    /// From start to end, without compiling but including the readback of counts.
     pub wall_ms: f64,
     pub bricks: u32,
-    /// Most GPU memory held at a time.
+    /// Peak GPU memory.
     pub peak_bytes: u64,
 }
 
@@ -63,7 +63,7 @@ impl From<BuildReport> for Build {
     }
 }
 
-/// Milliseconds a frame, and the frames per second of the slowest 1 %.
+/// Milliseconds per frame, and the frames per second of the slowest 1 %.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct FrameTimes {
     pub median: f64,
@@ -71,33 +71,33 @@ pub struct FrameTimes {
     pub low1_fps: f64,
 }
 
-/// A figure for each kind of ray; `null` where there is none. Shadow rays are counted after the frames;
-/// they share their passes with other work, so that they have no rate of their own here:
-/// `grotto bench traversal` measures it.
+/// A figure for each kind of ray; `null` where there is none. Shadow rays are counted after the frames. They
+/// share their passes with other work, so they have no rate of their own here: `grotto bench traversal`
+/// measures it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Rays<T> {
     pub camera: Option<T>,
     pub shadow: Option<T>,
     pub probe: Option<T>,
-    /// Those of the final gather.
+    /// Rays of the final gather.
     pub face: Option<T>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ProbeCounts {
-    /// All of the layout and their twins: those alive, sleeping and dead.
+    /// All probes of the layout and their back-side probes: alive, sleeping and dead.
     pub total: u32,
     pub alive: u32,
     pub sleeping: u32,
     pub dead: u32,
-    /// Updated in the last frame.
+    /// Probes updated in the last frame.
     pub updated: u32,
-    /// How many of `total` are twins, which the layout does not count.
+    /// How many of `total` are back-side probes, which the layout does not count.
     pub back_side: u32,
 }
 
 impl ProbeCounts {
-    /// Of a field that has been updated.
+    /// Counts the probes of a field that has been updated.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
@@ -115,7 +115,7 @@ impl ProbeCounts {
 }
 
 impl FrameTimes {
-    /// Of at least one frame.
+    /// `None` if there is no frame.
     pub fn of(frames_ms: &[f64]) -> Option<Self> {
         Some(Self {
             median: statistics::median(frames_ms)?,
@@ -130,7 +130,7 @@ impl FrameTimes {
     }
 }
 
-/// Milliseconds of the frames that were timed as a whole, or of all where none was.
+/// Milliseconds of the frames that were timed as a whole, or of all frames if none was.
 pub fn frame_spans(frames: &[PassTimes]) -> Vec<f64> {
     let some_whole = frames.iter().any(|frame| frame.passes_ms.is_empty());
     frames

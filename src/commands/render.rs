@@ -48,7 +48,7 @@ pub struct Arguments {
     /// Path-trace on the CPU: needs no GPU, uses no probes
     #[arg(long, conflicts_with_all = ["adapter", "probes", "atlas"])]
     cpu: bool,
-    /// With --cpu: samples per pixel; noise falls with the root, time grows with it
+    /// With --cpu: samples per pixel; noise falls with the square root, time grows in proportion
     #[arg(long, value_name = "N", requires = "cpu", default_value_t = 64,
           value_parser = clap::value_parser!(u32).range(1..=65536))]
     spp: u32,
@@ -92,7 +92,7 @@ fn on_the_cpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     check_traceable(picture_options.view)?;
     note_without_probes(picture_options, run, "--cpu");
     let [width, height] = picture_options.size;
-    // Sums in f64, the picture in f32, and its bytes.
+    // Memory: sums in f64, the picture in f32, and its bytes.
     memory::check(
         "a picture of this size",
         u64::from(width) * u64::from(height) * 40,
@@ -217,7 +217,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
         frame.read_radiance(&gpu)?
     };
 
-    // The passes' own times know nothing of the waits in between.
+    // The times of the passes do not include the waits between them.
     let frames_ms = if timing.supported() && !times.is_empty() {
         frame_spans(&times)
     } else {
@@ -264,14 +264,14 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     Ok((picture, record))
 }
 
-/// Whether the file holds what a display shows: in a picture with probes light and data lie side by side,
-/// and only the GPU knows which is which.
+/// Whether to store the displayed picture (PNG only). With probes drawn over it, light and data are side by
+/// side, and only the GPU knows which pixel has which.
 fn shows_as_displayed(arguments: &Arguments) -> Result<bool, Failure> {
     let plain = arguments.inspection.with(arguments.picture.view).is_plain();
     Ok(!plain && PictureFormat::of(&arguments.output)? == PictureFormat::Png)
 }
 
-/// Refuses pictures that the adapter cannot hold before the voxels are built for them.
+/// Refuses pictures that the adapter cannot hold, before the voxels are built.
 fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Failure> {
     let longest = gpu.limits.max_texture_dimension_2d;
     if width.max(height) > longest {
@@ -288,7 +288,7 @@ fn check_size(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Says which of the given options change nothing where light is path-traced.
+/// Notes which of the given options have no effect where light is path-traced.
 pub(super) fn note_without_probes(picture: &PictureOptions, run: &RunOptions, tracer: &str) {
     let sets_probes = run.set.iter().any(|set| set.starts_with("probes."));
     for (given, flag) in [
@@ -305,15 +305,15 @@ pub(super) fn note_without_probes(picture: &PictureOptions, run: &RunOptions, tr
     }
 }
 
-/// Turns distances (voxels) into what the view of depth shows.
+/// Converts distances (voxels) to the values of the depth view.
 pub(super) fn show_depth(picture: &mut Picture) {
-    // Nothing is at distance 0: that is where no surface was met.
+    // Distance 0 means that no surface was hit.
     for rgb in picture.rgb.iter_mut().filter(|rgb| rgb[0] > 0.0) {
         *rgb = rgb.map(View::depth_shown);
     }
 }
 
-/// Writes light as it is (EXR) or tone-mapped (PNG), and data without exposure and curve.
+/// Writes light unchanged (EXR) or tone-mapped (PNG), and data without exposure and tone curve.
 pub(super) fn store(
     path: &Path,
     picture: &Picture,
@@ -332,7 +332,7 @@ pub(super) fn store(
     Ok(())
 }
 
-/// Refuses views that path tracers do not have.
+/// The view for the path tracers, or an error where they have none.
 pub(super) fn check_traceable(view: View) -> Result<(), Failure> {
     if view.is_traceable() {
         return Ok(());

@@ -1,4 +1,4 @@
-//! `--vary KEY=VALUE,VALUE…`: rows for several values of the probes' parameters, each with each.
+//! `--vary KEY=VALUE,VALUE…`: rows for several values of the probes' parameters, in all combinations.
 
 use std::fmt;
 
@@ -7,16 +7,16 @@ use serde::{Serialize, Serializer, ser::SerializeMap as _};
 use super::Failure;
 use crate::parameters::{Key, ParameterError, Parameters, Value};
 
-/// The section whose keys may vary within a table: they change nothing of what is true.
+/// The sections whose keys may vary within a table: their keys do not affect the reference.
 const SECTIONS: [&str; 2] = ["probes.", "source."];
 /// Most settings of a table.
 const MOST_SETTINGS: usize = 4096;
 
-/// One key, and the values that rows are for.
+/// A key with the values that rows are made for.
 #[derive(Clone, Debug)]
 pub struct Varied {
     key: &'static Key,
-    /// Never empty, each once.
+    /// Never empty, without duplicates.
     values: Vec<Value>,
 }
 
@@ -29,7 +29,7 @@ impl Varied {
         Self::of(name, values.split(',')).map_err(|error| error.to_string())
     }
 
-    /// Rays per probe: what `--rays` varies.
+    /// Rays per probe, as `--rays` varies them.
     pub fn rays(counts: &[u32]) -> Result<Self, VaryError> {
         let texts: Vec<String> = counts.iter().map(u32::to_string).collect();
         Self::of(RAYS, texts.iter().map(String::as_str))
@@ -60,31 +60,31 @@ impl Varied {
 /// The key that `--rays` stands for.
 pub const RAYS: &str = "probes.rays";
 
-/// What is wrong with a list of values.
+/// The errors of a list of values.
 #[derive(Debug, thiserror::Error)]
 pub enum VaryError {
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     #[error(
-        "`{0}` may change the picture that is true, or the display; within one table only probes.* and source.* may \
+        "`{0}` may change the reference or the display; within one table only probes.* and source.* may \
          vary: make one table for each value, with --set"
     )]
     ChangesTheTruth(&'static str),
-    #[error("`{0}` takes the value `{1}` twice; every value makes a row of its own")]
+    #[error("`{0}` takes the value `{1}` twice; every value makes one row")]
     Twice(&'static str, String),
 }
 
-/// What the rows of one setting have that those of others have not: a value for each varied key.
+/// A value for each varied key: the difference between the rows of one setting and all others.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Setting {
     values: Vec<(&'static str, Value)>,
 }
 
 impl Setting {
-    /// Each value with each; the last key changes fastest. One empty setting where nothing varies.
+    /// All combinations of the values; the last key changes fastest. One empty setting where nothing varies.
     ///
     /// # Errors
-    /// For a key that varies twice or that `set` sets, and for too many settings.
+    /// For a key that varies twice or that `set` also sets, and for too many settings.
     pub fn product(varied: &[Varied], set: &[String]) -> Result<Vec<Self>, Failure> {
         for (index, one) in varied.iter().enumerate() {
             let name = one.name();
@@ -127,7 +127,7 @@ impl Setting {
         Ok(settings)
     }
 
-    /// These parameters with this setting's values.
+    /// These parameters, with the values of this setting.
     pub fn of(&self, parameters: &Parameters) -> Parameters {
         let mut parameters = parameters.clone();
         for (name, value) in &self.values {
@@ -138,7 +138,7 @@ impl Setting {
         parameters
     }
 
-    /// Keys and values as people write them.
+    /// Keys and values as text.
     pub fn texts(&self) -> Vec<(String, String)> {
         let text = |(name, value): &(&'static str, Value)| ((*name).to_owned(), value.to_string());
         self.values.iter().map(text).collect()
@@ -147,7 +147,7 @@ impl Setting {
     /// Reads [`texts`](Self::texts).
     ///
     /// # Errors
-    /// For keys that there are not, and values that they do not take.
+    /// For unknown keys, and for values that their keys do not accept.
     pub fn from_texts(texts: &[(String, String)]) -> Result<Self, ParameterError> {
         let read = |(name, text): &(String, String)| {
             let key = Key::find(name)?;
@@ -157,13 +157,13 @@ impl Setting {
         Ok(Self { values })
     }
 
-    /// The value of a key as people write it, if it varies.
+    /// The value of a key as text, if the key varies.
     pub fn value(&self, name: &str) -> Option<String> {
         let found = self.values.iter().find(|(key, _)| *key == name);
         found.map(|(_, value)| value.to_string())
     }
 
-    /// What to append to a row that says its rays: `, relocation off`, or nothing.
+    /// A suffix for a row that already names its rays: `, relocation off`, or nothing.
     pub fn note(&self) -> String {
         let others = self.values.iter().filter(|(key, _)| *key != RAYS);
         others
@@ -172,12 +172,12 @@ impl Setting {
     }
 }
 
-/// The name of a key without the section that most have.
+/// The name of a key without the section that most keys share.
 fn short(name: &str) -> &str {
     name.strip_prefix(SECTIONS[0]).unwrap_or(name)
 }
 
-/// `relocation off, distance_texels 8`.
+/// For example `relocation off, distance_texels 8`.
 impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, (name, value)) in self.values.iter().enumerate() {
@@ -188,7 +188,7 @@ impl fmt::Display for Setting {
     }
 }
 
-/// An object in the order of the flags; numbers are numbers, all else is as people write it.
+/// An object in the order of the flags; numbers are numbers, all other values are text.
 impl Serialize for Setting {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.values.len()))?;

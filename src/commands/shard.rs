@@ -1,29 +1,29 @@
-//! `--shard I/N`: one of several parts of a command's work, for other adapters and machines.
+//! `--shard I/N`: one of several parts of a command's work, so that several adapters or machines can share it.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Part `index` of `count`, counted from 1. Parts together are the whole, whatever their number, because
+/// Part `index` of `count`, counted from 1. The parts together equal the whole, whatever their number, because
 /// seeds make every piece of work independent of the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// 1…count.
+    /// From 1 to `count`.
     pub index: u32,
     pub count: u32,
 }
 
-/// Most parts of one piece of work.
+/// Most parts of a command's work.
 const MOST: u32 = 10_000;
 
 impl Shard {
-    /// All of it.
+    /// The only part, with all of the work.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
     /// Reads `I/N`.
     ///
     /// # Errors
-    /// What would be right.
+    /// A message with the right form.
     pub fn parse(text: &str) -> Result<Self, String> {
         let read = || {
             let (index, count) = text.split_once('/')?;
@@ -41,13 +41,13 @@ impl Shard {
         self.count == 1
     }
 
-    /// Whether piece `piece` (counted from 0) belongs to this part: pieces are dealt out in turn, so that parts take about
-    /// as long as each other.
+    /// Whether piece `piece` (counted from 0) belongs to this part. Pieces are dealt out in turn, so that all
+    /// parts take about the same time.
     pub fn has(self, piece: usize) -> bool {
         piece % self.count as usize == self.index as usize - 1
     }
 
-    /// The pieces of this part, where it is to be one run of consecutive ones: start and end of 0…`all`.
+    /// The pieces of this part as one consecutive range within 0…`all`, start and end.
     pub fn range(self, all: u32) -> std::ops::Range<u32> {
         let edge = |part: u32| (u64::from(all) * u64::from(part) / u64::from(self.count)) as u32;
         edge(self.index - 1)..edge(self.index)
@@ -56,7 +56,7 @@ impl Shard {
     /// Checks that parts make a whole.
     ///
     /// # Errors
-    /// Names the part that is missing or there twice, or two different numbers of parts.
+    /// Names the part that is missing or given twice, or two different numbers of parts.
     pub fn check_complete(parts: &[Self]) -> Result<(), String> {
         let Some(first) = parts.first() else {
             return Err("there are no parts".to_owned());

@@ -1,4 +1,4 @@
-//! What a table is made of: worlds, and in each the cameras and layouts that its rows are for.
+//! The rows of a table: worlds, and for each world the cameras and layouts.
 
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ pub struct TestCaseOptions {
     /// Frames for the probes to settle before anything is measured
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=1_000_000), allow_negative_numbers = true)]
     pub frames: u32,
-    /// World time at which everything stands still, in seconds
+    /// World time of all rows, in seconds; the time does not advance
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = world_time, allow_negative_numbers = true)]
     pub time: f64,
     /// Seed of the random rays
@@ -45,10 +45,10 @@ pub struct TestCaseOptions {
         allow_negative_numbers = true
     )]
     pub seed: u32,
-    /// Rays per probe and frame, one row each [default: that of probes.rays]
+    /// Rays per probe and frame, one row each [default: the value of probes.rays]
     #[arg(long, value_name = "N,N…", value_delimiter = ',', value_parser = rays)]
     pub rays: Vec<u32>,
-    /// Values of a probes.* parameter, one row each (repeatable: each with each), as in
+    /// Values of a probes.* parameter, one row each (repeatable: all combinations), as in
     /// probes.relocation=off,exact
     #[arg(long, value_name = "KEY=VALUE,VALUE…", value_parser = Varied::parse)]
     pub vary: Vec<Varied>,
@@ -58,7 +58,7 @@ impl TestCaseOptions {
     /// The keys that vary, in the order of their columns; `--rays` is the last of them.
     ///
     /// # Errors
-    /// For a number of rays that is named twice.
+    /// For a number of rays that is given twice.
     pub fn varied(&self) -> Result<Vec<Varied>, Failure> {
         let mut varied = self.vary.clone();
         if !self.rays.is_empty() {
@@ -67,10 +67,10 @@ impl TestCaseOptions {
         Ok(varied)
     }
 
-    /// What the rows of each camera and layout are for: never empty.
+    /// The settings for the rows of each camera and layout: never empty.
     ///
     /// # Errors
-    /// As [`varied`](Self::varied) and [`Setting::product`].
+    /// See [`varied`](Self::varied) and [`Setting::product`].
     pub fn settings(&self, run: &RunOptions) -> Result<Vec<Setting>, Failure> {
         Setting::product(&self.varied()?, &run.set)
     }
@@ -84,15 +84,15 @@ fn rays(text: &str) -> Result<u32, String> {
         .map_err(|error| error.to_string())
 }
 
-/// Cameras or layouts that rows are for, when none are named.
+/// Which cameras or layouts rows are for when none are named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unnamed {
-    /// The world's first: what `grotto render` takes.
+    /// The world's first, as in `grotto render`.
     First,
     All,
 }
 
-/// One world with what its rows are for, and the lights that stand still in it.
+/// One world with everything that its rows need, and its constant lights.
 pub struct TestCase {
     pub world: World,
     pub parameters: Parameters,
@@ -101,8 +101,8 @@ pub struct TestCase {
     /// Never empty.
     pub settings: Vec<Setting>,
     pub lights: Lights,
-    /// Among these, the lamp that the world names for changes of light; `None` where it names none, or none
-    /// that is lit.
+    /// Index of the lamp that the world names for changes of light; `None` where it names none, or one that is
+    /// not lit.
     pub named_lamp: Option<usize>,
     options: ViewOptions,
 }
@@ -114,8 +114,8 @@ struct ViewOptions {
 }
 
 impl TestCase {
-    /// Reads a world and finds in it what the options name. `None` for a world that has no such
-    /// camera or layout, when it is one of several.
+    /// Reads a world and selects in it what the options name. `None` for a world without such a camera or
+    /// layout, if it is one of several.
     ///
     /// # Errors
     /// For a world that cannot be read, and for names that the only world does not have.
@@ -164,7 +164,7 @@ impl TestCase {
         }))
     }
 
-    /// What a driver of this world starts with.
+    /// The view that a frame loop of this world starts with.
     pub fn shot(&self, camera: &Camera) -> Shot {
         Shot {
             camera: camera.clone(),
@@ -182,7 +182,7 @@ impl TestCase {
 struct Choice<'a> {
     path: &'a Path,
     unnamed: Unnamed,
-    /// Whether a name that is not there is a mistake.
+    /// Whether a name that does not exist is a mistake.
     alone: bool,
 }
 
@@ -206,7 +206,7 @@ impl Choice<'_> {
             match all.iter().find(|one| name(one) == wanted) {
                 Some(one) => found.push(one.clone()),
                 None if self.alone => {
-                    // Says what there is.
+                    // The error lists the names that exist.
                     choose(self.path, what, all, &name, &Some(wanted.clone()))?;
                 }
                 None => {}

@@ -15,15 +15,15 @@ const MOST_LENGTH: f32 = 200.0;
 pub enum Course {
     /// Through all cameras of the world and back.
     Cameras(Path),
-    /// Straight on from one camera and back.
+    /// Straight ahead from one camera and back.
     Ahead(Path),
     /// Once around on the spot.
     Turn(Camera),
 }
 
 impl Course {
-    /// Through the cameras of the world if they see each other, else straight on from `camera`, and where it
-    /// faces a wall around on the spot.
+    /// Through the cameras of the world if they see each other, else straight ahead from `camera`. If `camera`
+    /// faces a wall, it turns around on the spot.
     pub fn new(world: &World, voxels: &Voxels, camera: &Camera) -> Self {
         let length = MOST_LENGTH / world.voxel_m;
         let path = |cameras: &[Camera]| Path::new(world, voxels, cameras, length).ok();
@@ -38,7 +38,7 @@ impl Course {
         }
     }
 
-    /// The camera after `elapsed_s` of `total_s` seconds: at most once to and fro.
+    /// The camera after `elapsed_s` of `total_s` seconds. It goes there and back at most once.
     pub fn at(&self, elapsed_s: f64, total_s: f64, voxel_m: f32) -> Camera {
         match self {
             Self::Cameras(path) | Self::Ahead(path) => {

@@ -1,4 +1,5 @@
-//! The benchmark of the window (F4): the same flight in the same steps of world time, and what its frames took.
+//! The benchmark of the window (F4): flies the same course in the same steps of world time, and measures its
+//! frame times.
 
 mod course;
 mod summary;
@@ -13,15 +14,15 @@ use crate::world::Camera;
 
 /// Seconds of world time that are measured.
 const MEASURED_S: u32 = 20;
-/// The same where a CPU draws: it takes a few frames a second.
+/// The same on a software adapter, which draws only a few frames a second.
 const SOFTWARE_MEASURED_S: u32 = 4;
-/// Frames to a second of world time, however long they take.
+/// Frames per second of world time, however long each frame takes to draw.
 const FRAMES_PER_SECOND: u32 = 60;
-/// Before frames count: probes settle at the start of the flight, and the GPU raises its clock.
+/// Frames before measuring starts: the probes settle, and the GPU raises its clock.
 const WARM_UP_FRAMES: u32 = 30;
 const WARM_UP: Duration = Duration::from_millis(500);
 
-/// What the flight borrows and gives back.
+/// Settings that the benchmark changes and restores at its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Before {
     pub camera: Camera,
@@ -32,14 +33,14 @@ pub struct Before {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     WarmUp,
-    /// This frame is the first that counts: see [`Benchmark::start_counting`].
+    /// This frame is the first that is measured: see [`Benchmark::start_counting`].
     WarmedUp,
     Counting,
     /// All frames are drawn.
     Over,
 }
 
-/// A benchmark that runs.
+/// A running benchmark.
 pub struct Benchmark {
     course: Course,
     before: Before,
@@ -49,9 +50,9 @@ pub struct Benchmark {
     begun: Instant,
     warm_frames: u32,
     counting: bool,
-    /// Frames that were presented since they count.
+    /// Frames presented since measuring began.
     counted: u32,
-    /// When the last frame that counts began, if the time since then is its.
+    /// When the last measured frame began; `None` if the time since then belongs to no frame.
     last: Option<Instant>,
     wall_ms: Vec<f64>,
     gpu_ms: Vec<f64>,
@@ -82,7 +83,7 @@ impl Benchmark {
         self.seconds * FRAMES_PER_SECOND
     }
 
-    /// A frame begins: the one before has taken the time since it began.
+    /// A frame begins: the time since the last frame began is the duration of that frame.
     pub fn begin_frame(&mut self, now: Instant) -> Phase {
         if let Some(last) = self.last.take() {
             let elapsed = now.saturating_duration_since(last);
@@ -104,7 +105,7 @@ impl Benchmark {
         Phase::Counting
     }
 
-    /// Frames count from now on; the GPU has nothing left to do.
+    /// Frames are measured from now on. The GPU must be idle.
     pub fn start_counting(&mut self, now: Instant) {
         self.counting = true;
         self.last = Some(now);
@@ -123,19 +124,19 @@ impl Benchmark {
         }
     }
 
-    /// The frame that began was not presented, and the time since then is no frame's.
+    /// The frame that began was not presented, and the time since then belongs to no frame.
     pub fn interrupt(&mut self) {
         self.last = None;
     }
 
-    /// The next of the frames that count has taken the GPU so long.
+    /// The next measured frame took the GPU this many milliseconds.
     pub fn gpu_took(&mut self, ms: f64) {
         if self.counting {
             self.gpu_ms.push(ms);
         }
     }
 
-    /// World time of the frame (seconds): from 0, so that lamps are where they were in every run.
+    /// World time of the frame (seconds). It starts at 0, so that lamps move alike in every run.
     pub fn time_s(&self) -> f64 {
         f64::from(self.counted) / f64::from(FRAMES_PER_SECOND)
     }
@@ -158,7 +159,7 @@ impl Benchmark {
         }
     }
 
-    /// What it borrowed, and what its frames say: nothing if none has counted.
+    /// What it changed, and the summary of its frames: `None` if none was measured.
     pub fn end(self, surroundings: Surroundings) -> (Before, Option<Summary>) {
         let flight = if self.counted >= self.frames() {
             format!("{} s {}", self.seconds, self.course.describe())
@@ -203,7 +204,8 @@ mod tests {
         Benchmark::new(course, before(), 1.0, true, now)
     }
 
-    /// Frames of 20 ms until it is over or `most` were presented; the cameras and times of those that counted.
+    /// Draws frames of 20 ms until it is over or `most` were presented. Returns the cameras and times of the
+    /// measured frames.
     fn run(most: u32) -> (Benchmark, Vec<(Camera, f64)>) {
         let mut now = Instant::now();
         let mut benchmark = benchmark(now);

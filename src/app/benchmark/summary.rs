@@ -1,4 +1,4 @@
-//! What the frames of a benchmark say, over the picture and as text.
+//! The frame times of a benchmark, drawn over the picture and as text.
 
 use egui::{Align, Align2, Grid, Id, Layout, RichText, Ui, Window, vec2};
 
@@ -8,7 +8,7 @@ use crate::measure::frame_times::FrameStatistics;
 /// Size of the curve (egui's points).
 const GRAPH: egui::Vec2 = vec2(520.0, 110.0);
 
-/// On what, and of what, the frames were.
+/// What was drawn, and on which adapter.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
     pub world: String,
@@ -16,15 +16,15 @@ pub struct Surroundings {
     /// Width and height of the picture in pixels.
     pub size: [u32; 2],
     pub adapter: String,
-    /// A CPU does the work of the GPU.
+    /// Whether the adapter is software: a CPU does the work of the GPU.
     pub software: bool,
-    /// How frames were presented, as Vulkan calls it.
+    /// The present mode, as Vulkan calls it.
     pub presented: String,
     /// Whether presenting waited for the display.
     pub paced: bool,
 }
 
-/// Frames of one clock.
+/// Frame times by one clock.
 struct Series {
     clock: &'static str,
     frames_ms: Vec<f64>,
@@ -46,12 +46,12 @@ impl Series {
 pub struct Summary {
     flight: String,
     surroundings: Surroundings,
-    /// One or two; the first is the one whose curve is drawn.
+    /// One or two; the curve shows the first.
     series: Vec<Series>,
 }
 
 impl Summary {
-    /// `None` where no frame has counted.
+    /// `None` if no frame was measured.
     pub fn new(
         flight: String,
         wall_ms: Vec<f64>,
@@ -107,7 +107,7 @@ impl Summary {
         }
     }
 
-    /// As lines, for the log.
+    /// As lines of text, for the log.
     pub fn text(&self) -> String {
         let mut text = format!("{}\n{}\n{}\n", self.subject(), self.run(), self.adapter());
         for series in &self.series {
@@ -120,7 +120,7 @@ impl Summary {
         text + &self.pacing()
     }
 
-    /// Draws it over the middle of the window.
+    /// Draws the summary over the middle of the window.
     pub fn show(&self, ui: &Ui) {
         Window::new("Benchmark")
             .id(Id::unique("benchmark"))
@@ -178,7 +178,7 @@ fn right(ui: &mut Ui, text: RichText) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(text));
 }
 
-/// What the figures are called, and their values.
+/// The names of the figures, and their values.
 fn rows(figures: &FrameStatistics) -> [(&'static str, String); 8] {
     let fps = |fps: f64| format!("{} FPS", digits(fps));
     let ms = |ms: f64| format!("{} ms", digits(ms));

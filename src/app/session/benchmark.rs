@@ -1,4 +1,4 @@
-//! F4: the benchmark takes the camera and the clock, and gives both back.
+//! F4: the benchmark takes over the camera and the clock, and restores both at its end.
 
 use std::time::{Duration, Instant};
 
@@ -16,7 +16,7 @@ use super::{
     Session,
 };
 
-/// A benchmark that runs, and what the last one said until that is closed.
+/// The running benchmark, and the summary of the last one until it is closed.
 #[derive(Default)]
 pub(super) struct Benchmarks {
     pub running: Option<Benchmark>,
@@ -24,11 +24,11 @@ pub(super) struct Benchmarks {
 }
 
 impl Session {
-    /// Begins a benchmark.
+    /// Starts a benchmark.
     pub(super) fn begin_benchmark(&mut self) {
         if self.viewport.choice().traced {
             self.messages
-                .toast("The benchmark is of light by probes: F6 returns to them");
+                .toast("The benchmark measures light by probes: F6 returns to them");
             return;
         }
         let world = self.viewport.world().clone();
@@ -49,7 +49,7 @@ impl Session {
         self.remade();
     }
 
-    /// Ends the benchmark that runs, if one does, and shows what it has found.
+    /// Ends the running benchmark, if any, and shows its summary.
     pub(super) fn end_benchmark(&mut self) {
         let Some(benchmark) = self.benchmarks.running.take() else {
             return;
@@ -76,8 +76,8 @@ impl Session {
         self.give_back(before);
     }
 
-    /// Ends a benchmark whose frames can no longer be compared with each other. In the warm-up no frame counts
-    /// yet: a window often finds its size in its first frames.
+    /// Ends a benchmark whose frames can no longer be compared with each other. In the warm-up no frame is
+    /// measured yet: a window often settles on its size in its first frames.
     pub(super) fn abandon_benchmark(&mut self, reason: &str) {
         let counting = |run: &mut Benchmark| run.is_counting();
         if let Some(benchmark) = self.benchmarks.running.take_if(counting) {
@@ -95,7 +95,7 @@ impl Session {
         self.remade();
     }
 
-    /// Moves the camera and the clock: as the user steers, or as a benchmark flies.
+    /// Moves the camera and the clock: as the user steers, or along the course of a benchmark.
     ///
     /// # Errors
     /// [`AppError::Gpu`] when the device is lost.
@@ -108,7 +108,7 @@ impl Session {
             .map(|run| run.begin_frame(now));
         match phase {
             Some(Phase::WarmedUp) => {
-                // The times that arrive from now on are of frames that count.
+                // Times that arrive from now on belong to measured frames.
                 self.viewport.gpu.wait()?;
                 self.hear_times(0.0);
                 if let Some(run) = &mut self.benchmarks.running {
@@ -135,8 +135,8 @@ impl Session {
         Ok(())
     }
 
-    /// Takes what a user does while a benchmark runs or its summary is shown: Esc and F4 stop it, any key or
-    /// click closes the summary, and nothing else happens. What ends (a key that is let go) is not taken.
+    /// Handles input while a benchmark runs or its summary is shown: Esc and F4 stop the benchmark, any key or
+    /// click closes the summary, and nothing else happens. Releases of keys and buttons are passed on.
     pub(super) fn benchmark_takes(&mut self, event: &WindowEvent) -> bool {
         let begins = match event {
             WindowEvent::MouseInput { state, .. }
@@ -169,7 +169,7 @@ impl Session {
     }
 }
 
-/// Whether a key closes the summary: not those that take a picture of the screen or only modify others.
+/// Whether a key closes the summary: all do except modifiers and the key for a screenshot of the screen.
 fn closes(key: KeyCode) -> bool {
     use KeyCode::{
         AltLeft, AltRight, ControlLeft, ControlRight, PrintScreen, ShiftLeft, ShiftRight,

@@ -1,4 +1,4 @@
-//! What a user does to the window: keys and mouse, to the camera or to the panel.
+//! User input to the window: keys and mouse steer the camera or go to the panel.
 
 use std::time::Instant;
 
@@ -21,12 +21,12 @@ impl Session {
         }
     }
 
-    /// Anything but a request to close or to draw.
+    /// Handles any event except requests to close or to draw.
     pub fn event(&mut self, event: &WindowEvent) {
         if self.benchmark_takes(event) {
             return;
         }
-        // What steers the camera is no business of the panel's, but it must hear what ends.
+        // The panel ignores input that steers the camera, but it must receive releases.
         let steers = match event {
             WindowEvent::CursorMoved { .. } | WindowEvent::MouseWheel { .. } => true,
             WindowEvent::MouseInput { state, .. }
@@ -43,7 +43,7 @@ impl Session {
             WindowEvent::Resized(size) => self.screen.resize([size.width, size.height]),
             WindowEvent::Focused(focused) => {
                 self.focused = *focused;
-                // Frames at another pace are no figures of these.
+                // Frames before and after a change of pace do not belong to the same statistics.
                 self.rate.clear();
                 if !focused {
                     self.controls.release_all();
@@ -112,7 +112,7 @@ impl Session {
                 let mode = full.then_some(Fullscreen::Borderless(None));
                 self.window.set_fullscreen(mode);
             }
-            // Somebody types a number into the panel.
+            // The user types a number into the panel.
             _ if !self.captured && self.egui.egui_ctx().egui_wants_keyboard_input() => {}
             KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
             code => match digit(code) {
@@ -122,15 +122,16 @@ impl Session {
         }
     }
 
-    /// Between light by probes and path tracing. Time stands still for the latter: lamps that move
-    /// would make it begin again at every frame.
+    /// Switches between light by probes and path tracing. World time is paused for path tracing: moving lamps
+    /// would restart it at every frame.
     fn toggle_reference(&mut self) {
         let traced = !self.settings.choice.traced;
         self.settings.choice.traced = traced;
         if traced {
             self.settings.clock.paused = true;
-            self.messages
-                .toast("Path-traced reference: time stands still (P lets it go on), F6 returns to the probes");
+            self.messages.toast(
+                "Path-traced reference: time is paused (P resumes it), F6 returns to the probes",
+            );
         }
     }
 
@@ -142,7 +143,7 @@ impl Session {
     }
 
     fn capture_mouse(&mut self) {
-        // Where neither is to be had, the mouse still turns the camera.
+        // If neither mode is available, the mouse still turns the camera.
         let _ = self
             .window
             .set_cursor_grab(CursorGrabMode::Locked)
@@ -155,7 +156,7 @@ impl Session {
 
     pub(super) fn release_mouse(&mut self) {
         if self.captured {
-            // A grab that was never had cannot be given up.
+            // Releasing a grab that was never obtained fails.
             let _ = self.window.set_cursor_grab(CursorGrabMode::None);
             self.window.set_cursor_visible(true);
             self.captured = false;

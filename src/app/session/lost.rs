@@ -1,4 +1,4 @@
-//! A device that is lost while the window is open, and what takes its place.
+//! Replaces a device that is lost while the window is open.
 
 use std::time::{Duration, Instant};
 
@@ -18,10 +18,11 @@ use crate::{
 const LEAST_BETWEEN: Duration = Duration::from_secs(10);
 
 impl Session {
-    /// Opens the adapter again and moves all that is shown to it. Edits stay; light is found anew.
+    /// Opens the adapter again and moves everything that is shown to it. Edits are kept; light is computed
+    /// again.
     ///
     /// # Errors
-    /// [`AppError`] when there is no such device any more, and when devices are lost one after another.
+    /// [`AppError`] when the adapter is gone, and when devices are lost one after another.
     pub(super) fn replace_device(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let now = Instant::now();
         let last = self.replaced.replace(now);
@@ -35,11 +36,11 @@ impl Session {
         self.screen = Screen::new(&gpu, self.window.clone(), surface)?;
         self.overlay = Overlay::new(&gpu, self.screen.format())?;
         self.timing = Timing::new(&gpu)?;
-        // The textures of the panel were on the old device: a new context gives all of them again.
+        // The panel's textures were on the old device: a new context uploads all of them again.
         self.egui = panel_state(event_loop, &self.window, &gpu);
         self.viewport.move_to(gpu)?;
         self.messages
-            .toast("The GPU was lost and opened again; edits are kept, light is found anew");
+            .toast("The GPU was lost and opened again; edits are kept, light is computed again");
         self.remade();
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! A window that is open: what it shows, and one frame after another.
+//! An open window: what it shows, and its loop of frames.
 
 mod benchmark;
 mod input;
@@ -40,11 +40,11 @@ use crate::{
     world::Camera,
 };
 
-/// Edge of the picture in parts of the window's where a CPU draws it.
+/// Edge length of the picture relative to the window's on a software adapter.
 const SOFTWARE_SCALE: f32 = 0.35;
-/// From frame to frame in which probes are counted: reading the counts back stalls.
+/// Frames between two counts of the probes: reading the counts back stalls.
 const FRAMES_TO_COUNT: u32 = 64;
-/// From frame to frame in which the passes are timed one by one: else they may run side by side.
+/// Frames between two timings of single passes: in all other frames passes may run concurrently.
 const FRAMES_TO_TIME: u32 = 8;
 
 pub struct Session {
@@ -70,10 +70,10 @@ pub struct Session {
     drawn: Instant,
     presented: u32,
     hidden: bool,
-    /// Whether other windows cover all of it, where the system says so.
+    /// Whether other windows cover the whole window, where the system reports it.
     occluded: bool,
     focused: bool,
-    /// It closes after some frames.
+    /// The window closes after a given number of frames.
     counted: bool,
     world_watch: Watch,
     shaders: Option<(PathBuf, Watch)>,
@@ -154,7 +154,7 @@ impl Session {
             presented: 0,
             hidden: false,
             occluded: false,
-            // Systems tell of focus when it changes; some never do.
+            // Systems report changes of focus; some never report any.
             focused: true,
             counted: options.frames.is_some(),
             world_watch: Watch::world(&options.world_path),
@@ -172,12 +172,12 @@ impl Session {
         Ok(session)
     }
 
-    /// Asks for the next frame.
+    /// Requests the next frame.
     pub fn request_frame(&self) {
         self.window.request_redraw();
     }
 
-    /// How long to wait after the last frame; none where there is a hurry.
+    /// How long to wait after the last frame; `None` where the next one is urgent.
     pub fn pause(&self) -> Option<Duration> {
         let attention = Attention {
             focused: self.focused,
@@ -214,7 +214,7 @@ impl Session {
         }
     }
 
-    /// From what was steered and edited to what is shown.
+    /// Draws one frame: handles input and edits, records the passes, and presents the picture.
     fn draw_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let now = Instant::now();
         let elapsed = now.saturating_duration_since(self.last_frame);
@@ -231,7 +231,7 @@ impl Session {
         self.apply_settings();
         self.inspect_probes();
 
-        // X11 hands out textures for a minimised window too.
+        // X11 hands out textures even for a minimised window.
         let acquired = if self.occluded || self.window.is_minimized() == Some(true) {
             Acquired::Hidden
         } else {
@@ -248,7 +248,7 @@ impl Session {
         let shapes = self.run_panel(event_loop);
         let target = texture.texture.create_view(&Default::default());
         let gpu = self.viewport.gpu.clone();
-        // The path tracer learns from its own time how much to do in a frame.
+        // The path tracer chooses its work per frame from its own measured time.
         let is_timed = self.viewport.reference_view().is_some()
             || (self.presented.is_multiple_of(FRAMES_TO_TIME) && !is_benchmark);
         let mut recorder = if is_timed {
@@ -309,11 +309,11 @@ impl Session {
         if let Err(error) = made {
             self.messages.toast_error(error.to_string());
         }
-        // Probes may have come out of stone, or got into it.
+        // The edit may have freed probes from solid voxels, or buried them.
         self.probes = None;
     }
 
-    /// After work that no frame should be measured by.
+    /// Resets counts and times after work that must not count towards any frame.
     fn remade(&mut self) {
         self.probes = None;
         self.rate.clear();
@@ -372,7 +372,7 @@ impl Session {
     }
 }
 
-/// The first show: with the shaders of a folder if they compile, else with those of the binary.
+/// The first viewport: with the shaders of a folder if they compile, else with those of the binary.
 fn build(
     gpu: &Gpu,
     options: &Options,

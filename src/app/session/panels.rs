@@ -1,4 +1,4 @@
-//! What is drawn over the picture.
+//! The panel and the messages over the picture.
 
 use winit::event_loop::ActiveEventLoop;
 
@@ -12,7 +12,7 @@ use crate::{
 };
 
 impl Session {
-    /// Runs the panel, the summary of a benchmark and the messages, and does what was clicked.
+    /// Runs the panel, the summary of a benchmark and the messages, and carries out what was clicked.
     pub(super) fn run_panel(&mut self, event_loop: &ActiveEventLoop) -> PanelShapes {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();

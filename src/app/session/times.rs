@@ -1,11 +1,12 @@
-//! What the times of frames are good for: the panel's figures, the benchmark's, and how much the path tracer may do.
+//! Distributes the frame times: to the panel, to the benchmark, and to the path tracer, which chooses its work
+//! by them.
 
 use super::{super::benchmark::Benchmark, Session};
 
 impl Session {
-    /// Hears the times of passes that have arrived. `frame_ms`: milliseconds since the last frame.
+    /// Takes the times of passes that have arrived. `frame_ms`: milliseconds since the last frame.
     pub(super) fn hear_times(&mut self, frame_ms: f64) {
-        // A CPU's time of its passes is no GPU's: there the wall's clock alone counts.
+        // Pass times of a software adapter are not GPU times: there only the wall clock counts.
         let is_gpu_time = !self.viewport.gpu.summary.is_software();
         while let Some(times) = self.timing.next_frame() {
             if !times.passes_ms.is_empty() {

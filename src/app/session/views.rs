@@ -1,4 +1,4 @@
-//! What was chosen becomes what the window shows.
+//! Applies the user's choices to the viewport.
 
 use clap::ValueEnum as _;
 
@@ -10,7 +10,7 @@ use crate::{
 };
 
 impl Session {
-    /// Shows what was chosen: at once if that is no work, else when the mouse is let go.
+    /// Applies the settings: cheap changes at once, others when the mouse button is released.
     pub(super) fn apply_settings(&mut self) {
         let dragging = self.egui.egui_ctx().input(|input| input.pointer.any_down());
         let minimised = self.screen.size().contains(&0);
@@ -35,11 +35,11 @@ impl Session {
                 self.messages.toast_error(error.to_string());
             }
         }
-        // What the world lacks or the adapter cannot hold is taken back.
+        // Choices that the world lacks or the adapter cannot hold are reverted.
         self.settings.choice = self.viewport.choice().clone();
     }
 
-    /// Shows what was chosen of the probes. What cannot be shown is taken back.
+    /// Applies the choice of the view and of the probes in it. A choice that cannot be shown is reverted.
     pub(super) fn inspect_probes(&mut self) {
         if let Err(error) = self.viewport.inspect(&mut self.settings.inspection) {
             self.messages.toast_error(error.to_string());
@@ -47,7 +47,7 @@ impl Session {
         }
     }
 
-    /// From no probes in the picture through all that they can be coloured by, and back to none.
+    /// Steps from no probes in the picture through all their colourings, and back to no probes.
     pub(super) fn next_probes(&mut self) {
         let inspection = &mut self.settings.inspection;
         inspection.atlas = None;

@@ -1,4 +1,4 @@
-//! `grotto bench flight`: what moving costs and shows, and what a jump leaves behind.
+//! `grotto bench flight`: the cost and the visible changes of a moving camera, and what remains after a jump.
 
 use std::path::PathBuf;
 
@@ -33,15 +33,15 @@ use crate::{
     world::{Camera, LayoutSpec, View},
 };
 
-/// Light while the camera flies and after it has jumped, and what probes that come cost
+/// Light while the camera flies and after it has jumped, and the cost of new probes
 ///
-/// Flies along the first camera's view, to and fro before the wall ahead, or through several cameras
-/// (`--camera A --camera B`). After each frame the surfaces of the frame before are lit again: the change of
-/// their indirect irradiance, relative to the brighter of the two, is what pops. Pixels below 5 % of the
-/// mean are left out. How much of it can be seen is told by the change of the displayed picture of these
-/// surfaces, as a share of white. Then the camera jumps to the world's camera that is farthest away, and what it sees
-/// after the settling frames is compared with probes that began there. Without WORLD the cavern is flown
-/// through.
+/// Flies along the first camera's view, back and forth before the wall ahead, or through several cameras
+/// (`--camera A --camera B`). After each frame the surfaces of the previous frame are lit again: the change of
+/// their indirect irradiance, relative to the brighter of the two, is the popping. Pixels below 5 % of the mean
+/// are left out. The change of the displayed picture of the same surfaces, as a share of white, tells how much
+/// of it is visible. Then the camera jumps to the world's camera that is farthest away, and its picture after
+/// the settling frames is compared with that of probes that started there. Without WORLD the flight is through
+/// the cavern.
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -55,7 +55,7 @@ pub struct Arguments {
     /// Frames per second of flight
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rate: u32,
-    /// Also write flight.json into this folder, made if need be
+    /// Also write flight.json into this folder, created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -79,45 +79,45 @@ struct Row {
     metres: f32,
     /// Metres per second.
     speed: f32,
-    /// Frames before the flight, and after the jump.
+    /// Frames before the flight, and again after the jump.
     settling: u32,
     /// Frames of the flight.
     frames: u32,
-    /// From frame to frame in flight.
+    /// Changes from frame to frame in flight.
     change: Changes,
-    /// As many frames before it, with the camera at rest.
+    /// Changes in equally many frames before the flight, with the camera at rest.
     change_at_rest: Changes,
-    /// The same of the displayed picture, as shares of white.
+    /// Changes of the displayed picture in flight, as shares of white.
     displayed: Changes,
     displayed_at_rest: Changes,
     scroll: Scroll,
     teleport: Teleport,
 }
 
-/// Frames in which probes came, against those of the same flight in which none did.
+/// Frames of a flight that add probes, compared with frames of the same flight that add none.
 #[derive(Serialize)]
 struct Scroll {
     frames: u32,
-    /// Most probes that came in one frame.
+    /// Most probes added in one frame.
     most_fresh: u32,
-    /// Median milliseconds; `null` where there are no such frames, or no times.
+    /// Median milliseconds; `null` where there are no such frames, or no timestamps.
     scrolling_ms: Option<f64>,
     still_ms: Option<f64>,
-    /// Their ratio.
+    /// `scrolling_ms` over `still_ms`.
     ratio: Option<f64>,
 }
 
 #[derive(Serialize)]
 struct Teleport {
-    /// The camera that it went to.
+    /// The camera that it jumped to.
     camera: String,
-    /// Probes that the jump made new.
+    /// Probes that are new after the jump.
     fresh: u32,
-    /// Against a run that started there.
+    /// Difference from a run that started there.
     difference: Changes,
 }
 
-/// Pixels below this share of the mean say nothing about pops.
+/// Pixels below this share of the mean are ignored: their relative changes say nothing about popping.
 const FLOOR: f64 = 0.05;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -159,7 +159,7 @@ fn measure(gpu: &Gpu, case: &TestCase, arguments: &Arguments) -> Result<Vec<Row>
     Ok(rows)
 }
 
-/// A frame with all that it takes to record the next one and look at the last one again.
+/// A frame with everything needed to record the next one and to look at the previous one again.
 struct Flyer<'a> {
     gpu: &'a Gpu,
     frame: Frame,
@@ -194,7 +194,7 @@ impl<'a> Flyer<'a> {
         })
     }
 
-    /// The next frame; gives its milliseconds, where they are known.
+    /// Draws the next frame. Returns its milliseconds, where they are known.
     fn step(&mut self, camera: &Camera) -> Result<Option<f64>, Failure> {
         self.shot.camera = camera.clone();
         self.shot.frame = self.frame.frames();
@@ -217,13 +217,13 @@ impl<'a> Flyer<'a> {
         Ok(self.frame.read_radiance(self.gpu)?)
     }
 
-    /// What the camera of the last step has seen.
+    /// The view of the camera of the last step.
     fn seen(&mut self) -> Result<Look, Failure> {
         let irradiance = self.frame.read_radiance(self.gpu)?;
         self.with_display(irradiance, &self.shot.camera.clone())
     }
 
-    /// What another camera sees by the light as it is.
+    /// The view of another camera, with the light unchanged.
     fn look(&mut self, camera: &Camera) -> Result<Look, Failure> {
         let irradiance = self.look_at(camera, View::Irradiance)?;
         self.with_display(irradiance, camera)

@@ -18,7 +18,7 @@ use crate::measure::plot::{self, Curve, Curves, Mark, Scale, escaped, figure};
 
 /// Draw each row's curve over the commits of several results
 ///
-/// The results are taken in the order in which they were started, whatever the order of their folders.
+/// The results are ordered by the time when they started, whatever the order of their folders.
 #[derive(Args)]
 pub struct Arguments {
     /// The folders of the results
@@ -43,7 +43,7 @@ struct Line {
 
 #[derive(Debug, PartialEq, Serialize)]
 struct Point {
-    /// Which of the results, counted from 0.
+    /// Index of the result, counted from 0.
     result: usize,
     #[serde(flatten)]
     figure: Figure,
@@ -111,7 +111,7 @@ fn adapters(report: &Report) -> Vec<String> {
     distinct(report.rows.iter().map(|row| adapter_words(&row.adapter)))
 }
 
-/// A line for each row and quantity, in the order in which they first come.
+/// A line for each row and quantity, in order of first appearance.
 fn lines(reports: &[Report]) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for (result, report) in reports.iter().enumerate() {
@@ -137,7 +137,7 @@ fn lines(reports: &[Report]) -> Vec<Line> {
     lines
 }
 
-/// Letters of a commit that are shown.
+/// Characters of a commit hash that are shown.
 const SHORT: usize = 7;
 
 fn short(commit: &str) -> String {
@@ -162,7 +162,7 @@ fn page(reports: &[Report], lines: &[Line]) -> String {
     );
     if machines.len() > 1 {
         body += &warning(
-            "The results are not all of one machine: steps in the curves may be those from one to the other.",
+            "The results are not all of one machine: steps in the curves may be changes of machine.",
         );
     }
     if reports.iter().any(|report| !report.complete) {

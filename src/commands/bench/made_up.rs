@@ -1,4 +1,4 @@
-//! Reports that nobody measured, for the tests of what is made of reports.
+//! Made-up reports, for tests of whatever reads reports.
 
 use std::collections::BTreeMap;
 
@@ -100,7 +100,7 @@ pub fn varied(mut row: Row, key: &str, value: f64) -> Row {
     row
 }
 
-/// Layouts of the cave in two conditions with their quality, a scaling by rays, and one figure.
+/// Layouts of the cave under two conditions with their quality, a series of ray counts, and one figure.
 pub fn report() -> Report {
     let mut rows = Vec::new();
     for (index, layout) in ["layout1", "layout2", "layout3", "layout4"]

@@ -1,4 +1,5 @@
-//! `grotto bench merge`: results of several cards side by side; and for `grotto merge`, the parts of one run joined.
+//! `grotto bench merge`: results of several cards side by side. Also joins the parts of one run, for `grotto
+//! merge`.
 
 use std::path::{Path, PathBuf};
 
@@ -12,15 +13,15 @@ use super::{
 
 /// Put results of several cards or machines side by side on one page
 ///
-/// Every row keeps its adapter. Its id gets `@CARD` behind it, CARD being the name of the adapter in small letters, with
-/// a number where two results have the same. Parts of one run, made by --shard, are joined by `grotto
-/// merge` instead.
+/// Every row keeps its adapter. Its id gets the suffix `@CARD`, where CARD is the name of the adapter in small
+/// letters, with a number where two results have the same. Parts of one run, made by --shard, are joined by
+/// `grotto merge` instead.
 #[derive(Args)]
 pub struct Arguments {
     /// The folders of the results
     #[arg(value_name = "DIR", required = true, num_args = 2..)]
     results: Vec<PathBuf>,
-    /// The folder for the merged result, made if need be
+    /// The folder for the merged result, created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Replace results that the folder holds
@@ -58,11 +59,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     output::print(&summary(&merged))
 }
 
-/// Joins the parts of one run, in any order, as one run would have written them: for `grotto merge`.
+/// Joins the parts of one run, in any order, into the report that the whole run would have written: for `grotto
+/// merge`.
 ///
 /// # Errors
-/// For parts that are missing or there twice, by their numbers; for parts of different runs; for a folder that already holds
-/// results; and for what cannot be read or written.
+/// For parts that are missing or given twice, by their numbers; for parts of different runs; for a folder that
+/// already holds results; and for files that cannot be read or written.
 pub fn join(parts: &[PathBuf], out: &Path) -> Result<(), Failure> {
     let mut reports = read_all(parts)?;
     reports.sort_by_key(|(_, report)| report.shard.index);
@@ -122,7 +124,7 @@ fn join_frames(
 }
 
 /// # Errors
-/// When parts are not of one run: of another suite, build, machine, adapter or world.
+/// When the parts are not of one run: if suite, build, machine, adapter or world differ.
 fn refuse_strangers(reports: &[(PathBuf, Report)]) -> Result<(), Failure> {
     let Some(((first_path, first), others)) = reports.split_first() else {
         return Ok(());
@@ -153,7 +155,7 @@ fn refuse_strangers(reports: &[(PathBuf, Report)]) -> Result<(), Failure> {
         ];
         if let Some((_, what)) = differences.iter().find(|(same, _)| !same) {
             return Err(Failure::bad_input(format!(
-                "{} and {} are no parts of one run: {what}; `grotto bench merge` puts different results side by \
+                "{} and {} are not parts of one run: {what}; `grotto bench merge` puts different results side by \
                  side",
                 first_path.display(),
                 path.display()
@@ -165,7 +167,7 @@ fn refuse_strangers(reports: &[(PathBuf, Report)]) -> Result<(), Failure> {
             .find(|row| first.rows.iter().any(|known| known.id == row.id))
         {
             return Err(Failure::bad_input(format!(
-                "{} and {} both have the row {}: they are no parts of one run",
+                "{} and {} both have the row {}: they are not parts of one run",
                 first_path.display(),
                 path.display(),
                 row.id
@@ -175,7 +177,7 @@ fn refuse_strangers(reports: &[(PathBuf, Report)]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// One report of parts that are sorted by number.
+/// One report from parts that are sorted by number.
 fn joined<'a>(parts: impl Iterator<Item = &'a Report> + Clone) -> Report {
     let mut whole = parts
         .clone()
@@ -185,7 +187,7 @@ fn joined<'a>(parts: impl Iterator<Item = &'a Report> + Clone) -> Report {
     whole.shard = Shard::WHOLE;
     whole.complete = parts.clone().all(|part| part.complete);
     whole.elapsed_s = parts.clone().map(|part| part.elapsed_s).sum();
-    // What asked for a part is no part of the whole.
+    // The option that selected a part does not belong to the whole.
     whole.command = without_shard(&whole.command);
     whole.machine.gpu_after = parts.clone().last().and_then(|part| part.machine.gpu_after);
     if let Some(earliest) = parts.clone().map(|part| &part.started).min() {
@@ -193,7 +195,7 @@ fn joined<'a>(parts: impl Iterator<Item = &'a Report> + Clone) -> Report {
     }
     whole.rows = dealt(parts.clone().map(|part| part.rows.clone()).collect());
     whole.rows.sort_by_key(|row| row.place);
-    // What no part can have every part says.
+    // What could not be measured in any part is listed in every part.
     whole.missing = dealt(parts.clone().map(|part| part.missing.clone()).collect());
     whole.missing.dedup();
     whole.worlds.clear();
@@ -211,7 +213,7 @@ fn joined<'a>(parts: impl Iterator<Item = &'a Report> + Clone) -> Report {
     whole
 }
 
-/// One of each part in turn, as `--shard` deals them out.
+/// Takes one item of each part in turn, as `--shard` deals them out.
 fn dealt<T>(parts: Vec<Vec<T>>) -> Vec<T> {
     let mut parts: Vec<_> = parts.into_iter().map(Vec::into_iter).collect();
     let mut all = Vec::new();
@@ -237,7 +239,7 @@ fn without_shard(command: &[String]) -> Vec<String> {
     kept
 }
 
-/// One report of several, and what the ids of each one's rows end with.
+/// One report from several, and the suffix of the row ids of each.
 fn side_by_side<'a>(reports: impl Iterator<Item = &'a Report> + Clone) -> (Report, Vec<String>) {
     let mut merged = reports
         .clone()
@@ -298,7 +300,7 @@ fn part(label: String, report: &Report) -> Part {
     }
 }
 
-/// The adapter's name in small letters, with a number where it is taken.
+/// The adapter's name in small letters, with a number if the name is taken.
 fn free_label(report: &Report, taken: &[Part]) -> String {
     let name = report
         .rows

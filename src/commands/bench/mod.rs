@@ -1,4 +1,4 @@
-//! `grotto bench SUITE`: one file a suite.
+//! `grotto bench SUITE`: one file for each suite.
 
 mod diff;
 mod flight;
@@ -59,7 +59,7 @@ enum Suite {
     World(speed::Arguments),
     /// From the start of a process to its first frame, its first picture, settled light
     Start(speed::Arguments),
-    /// The tables and charts of the documents that grotto began with, on our own worlds
+    /// The tables and charts of the documents that grotto started from, on our own worlds
     Tables(speed::Arguments),
     /// All of these and the rays of `traversal`, in one report
     All(speed::Arguments),
@@ -76,19 +76,19 @@ enum Suite {
     Unknown(Vec<String>),
 }
 
-/// March camera, shadow and probe rays, against plain DDA in the same run
+/// March camera, shadow and probe rays, compared with plain DDA in the same run
 #[derive(Args)]
 struct Traversal {
     /// World files [default: worlds/cavern.ron]
     #[arg(value_name = "WORLD")]
     worlds: Vec<PathBuf>,
-    /// Also write traversal.json into this folder, made if need be
+    /// Also write traversal.json into this folder, created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Width and height in pixels of the camera rays
     #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = picture_size, allow_hyphen_values = true)]
     size: [u32; 2],
-    /// Runs that each median is taken of
+    /// Runs that each median is taken over
     #[arg(long, value_name = "N", default_value_t = 15,
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: u32,
@@ -96,7 +96,7 @@ struct Traversal {
     run: RunOptions,
 }
 
-/// What was measured, on what.
+/// What was measured, and on which adapter.
 #[derive(Serialize)]
 struct TraversalRecord<'a> {
     suite: &'static str,
@@ -133,7 +133,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// Says which suites there are.
+/// The error that lists the suites.
 fn unknown(words: &[String]) -> Failure {
     let wanted = words.first().map_or("", String::as_str);
     let command = Suite::augment_subcommands(clap::Command::new("bench"));
@@ -216,7 +216,7 @@ fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {
     match record.rows.iter().map(|row| row.mismatches).sum() {
         0 => Ok(()),
         mismatches => Err(Failure::gate(format!(
-            "{mismatches} rays hit something else than plain DDA does"
+            "{mismatches} rays hit something other than plain DDA does"
         ))),
     }
 }

@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 use super::super::{Failure, shard::Shard};
 use crate::measure::frame_times::{FrameStatistics, Interval};
 
-/// Raised when a key changes its meaning or goes; readers refuse what is newer.
+/// Raised when a key changes its meaning or is removed; readers refuse newer schemas.
 pub const SCHEMA: u32 = 1;
 /// Says what kind of file a report is.
 pub const KIND: &str = "grotto bench";
 /// The file of the report in its folder, beside `rows.csv`, `frames.csv.gz` and `index.html`.
 pub const FILE: &str = "bench.json";
 
-/// All that one call of `grotto bench` has measured.
+/// Everything that one call of `grotto bench` has measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// [`KIND`].
@@ -23,23 +23,23 @@ pub struct Report {
     /// [`SCHEMA`] of the grotto that wrote it.
     pub schema: u32,
     pub suite: String,
-    /// Whether all rows are here: not while there is work left, nor when it was stopped.
+    /// Whether all rows are present: false while rows are left, and when the run was stopped.
     pub complete: bool,
-    /// Whether `--quick` asked for less of everything.
+    /// Whether `--quick` reduced everything.
     pub quick: bool,
     pub shard: Shard,
-    /// What follows the program's name on the command line.
+    /// The command line after the program's name.
     pub command: Vec<String>,
-    /// UTC, RFC 3339.
+    /// Start of the run: UTC, RFC 3339.
     pub started: String,
     pub elapsed_s: f64,
     pub build: Build,
     pub machine: Machine,
     pub worlds: Vec<WorldRecord>,
     pub rows: Vec<Row>,
-    /// What could not be measured, and why.
+    /// Rows that could not be measured, and why.
     pub missing: Vec<Missing>,
-    /// The reports that `grotto bench merge` put side by side; empty for what one call has measured.
+    /// The reports that `grotto bench merge` put side by side; empty for a single call.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<Part>,
 }
@@ -47,7 +47,7 @@ pub struct Report {
 /// One of several reports on one page: a card, or a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// What follows `@` in the ids of its rows.
+    /// Suffix after `@` in the ids of its rows.
     pub label: String,
     pub suite: String,
     pub complete: bool,
@@ -59,17 +59,17 @@ pub struct Part {
     pub machine: Machine,
 }
 
-/// Which grotto measured.
+/// The build of grotto that measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Build {
     pub version: String,
-    /// Short hash, with `+changes` where the sources differed from it.
+    /// Short hash, with `+changes` where the sources differed from the commit.
     pub commit: String,
     /// `release` or `debug`.
     pub profile: String,
 }
 
-/// What it ran on, apart from the adapter, which every row names.
+/// The machine that a run used. The adapter is separate: every row names its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     pub cpu: String,
@@ -78,7 +78,7 @@ pub struct Machine {
     pub os: String,
     /// How the GPU was warmed up, in words.
     pub warm_up: String,
-    /// Before the first row and after the last; `null` where the system does not tell.
+    /// State before the first row and after the last; `null` where the system does not report it.
     pub gpu_before: Option<GpuState>,
     pub gpu_after: Option<GpuState>,
 }
@@ -102,17 +102,17 @@ pub struct Adapter {
     pub backend: String,
 }
 
-/// A world that rows are of.
+/// A world that rows use.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WorldRecord {
     pub name: String,
     pub title: String,
-    /// Of the world as it was read, file and overrides: 32 hexadecimal digits.
+    /// Hash of the world as it was read, file and overrides: 32 hexadecimal digits.
     pub hash: String,
     pub seed: u32,
     /// Extent in voxels.
     pub size: [u32; 3],
-    /// What the first row's camera sees, as a `data:` URI; `null` where no picture was made.
+    /// The view of the first row's camera, as a `data:` URI; `null` where no picture was made.
     pub picture: Option<String>,
 }
 
@@ -121,10 +121,11 @@ pub struct WorldRecord {
 pub struct Row {
     /// Unique in a report, the same from run to run: `layouts/cave/layout1/moving`. `diff` joins rows by it.
     pub id: String,
-    /// Its place in the plan of the whole run, counted from 0: parts made by `--shard` are joined in this order.
+    /// Its position in the plan of the whole run, counted from 0: parts made by `--shard` are joined in this
+    /// order.
     #[serde(default)]
     pub place: u32,
-    /// The suite that it belongs to; `all` has rows of many.
+    /// The suite that the row belongs to; a report of `all` has rows of many.
     pub suite: String,
     pub world: String,
     pub camera: String,
@@ -139,7 +140,7 @@ pub struct Row {
     /// Settling frames before each run.
     pub frames: u32,
     pub seed: u32,
-    /// What the suite varies, in its order: `probes.rays` → 8.
+    /// The values that the suite varies, by parameter: `probes.rays` → 8.
     pub varied: BTreeMap<String, Varied>,
     /// Parameters that differ from their defaults, as `--set` takes them.
     pub set: Vec<String>,
@@ -148,21 +149,21 @@ pub struct Row {
     pub clock: String,
     /// `null` where the row is not about frames; then `figures` says what it is about.
     pub timing: Option<Timing>,
-    /// Frames per second at the median; `null` as `timing`.
+    /// Frames per second at the median; `null` where `timing` is.
     pub fps: Option<f64>,
-    /// Of `clock`, over all runs; `null` as `timing`.
+    /// Frame times by `clock`, over all runs; `null` where `timing` is.
     pub frame_ms: Option<FrameStatistics>,
-    /// Median milliseconds of each pass, from frames that were timed pass by pass.
+    /// Median milliseconds of each pass, from the frames that were timed pass by pass.
     pub passes: BTreeMap<String, f64>,
-    /// In one frame.
+    /// Rays in one frame, by kind.
     pub rays: BTreeMap<String, u64>,
     pub mrays_per_s: BTreeMap<String, f64>,
     pub probes: Option<Probes>,
-    /// `voxels`, `probes`, `total`.
+    /// Under `voxels`, `probes` and `total`.
     pub memory_bytes: BTreeMap<String, u64>,
-    /// What else was measured, by a name that ends with its unit: `voxelise_ms`.
+    /// Other measurements, under names that end with their unit: `voxelise_ms`.
     pub figures: BTreeMap<String, Figure>,
-    /// Against the path-traced reference; `null` without `--quality`, and where the picture moves.
+    /// Error against the path-traced reference; `null` without `--quality`, and where the picture moves.
     pub quality: Option<Quality>,
 }
 
@@ -171,23 +172,23 @@ pub struct Row {
 pub struct Timing {
     /// Median milliseconds of each run, in the order in which they ran.
     pub runs_ms: Vec<f64>,
-    /// Of these.
+    /// 95 % interval of the median of `runs_ms`.
     pub interval: Interval,
-    /// Median milliseconds of each pass in each run, in the order of `runs_ms`, by the pass's name: `diff` tells by
-    /// their spread whether a pass has changed. Empty where passes were not timed in every run.
+    /// Median milliseconds of each pass in each run, in the order of `runs_ms`, by the pass's name. `diff` uses
+    /// their spread to decide whether a pass has changed. Empty where passes were not timed in every run.
     #[serde(default)]
     pub pass_runs_ms: BTreeMap<String, Vec<f64>>,
-    /// Whether the interval stayed wider than ±1 % of the median after the most runs.
+    /// Whether the interval was still wider than ±1 % of the median after the largest number of runs.
     pub noisy: bool,
     /// CPU time of recording and submitting a frame, milliseconds.
     pub cpu_ms: FrameStatistics,
-    /// From one frame to the next, milliseconds: what a player would see without a display's pace.
+    /// Milliseconds from one frame to the next: what a player would see without waiting for a display.
     pub wall_ms: FrameStatistics,
-    /// Milliseconds of the frames of the run in the middle, in order, at most 600 (each the worst of as many frames as it stands
-    /// for): for curves.
+    /// Milliseconds of the frames of the run in the middle, in order, for curves. There are at most 600 values;
+    /// in longer runs each value is the worst of several frames.
     pub curve_ms: Vec<f32>,
-    /// Frames by their time: equal steps from `histogram_from_ms` on, of `histogram_step_ms`; the last has all that
-    /// are longer.
+    /// Frames by their time, in equal steps of `histogram_step_ms` from `histogram_from_ms` on. The last step
+    /// contains all longer frames.
     pub histogram: Vec<u32>,
     pub histogram_from_ms: f64,
     pub histogram_step_ms: f64,
@@ -201,11 +202,11 @@ pub enum Varied {
     Text(String),
 }
 
-/// A figure that is no frame time.
+/// A figure other than a frame time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     pub value: f64,
-    /// Half of the 95 % interval's width; `null` for counts and for what was measured once.
+    /// Half of the width of the 95 % interval; `null` for counts and for figures that were measured once.
     pub half_width: Option<f64>,
 }
 
@@ -215,7 +216,7 @@ pub struct Probes {
     pub alive: u32,
     pub sleeping: u32,
     pub dead: u32,
-    /// Updated in the last frame.
+    /// Probes updated in the last frame.
     #[serde(alias = "due")]
     pub updated: u32,
 }
@@ -224,7 +225,7 @@ pub struct Probes {
 pub struct Quality {
     /// Mean FLIP of the displayed picture.
     pub flip: f64,
-    /// Energy of the bounced light over the reference's; `null` where that has none.
+    /// Energy of the bounced light relative to the reference's; `null` where the reference has none.
     pub energy: Option<f64>,
     /// Paths per pixel of the reference.
     pub spp: u32,
@@ -243,7 +244,7 @@ impl Report {
     /// Reads a report: its file, or the folder that holds it.
     ///
     /// # Errors
-    /// For what is missing, damaged, foreign or newer, with the path and what to do.
+    /// For reports that are missing, damaged, foreign or newer, with the path and the remedy.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let file = if path.is_dir() {
             path.join(FILE)
@@ -264,7 +265,7 @@ impl Report {
         })?;
         if value.get("kind").and_then(|kind| kind.as_str()) != Some(KIND) {
             return Err(Failure::bad_input(format!(
-                "{shown} is no report of `grotto bench`"
+                "{shown} is not a report of `grotto bench`"
             )));
         }
         match value.get("schema").and_then(serde_json::Value::as_u64) {
@@ -290,27 +291,27 @@ impl Report {
 }
 
 impl Report {
-    /// The part that a row of a merged report comes from.
+    /// The part that a row of a merged report belongs to.
     fn part_of(&self, row: &Row) -> Option<&Part> {
         let (_, label) = row.id.rsplit_once('@')?;
         self.parts.iter().find(|part| part.label == label)
     }
 
-    /// What a row ran on, apart from its adapter.
+    /// The machine that measured a row.
     pub fn machine_of(&self, row: &Row) -> &Machine {
         self.part_of(row)
             .map_or(&self.machine, |part| &part.machine)
     }
 
-    /// Which grotto measured a row.
+    /// The build that measured a row.
     pub fn build_of(&self, row: &Row) -> &Build {
         self.part_of(row).map_or(&self.build, |part| &part.build)
     }
 }
 
 impl Row {
-    /// The figure that rows are compared by, with its 95 % interval: median milliseconds of a frame, or the first figure.
-    /// `None` for a row without any.
+    /// The figure that rows are compared by, with its 95 % interval: median milliseconds of a frame, or the
+    /// first figure. `None` for a row that has neither.
     pub fn headline(&self) -> Option<(&str, Figure)> {
         if let (Some(timing), Some(frame)) = (&self.timing, &self.frame_ms) {
             let figure = Figure {
@@ -323,7 +324,7 @@ impl Row {
         first.map(|(name, figure)| (name.as_str(), *figure))
     }
 
-    /// Whether the median is still unsure after the most runs.
+    /// Whether the median is still uncertain after the largest number of runs.
     pub fn is_noisy(&self) -> bool {
         self.timing.as_ref().is_some_and(|timing| timing.noisy)
     }
@@ -342,7 +343,7 @@ mod tests {
     use super::super::made_up::full_report;
 
     const DOCUMENT: &str = include_str!("../../../docs/bench.md");
-    /// What is under these has names of its own, not of the schema.
+    /// Names under these keys are free, and not part of the schema.
     const FREE: [&str; 7] = [
         "varied",
         "passes",
@@ -353,7 +354,7 @@ mod tests {
         "figures",
     ];
 
-    /// All keys of the schema. `free` says that the keys of this object are none.
+    /// All keys of the schema. `free` says that the keys of this object are not part of it.
     fn collect(value: &Value, free: bool, keys: &mut BTreeSet<String>) {
         match value {
             Value::Object(members) => {
@@ -361,7 +362,7 @@ mod tests {
                     if !free {
                         keys.insert(key.clone());
                     }
-                    // A figure under a free name has keys of the schema again.
+                    // Below a free name there are keys of the schema again.
                     collect(value, !free && FREE.contains(&key.as_str()), keys);
                 }
             }

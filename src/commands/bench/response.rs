@@ -1,4 +1,4 @@
-//! `grotto bench response`: how soon light follows a change.
+//! `grotto bench response`: how fast light follows a change.
 
 use std::path::PathBuf;
 
@@ -21,11 +21,12 @@ use crate::{frame::Stage, gpu::Gpu};
 
 /// Frames until bounced light has followed a change of a lamp or a wall
 ///
-/// A lamp is switched on and off, and moved; a wall is opened and closed. A world file names them under
-/// `response`. Where it does not: the first lamp (or the sun, where there is none); half of the free way
-/// towards the camera, at most eight voxels; a sphere of radius 3 where the camera's central ray hits. Each time, frames are counted until 90 % and
-/// 99 % of the change of the indirect light are there, to stay. The settled value is the mean of the last
-/// quarter of the frames that are watched. Without WORLD the Cornell box is measured.
+/// A lamp is switched on and off, and moved; a wall is opened and closed. A world file names the lamp and the
+/// wall under `response`. Without that entry, the defaults are: the first lamp (or the sun, where there is
+/// none); half of the free distance towards the camera, at most eight voxels; a sphere of radius 3 where the
+/// camera's central ray hits. After each change, frames are counted until the indirect light has made 90 % and
+/// 99 % of its change for good. The settled value is the mean of the last quarter of the frames that are
+/// watched. Without WORLD the Cornell box is measured.
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -33,7 +34,7 @@ pub struct Arguments {
     /// Frames to watch after each change
     #[arg(long, value_name = "N", default_value_t = WATCHED_FRAMES, value_parser = clap::value_parser!(u32).range(16..=100_000))]
     response_frames: u32,
-    /// Also write response.json into this folder, made if need be
+    /// Also write response.json into this folder, created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! `grotto bench stability`: how still the picture of a still scene is, by rays.
+//! `grotto bench stability`: how steady the picture of a scene at rest is, by rays per probe.
 
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{frame::Stage, gpu::Gpu, measure::stability::Stability};
 
-/// Change of a pixel between consecutive frames of a still scene, by rays per probe
+/// Change of a pixel between consecutive frames of a scene at rest, by rays per probe
 ///
 /// The sum over RGB of the absolute difference of the tone-mapped picture, in [0, 3], over fifty
 /// frames after the probes have settled. Pixels that show no surface never change: choose a view
@@ -28,7 +28,7 @@ use crate::{frame::Stage, gpu::Gpu, measure::stability::Stability};
 pub struct Arguments {
     #[command(flatten)]
     subjects: TestCaseOptions,
-    /// Also write stability.json into this folder, made if need be
+    /// Also write stability.json into this folder, created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -48,7 +48,7 @@ struct Row {
     stability: Stability,
 }
 
-/// Rays of those who ask for no number, nor vary anything else.
+/// Rays where the user neither names a number nor varies anything else.
 const USUAL_RAYS: [u32; 6] = [8, 16, 32, 64, 128, 256];
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {

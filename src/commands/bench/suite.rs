@@ -1,4 +1,4 @@
-//! What the suites about light have in common: which worlds they measure, and where the rows go.
+//! What the suites about light share: the choice of their worlds, and the output of their rows.
 
 use std::path::{Path, PathBuf};
 
@@ -13,12 +13,12 @@ use super::super::{
 };
 use crate::gpu::{AdapterSummary, Gpu};
 
-/// A suite as it was asked for.
+/// The options of a suite about light.
 pub struct LightSuite<'a> {
     pub name: &'static str,
     pub subjects: &'a TestCaseOptions,
     pub run: &'a RunOptions,
-    /// The folder that is to hold `NAME.json`, if any.
+    /// The folder to write `NAME.json` into, if any.
     pub out: Option<&'a Path>,
     /// The world that is measured when none is named.
     pub otherwise: &'static str,
@@ -37,12 +37,12 @@ struct Record<'a, R> {
 }
 
 impl LightSuite<'_> {
-    /// Measures every world, and gives the rows to the file and to the terminal: as JSON, or as `text`
-    /// puts them for the adapter of this name.
+    /// Measures every world, and writes the rows to the file and to the terminal: as JSON, or as the text that
+    /// `text` makes of them and of the adapter's name.
     ///
     /// # Errors
-    /// For worlds that cannot be read, cameras and layouts that none has, a folder that cannot be
-    /// written, and those of `measure`.
+    /// For worlds that cannot be read, for cameras and layouts that no world has, for a folder that cannot be
+    /// written, and for errors of `measure`.
     pub fn run<R: Serialize>(
         &self,
         measure: impl Fn(&Gpu, &TestCase) -> Result<Vec<R>, Failure>,
@@ -74,8 +74,8 @@ impl LightSuite<'_> {
     }
 }
 
-/// The worlds of suites about light, at their first camera and layout unless others are named;
-/// `otherwise` when none is.
+/// The worlds of suites about light, at their first camera and layout unless others are named. The world is
+/// `otherwise` if none is named.
 ///
 /// # Errors
 /// For a world that cannot be read, and for cameras and layouts that no world has.

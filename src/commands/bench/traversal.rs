@@ -1,5 +1,5 @@
-//! `grotto bench traversal`: camera, shadow and probe rays through a world by the brick map and by
-//! plain DDA, in one run, compared hit for hit.
+//! `grotto bench traversal`: traces camera, shadow and probe rays through a world by the brick map and by plain
+//! DDA in one run, and compares them hit for hit.
 
 use glam::{UVec3, Vec3};
 use serde::Serialize;
@@ -16,11 +16,11 @@ use crate::{
     world::{Camera, View, World, voxels::Voxels},
 };
 
-/// Edge of the lattice whose air voxels send probe rays, in voxels.
+/// Spacing of the lattice whose air voxels send probe rays, in voxels.
 const LATTICE: u32 = 16;
-/// Probe rays per run, about as many as a 1080p picture has pixels.
+/// Probe rays per run: about the number of pixels of a 1080p picture.
 const PROBE_RAYS: u32 = 1 << 21;
-/// Fewest shadow rays of a row, in pixels of the picture.
+/// Fewest shadow rays of a row, per pixel of the picture.
 const SHADOW_RAYS_PER_PIXEL: u64 = 2;
 /// Most camera rays along each edge of a pixel.
 const MOST_RAYS_PER_EDGE: u32 = 4;
@@ -33,9 +33,9 @@ pub struct Row {
     pub camera: String,
     /// `camera`, `shadow` or `probe`.
     pub rays: &'static str,
-    /// What shadow rays are sent to: the `sun`, the nearest `lamp`, or the sky `above`.
+    /// Target of shadow rays: the `sun`, the nearest `lamp`, or a point `above`.
     pub light: Option<&'static str>,
-    /// Camera rays through each pixel: several for shadow rays, so that they keep a large GPU busy.
+    /// Camera rays through each pixel: several for shadow rays, so that a large GPU stays busy.
     pub rays_per_pixel: u32,
     pub count: u32,
     pub ms: f64,
@@ -51,7 +51,7 @@ pub struct Row {
 
 /// Measures every named camera of the world and the lattice.
 ///
-/// `voxels` is the CPU's copy of what `on_gpu` holds. `repeats` runs give each median.
+/// `voxels` is the CPU's copy of `on_gpu`. Each median is taken over `repeats` runs.
 ///
 /// # Errors
 /// [`GpuError`] when the world's bit grid is too large for the adapter, or the device is lost.
@@ -119,10 +119,10 @@ pub fn measure(
     Ok(rows)
 }
 
-/// Along each edge of a pixel, how many camera rays send the shadow rays of a row whose light falls on
-/// `lit` of a picture's pixels: enough for [`SHADOW_RAYS_PER_PIXEL`], lest a row measure how long a large
-/// GPU takes to start and to run dry; but at most [`MOST_RAYS_PER_EDGE`], and as many as fit. A software
-/// adapter is never short of rays.
+/// Camera rays along each edge of a pixel for a row of shadow rays, whose light falls on `lit` pixels of a
+/// picture. Enough for [`SHADOW_RAYS_PER_PIXEL`], so that the row does not measure how long a large GPU takes
+/// to start and to run dry; at most [`MOST_RAYS_PER_EDGE`], and at most what fits. A software adapter always
+/// has enough rays.
 fn rays_per_edge(gpu: &Gpu, size: [u32; 2], lit: u32) -> u32 {
     if gpu.summary.is_software() {
         return 1;
@@ -143,7 +143,7 @@ fn rays_per_edge(gpu: &Gpu, size: [u32; 2], lit: u32) -> u32 {
         .unwrap_or(1)
 }
 
-/// All but the names of the row.
+/// Measures the row, except for its names.
 fn measure_row(
     gpu: &Gpu,
     bench: &RayBench<'_>,
@@ -265,7 +265,7 @@ fn shadow_targets(world: &World, camera: &Camera) -> Vec<(&'static str, ShadowTa
     }
 }
 
-/// Lattice voxels (grid space) that are air.
+/// Lattice points (grid space) whose voxel is air.
 fn air_lattice(voxels: &Voxels) -> Vec<UVec3> {
     let counts = voxels.size() / LATTICE;
     let start = UVec3::splat(LATTICE / 2);

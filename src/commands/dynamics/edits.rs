@@ -1,4 +1,5 @@
-//! Which lamp moves where, and which wall is opened: what the world names, or what is found before the camera.
+//! Which lamp is moved where, and which wall is opened: as the world names them, or as found in front of the
+//! camera.
 
 use glam::{DVec3, IVec3, Vec3};
 
@@ -11,13 +12,13 @@ use crate::{
     },
 };
 
-/// Radius in voxels of the hole that opens a wall that the world does not name.
+/// Radius in voxels of the hole that is cut where the world names no wall.
 const HOLE_RADIUS: f32 = 3.0;
-/// Farthest that a lamp is moved where the world does not say, in voxels.
+/// Longest move of a lamp where the world names no place, in voxels.
 const LAMP_STEP: f64 = 8.0;
 
-/// The lights with one lamp in another place: the named one, or the first that has a place; where the world
-/// says, or half of the free way towards the camera.
+/// The lights with one lamp moved: the named one, or the first that has a position. It moves to the place that
+/// the world names, or half of the free distance towards the camera.
 pub fn moved_lamp(
     voxels: &Voxels,
     world: &World,
@@ -47,20 +48,20 @@ pub fn moved_lamp(
     Some(moved)
 }
 
-/// Voxels (grid space) that are opened and shut.
+/// Voxels (grid space) that are opened and closed.
 pub enum Opening {
-    /// A box, both ends inclusive, of a material.
+    /// A box of one material, both ends inclusive.
     Named {
         min: IVec3,
         max: IVec3,
         material: u8,
     },
-    /// A hole in what stands there, around a centre.
+    /// A hole around a centre, in whatever is solid there.
     Hole(Vec3),
 }
 
 impl Opening {
-    /// The world's wall, or a hole where the central ray of a camera meets stone.
+    /// The world's wall, or a hole where the central ray of a camera hits a solid voxel.
     pub fn of(voxels: &Voxels, world: &World, camera: &Camera) -> Option<Self> {
         if let Some(Wall { min, max, material }) = world.response.wall {
             return Some(Self::Named {
@@ -78,7 +79,7 @@ impl Opening {
         }
     }
 
-    /// Lets light through.
+    /// Removes the voxels, so that light passes.
     pub fn open(&self, voxels: &mut Voxels) -> Edit {
         match *self {
             Self::Named { min, max, .. } => voxels.fill_box(min, max, 0),
@@ -86,7 +87,7 @@ impl Opening {
         }
     }
 
-    /// Lets none through; a hole becomes what stood there `before`.
+    /// Fills the voxels, so that no light passes; a hole is filled as it was `before`.
     pub fn shut(&self, voxels: &mut Voxels, before: &Voxels) -> Edit {
         match *self {
             Self::Named { min, max, material } => voxels.fill_box(min, max, material),
@@ -94,13 +95,13 @@ impl Opening {
         }
     }
 
-    /// Makes it what it was `before`.
+    /// Restores the voxels as they were `before`.
     pub fn restore(&self, voxels: &mut Voxels, before: &Voxels) -> Edit {
         let (min, max) = self.bounds();
         voxels.edit(min, max, |voxel, _| before.material(voxel))
     }
 
-    /// The box around it, both ends inclusive.
+    /// The bounding box, both ends inclusive.
     fn bounds(&self) -> (IVec3, IVec3) {
         match *self {
             Self::Named { min, max, .. } => (min, max),
@@ -136,7 +137,7 @@ mod tests {
         file::parse(&text, "test.ron", None, &Overrides::default()).expect("sound")
     }
 
-    /// Stone in the lower half of the world, in patches.
+    /// Solid voxels in the lower half of the world, in patches.
     fn rock() -> Voxels {
         let mut voxels = Voxels::empty(UVec3::splat(32));
         voxels.fill_box(IVec3::ZERO, IVec3::new(31, 15, 31), 1);
@@ -195,7 +196,7 @@ mod tests {
                     "{centre}"
                 );
             }
-            _ => panic!("the camera looks at stone"),
+            _ => panic!("the camera looks at solid voxels"),
         }
         let wall = "wall: (min: (-8, 14, 0), max: (-6, 17, 1), material: \"brick\")";
         let telling = world(&format!(
@@ -220,7 +221,7 @@ mod tests {
         };
         assert_eq!(places(&silent, None).1, [true, false, false]);
         assert_eq!(places(&silent, Some(1)).1, [false, true, false]);
-        // The sun has no place: another lamp moves.
+        // The sun has no position: another lamp moves.
         assert_eq!(places(&silent, Some(2)).1, [true, false, false]);
         let (moved, which) = places(&telling, Some(1));
         assert_eq!(which, [false, true, false]);

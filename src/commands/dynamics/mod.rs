@@ -1,4 +1,4 @@
-//! How still a still scene is, and how soon light follows a change.
+//! How steady the picture of a scene at rest is, and how fast light follows a change.
 
 mod edits;
 
@@ -16,15 +16,15 @@ use crate::{
     world::{Camera, View},
 };
 
-/// Pictures of a still scene that stability is measured on, as in the source's table 4.4.
+/// Pictures over which stability is measured, as in the source's table 4.4.
 pub const STILL_FRAMES: u32 = 50;
 /// Frames that are watched after a change. At a hysteresis of 0.97 one bounce takes 151 to 99 %.
 pub const WATCHED_FRAMES: u32 = 256;
-/// Longest edge of the pictures that a response is read from: indirect light is smooth, and probes do
-/// not depend on the picture.
+/// Longest edge of the pictures that a response is measured in: indirect light is smooth, and probes do not
+/// depend on the picture.
 const RESPONSE_EDGE: u32 = 160;
 
-/// Measures the pictures that follow, in the view that the driver shows; the probes have settled.
+/// Measures the next pictures in the current view of the frame loop. The probes must have settled.
 pub fn stability(
     frame_loop: &mut FrameLoop<'_>,
     lights: &Lights,
@@ -38,8 +38,8 @@ pub fn stability(
     Ok(meter.result().expect("more than one picture was measured"))
 }
 
-/// Frames to follow each change; `None` for one that the world has no place for, or whose indirect
-/// light the camera hardly sees.
+/// Frames until light has followed each change; `None` where the world has no place for the change, or where
+/// the camera hardly sees its indirect light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Responses {
     pub lamp_on: Option<Response>,
@@ -69,17 +69,17 @@ impl Responses {
         ]
     }
 
-    /// Frames that [`responses`] takes at most, for progress.
+    /// Most frames that [`responses`] takes, for progress.
     pub fn frames(settling: u32, watched: u32) -> u64 {
         5 * u64::from(settling + 1 + watched)
     }
 }
 
-/// Settles, changes, and watches the indirect light that `camera` sees, once for each change: a lamp is
-/// switched on and off, and moved; a wall is opened and shut. Which, the world may say
-/// ([`crate::world::ResponseSpec`]). If not: the first lamp (or the sun, where there is no lamp); half of the
-/// free way towards the camera, at most eight voxels; a sphere of radius 3 where the camera's central ray
-/// hits. Leaves the world as it was, and the driver at another size and view.
+/// For each change: settles, makes the change, and watches the indirect light that `camera` sees. A lamp is
+/// switched on and off, and moved; a wall is opened and closed. The world may name them
+/// ([`crate::world::ResponseSpec`]). The defaults are: the first lamp (or the sun, where there is no lamp);
+/// half of the free distance towards the camera, at most eight voxels; a sphere of radius 3 where the camera's
+/// central ray hits. Afterwards the world is restored, but the frame loop has another size and view.
 pub fn responses(
     frame_loop: &mut FrameLoop<'_>,
     case: &TestCase,
@@ -116,7 +116,7 @@ pub fn responses(
         let cut = opening.open(&mut voxels);
         let opened = |frame_loop: &mut FrameLoop<'_>| frame_loop.apply(&voxels, &cut);
         all.wall_opened = watch.change(lights, lights, opened)?;
-        // It is still open.
+        // The wall is still open.
         let fill = opening.shut(&mut voxels, &before);
         let closed = |frame_loop: &mut FrameLoop<'_>| frame_loop.apply(&voxels, &fill);
         all.wall_closed = watch.change(lights, lights, closed)?;
@@ -159,7 +159,7 @@ impl Watch<'_, '_> {
     }
 }
 
-/// Of the same aspect, with a longest edge of [`RESPONSE_EDGE`] at most.
+/// The same aspect, with a longest edge of at most [`RESPONSE_EDGE`].
 fn response_size([width, height]: [u32; 2]) -> [u32; 2] {
     let longest = width.max(height);
     if longest <= RESPONSE_EDGE {

@@ -1,9 +1,9 @@
-//! References on disk, found by what they show. A file that is damaged or another version's is
-//! traced anew.
+//! References on disk, found by their content. A file that is damaged or from another version is replaced by a
+//! new trace.
 //!
-//! A file: a line that says what it is, then in little endian the length of the version and the
-//! version, CRC-32 of the rest, and of the rest width, height, and the light of direct and of
-//! indirect, three f32 a pixel.
+//! Format of a file: a line that identifies it. Then, in little endian: the length of the version, the version,
+//! and the CRC-32 of the rest. The rest is width, height, direct light and indirect light, with three f32 per
+//! pixel.
 
 use std::{
     fs,
@@ -25,33 +25,33 @@ pub struct Truth {
     pub indirect: Picture,
 }
 
-/// What it takes to find a reference.
+/// The key under which a reference is stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Everything that the picture depends on, but for the tracer.
+    /// Everything that the picture depends on, except the tracer.
     pub content: String,
-    /// Of the tracer.
+    /// Version of the tracer.
     pub version: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
 }
 
-/// What a look into the cache finds.
+/// The result of a look-up in the cache.
 #[derive(Debug, PartialEq)]
 pub enum Found {
     Truth(Box<Truth>),
     Nothing,
-    /// Not to be used, and why.
+    /// The file cannot be used, and why.
     Unusable(String),
 }
 
-/// A folder of references, or none.
+/// A folder of references, or no folder.
 pub struct Cache {
     folder: Option<PathBuf>,
 }
 
 impl Cache {
-    /// In this folder; without one in the user's own, where the system has such a place.
+    /// Uses this folder, or without one the user's cache folder, where the system has one.
     pub fn new(folder: Option<&Path>) -> Self {
         let own = || {
             Some(
@@ -65,7 +65,7 @@ impl Cache {
         }
     }
 
-    /// Finds nothing and keeps nothing.
+    /// A cache that finds and stores nothing.
     pub fn none() -> Self {
         Self { folder: None }
     }
@@ -92,10 +92,10 @@ impl Cache {
         }
     }
 
-    /// Keeps a reference for the next time.
+    /// Stores a reference.
     ///
     /// # Errors
-    /// When it cannot be written, with the path.
+    /// When the file cannot be written, with the path.
     pub fn store(&self, key: &Key, truth: &Truth) -> Result<(), String> {
         let (Some(path), Some(folder)) = (self.path(key), &self.folder) else {
             return Ok(());
@@ -133,7 +133,7 @@ fn decode(bytes: &[u8], key: &Key) -> Result<Truth, &'static str> {
     const SHORT: &str = "it ends too early";
     let rest = bytes
         .strip_prefix(FIRST_LINE)
-        .ok_or("it is no reference of grotto's")?;
+        .ok_or("it is not a reference of grotto's")?;
     let (length, rest) = number(rest).ok_or(SHORT)?;
     let (version, rest) = rest.split_at_checked(length as usize).ok_or(SHORT)?;
     if version != key.version.as_bytes() {
@@ -167,13 +167,13 @@ fn decode(bytes: &[u8], key: &Key) -> Result<Truth, &'static str> {
     })
 }
 
-/// The first four bytes as a number, and what follows them.
+/// The first four bytes as a number, and the remaining bytes.
 fn number(bytes: &[u8]) -> Option<(u32, &[u8])> {
     let (first, rest) = bytes.split_first_chunk()?;
     Some((u32::from_le_bytes(*first), rest))
 }
 
-/// FNV-1a with 128 bits (Fowler, Noll, Vo): a name for a text, the same on every machine.
+/// FNV-1a with 128 bits (Fowler, Noll, Vo): a name for a text that is the same on every machine.
 pub fn fnv1a(bytes: &[u8]) -> u128 {
     const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;

@@ -28,37 +28,37 @@ use super::{
 };
 use crate::measure::{picture_file, selection::Selection};
 
-/// Judge DDGI by path-traced references: error, energy, leaks, stability, response
+/// Judge DDGI against path-traced references: error, energy, leaks, stability, response
 ///
-/// Writes judge.json, judge.csv, judge.md (the table alone) and judge.html (one page with small pictures)
-/// into --out, after each row: a row for each world, camera, layout, and setting of --rays and --vary. With
-/// several settings a second table says the means of each. FLIP and absolute error are of the tone-mapped pictures,
-/// energy ratios (DDGI over reference) of linear light; "indirect" is bounced light alone. The leak
-/// ratio is the light that DDGI adds where the reference has none (surfaces that no path found light
-/// for, if they fill 1 % of the picture; or a --mask), over the mean light of the world's brightest
-/// camera. Stability is the change of a pixel between consecutive frames, sum over RGB, over 50 frames
-/// of the still, tone-mapped scene. Response counts frames until 90 % and 99 % of a change of the
-/// indirect light are there, after a lamp is switched on, off, or moved, and after a wall is opened and
-/// closed: those that the world names, or the first lamp and a hole before the camera. Without WORLD all worlds of the folder
-/// worlds/ are judged.
+/// Writes judge.json, judge.csv, judge.md (only the table) and judge.html (one page with small pictures) into
+/// --out, and rewrites them after each row. There is a row for each world, camera, layout, and setting of
+/// --rays and --vary. With several settings a second table lists the means of each. FLIP and absolute error
+/// compare the tone-mapped pictures, energy ratios (DDGI over reference) compare linear light; "indirect" is
+/// bounced light alone. The leak ratio is the light that DDGI adds where the reference has none, over the mean
+/// light of the world's brightest camera. These places are the surfaces that no path found light for, if they
+/// fill 1 % of the picture, or a --mask. Stability is the change of a pixel between consecutive frames, sum
+/// over RGB, over 50 frames of the tone-mapped scene at rest. Response counts frames until the indirect light
+/// has made 90 % and 99 % of its change, after a lamp is switched on, off, or moved, and after a wall is opened
+/// and closed. The world names the lamp and the wall; the defaults are the first lamp and a hole in front of
+/// the camera. Without WORLD all worlds of the folder worlds/ are judged.
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
     subjects: TestCaseOptions,
-    /// The folder for the tables, made if need be
+    /// The folder for the tables, created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Paths per pixel of the references: their noise counts as error of DDGI
+    /// Paths per pixel of the references: the noise of the references counts as error of DDGI
     #[arg(long, value_name = "N", default_value_t = 256, allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(1..=65536))]
     spp: u32,
-    /// Who traces the references
+    /// The tracer of the references
     #[arg(long, value_name = "TRACER", value_enum, default_value_t = Against::Reference)]
     against: Against,
     /// A picture that is white where a camera must see no light, for the leak ratio (repeatable)
     #[arg(long = "mask", value_name = "CAMERA=FILE", value_parser = camera_mask)]
     masks: Vec<(String, PathBuf)>,
-    /// Also a row for each camera of direct light without any probes: the worst that DDGI may be
+    /// Also add a row for each camera with direct light without any probes: the worst acceptable result of DDGI
     #[arg(long)]
     direct: bool,
     /// Width in pixels of the pictures in the page; 0 leaves them out
@@ -68,19 +68,19 @@ pub struct Arguments {
     /// Also write every picture in full size, as PNG, into a folder `pictures` beside the page
     #[arg(long)]
     pictures: bool,
-    /// Leave the stability out
+    /// Leave out the stability
     #[arg(long)]
     skip_stability: bool,
-    /// Leave the response out: most of the time goes there
+    /// Leave out the response, which takes most of the time
     #[arg(long)]
     skip_response: bool,
     /// Frames to watch after each change
     #[arg(long, value_name = "N", default_value_t = WATCHED_FRAMES, value_parser = clap::value_parser!(u32).range(16..=100_000))]
     response_frames: u32,
-    /// Where references are kept [default: the user's cache folder]
+    /// Where references are stored [default: the user's cache folder]
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     cache: Option<PathBuf>,
-    /// Trace every reference anew, and keep none
+    /// Trace every reference again, and store none
     #[arg(long)]
     no_cache: bool,
     /// Only part I of N of the rows, in a file of its own; `grotto merge` joins the parts
@@ -99,7 +99,7 @@ fn camera_mask(text: &str) -> Result<(String, PathBuf), String> {
 
 pub(super) const COMMAND: &str = "judge";
 
-/// Worlds of those who name none.
+/// Folder of the worlds that are judged if none is named.
 const WORLDS: &str = "worlds";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let paths = worlds(&arguments.subjects.worlds)?;
     let varied: Vec<&'static str> = arguments.subjects.vary.iter().map(Varied::name).collect();
     arguments.subjects.settings(run)?;
-    // Light, display and figures of DDGI and reference, and what FLIP takes for each pixel.
+    // Memory for light, display and figures of DDGI and reference, and for FLIP, per pixel.
     let [width, height] = arguments.subjects.size.map(u64::from);
     memory::check("judging pictures of this size", width * height * 400)?;
     let masks = read_masks(arguments)?;
@@ -166,7 +166,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// # Errors
-/// When a world is missing from the table: a fault if one of them is ours, else bad input.
+/// When a world is missing from the table: a fault if one of the failures is a fault of grotto, else bad input.
 fn verdict(mut failures: Vec<Missed>, worlds: usize) -> Result<(), Failure> {
     match failures.pop() {
         None => Ok(()),
@@ -188,7 +188,7 @@ fn verdict(mut failures: Vec<Missed>, worlds: usize) -> Result<(), Failure> {
     }
 }
 
-/// The files that were named, or all of the folder `worlds`.
+/// The named files, or all files of the folder `worlds`.
 fn worlds(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     if !named.is_empty() {
         return Ok(named.to_vec());
@@ -210,7 +210,7 @@ fn worlds(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(found)
 }
 
-/// The masks by the names of their cameras.
+/// The masks, by the names of their cameras.
 fn read_masks(arguments: &Arguments) -> Result<BTreeMap<String, Selection>, Failure> {
     let read = |(camera, path): &(String, PathBuf)| {
         let (mask, _) = picture_file::read(path)?;

@@ -1,4 +1,4 @@
-//! The table as one HTML page that needs nothing else: small pictures are part of it.
+//! The table as one self-contained HTML page: small pictures are part of it.
 
 use std::path::{Path, PathBuf};
 
@@ -22,26 +22,26 @@ use crate::{
     world::{Camera, World},
 };
 
-/// Grows row by row.
+/// A page that grows row by row.
 pub struct Page {
     fragments: Vec<Fragment>,
-    /// Of the pictures in the page, in pixels; 0 leaves them out.
+    /// Width of the pictures in the page, in pixels; 0 leaves them out.
     width: u32,
-    /// Where every picture is kept in full size, if anywhere.
+    /// Where every picture is stored in full size, if anywhere.
     folder: Option<PathBuf>,
-    /// The name of the world that came last.
+    /// The name of the most recent world.
     world: String,
-    /// The name of the camera that came last.
+    /// The name of the most recent camera.
     camera: String,
 }
 
-/// What the page shows of a world, a camera or a row.
+/// The part of the page for a world, a camera or a row.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fragment {
-    /// Among all worlds, cameras and rows, in their order; those of other parts count.
+    /// Position among all worlds, cameras and rows, in their order; those of other parts count too.
     pub place: u32,
     pub html: String,
-    /// Files in the folder of pictures, by their names.
+    /// Names of files in the folder of pictures.
     pub files: Vec<String>,
 }
 
@@ -62,7 +62,7 @@ figure{margin:0}img{width:100%;max-width:320px;height:auto;display:block;border-
 figcaption{font-size:.85rem;opacity:.75;padding:.25rem 0;max-width:320px}p{max-width:75ch}\
 .warn{color:#c60;font-weight:600}pre{white-space:pre-wrap}";
 
-/// A picture and what stands under it.
+/// A picture and its caption.
 struct Figure<'a> {
     /// Part of a file's name.
     what: &'a str,
@@ -78,11 +78,11 @@ enum Show<'a> {
 }
 
 impl Page {
-    /// With pictures of this width in pixels (0: none), and where `full_size` says so, all of them in full
-    /// size in a folder beside the page.
+    /// A page with pictures of this width in pixels (0: none). With `full_size`, all pictures are also stored
+    /// in full size in a folder beside the page.
     ///
     /// # Errors
-    /// When that folder cannot be made.
+    /// When that folder cannot be created.
     pub fn new(out: &Path, width: u32, full_size: bool) -> Result<Self, Failure> {
         let folder = full_size.then(|| out.join(PICTURES));
         if let Some(folder) = &folder {
@@ -97,7 +97,7 @@ impl Page {
         })
     }
 
-    /// Of fragments in the order of their places, whose pictures have this width.
+    /// A page of fragments, in the order of their places, whose pictures have this width.
     pub fn of_fragments(fragments: Vec<Fragment>, width: u32) -> Self {
         Self {
             fragments,
@@ -154,7 +154,7 @@ impl Page {
     }
 
     /// # Errors
-    /// As [`camera`](Self::camera).
+    /// See [`camera`](Self::camera).
     pub fn row(&mut self, place: u32, row: &Row, pictures: &Pictures) -> Result<(), Failure> {
         let caption = |of: &crate::measure::comparison::Comparison| {
             format!(
@@ -205,8 +205,8 @@ impl Page {
         )
     }
 
-    /// In the page under a heading, and in full size in files whose names hold `stem`; their places tell apart
-    /// those whose names are alike.
+    /// Adds pictures to the page under a heading, and in full size to files whose names contain `stem`. The
+    /// places distinguish pictures with equal names.
     fn figures(
         &mut self,
         place: u32,
@@ -216,7 +216,7 @@ impl Page {
     ) -> Result<(), Failure> {
         let mut texts = String::new();
         let mut files = Vec::new();
-        // Two pictures of a reference stand over the four of a row.
+        // The two pictures of a reference are above the four of a row.
         let class = if all.len() == 2 {
             " class=\"wide\""
         } else {
@@ -261,7 +261,7 @@ impl Page {
         Ok(())
     }
 
-    /// The whole page with these tables.
+    /// The whole page with the tables of this report.
     pub fn with(&self, report: &Report<'_>) -> String {
         let warnings = report.warnings().into_iter();
         let warnings: String = warnings
@@ -278,7 +278,7 @@ impl Page {
         };
         let maps = match self.width {
             0 => "",
-            _ => " Heat maps show FLIP in magma: black is 0, pale yellow is 1.",
+            _ => " Heat maps show FLIP in the colour map magma: black is 0, pale yellow is 1.",
         };
         let pictures: String = self.fragments.iter().map(|f| &f.html[..]).collect();
         format!(
@@ -313,7 +313,7 @@ impl Show<'_> {
     }
 }
 
-/// A name that every file system and every page takes as it is.
+/// A name that is valid in every file system and page.
 fn file_stem(text: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
     text.chars().map(letter).collect()

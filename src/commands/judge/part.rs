@@ -1,4 +1,4 @@
-//! A part of a judge's rows, and the table that all parts make.
+//! A part of a judge's rows, and the table made of all parts.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -30,17 +30,17 @@ use crate::{
     parameters::Key,
 };
 
-/// What a part holds. RON gives back every bit of a number.
+/// The content of a part. RON restores every bit of a number.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     adapter: AdapterSummary,
-    /// Width and height in pixels, of the pictures that are judged.
+    /// Width and height in pixels of the judged pictures.
     size: [u32; 2],
     spp: u32,
     /// Width in pixels of the pictures in the page.
     page_pictures: u32,
     varied: Vec<String>,
-    /// How many were named.
+    /// Number of worlds that were named.
     worlds: usize,
     rows: Vec<StoredRow>,
     fragments: Vec<Fragment>,
@@ -51,13 +51,13 @@ struct Stored {
 
 #[derive(Serialize, Deserialize)]
 struct StoredRow {
-    /// Among all worlds, cameras and rows.
+    /// Position among all worlds, cameras and rows.
     place: u32,
     settings: Vec<(String, String)>,
     row: Row,
 }
 
-/// A world that is missing, as [`Missed`].
+/// A world that is missing: a stored [`Missed`].
 #[derive(Serialize, Deserialize)]
 struct StoredFailure {
     path: String,
@@ -68,10 +68,10 @@ struct StoredFailure {
     at: u32,
 }
 
-/// The file of a part; what the table depends on is told in its head.
+/// The file of a part. Its head lists everything that the table depends on.
 ///
 /// # Errors
-/// As [`PartFile::new`].
+/// See [`PartFile::new`].
 pub fn file(
     arguments: &Arguments,
     paths: &[PathBuf],
@@ -137,7 +137,7 @@ pub fn file(
 }
 
 /// # Errors
-/// When the part cannot be written, or one of its pictures not be read again.
+/// When the part cannot be written, or when one of its pictures cannot be read back.
 pub fn write(judge: &Judge<'_>, file: PartFile, worlds: usize) -> Result<(), Failure> {
     let fragments = judge.page.fragments().to_vec();
     let folder = judge.arguments.out.join(PICTURES);
@@ -197,17 +197,17 @@ impl StoredFailure {
         }
     }
 
-    /// Whether one run would have come to this place: a world ends where it fails.
+    /// Whether a whole run would have skipped this place: a world ends at its first failure.
     fn hides(&self, place: u32) -> bool {
         (self.at..self.end_place).contains(&place)
     }
 }
 
-/// Writes the tables of all parts, which are in order, into a folder. What comes of it is how the whole run would
-/// have ended.
+/// Writes the tables of all parts, which must be in order, into a folder. The inner result is that of the whole
+/// run.
 ///
 /// # Errors
-/// When a part is damaged, does not fit to the others, or lacks a picture, and when a file cannot be written.
+/// When a part is damaged, does not fit the others, or lacks a picture, and when a file cannot be written.
 pub fn merge(parts: &[Part], out: &Path) -> Result<Result<(), Failure>, Failure> {
     let mut all: Option<Stored> = None;
     for part in parts {
@@ -272,7 +272,7 @@ fn read(part: &Part) -> Result<Stored, Failure> {
     Ok(stored)
 }
 
-/// Adds the rows and pictures of another part. Both may show the same camera, and must show it alike.
+/// Adds the rows and pictures of another part. Where both show a camera, they must show the same reference.
 fn join(all: &mut Stored, other: Stored) -> Result<(), String> {
     for fragment in other.fragments {
         match all
@@ -299,7 +299,7 @@ fn join(all: &mut Stored, other: Stored) -> Result<(), String> {
     for (name, crc) in other.checksums {
         if *all.checksums.entry(name.clone()).or_insert(crc) != crc {
             return Err(format!(
-                "its picture {name} is another than that of the others; run all parts again"
+                "its picture {name} differs from that of the others; run all parts again"
             ));
         }
     }
@@ -310,7 +310,7 @@ fn join(all: &mut Stored, other: Stored) -> Result<(), String> {
         };
         match all.failures.iter_mut().find(same) {
             None => all.failures.push(failure),
-            // One run would have come to the first.
+            // A whole run would have stopped at the earlier failure.
             Some(known) if failure.at < known.at => *known = failure,
             Some(_) => {}
         }
@@ -318,7 +318,7 @@ fn join(all: &mut Stored, other: Stored) -> Result<(), String> {
     Ok(())
 }
 
-/// Copies the pictures in full size, which lie beside the part.
+/// Copies the pictures in full size, which are beside the part.
 fn copy_pictures(part: &Part, stored: &Stored, out: &Path) -> Result<(), Failure> {
     let from = part.path.with_file_name(PICTURES);
     let to = out.join(PICTURES);
@@ -383,7 +383,7 @@ mod tests {
         }
     }
 
-    /// Every bit counts: JSON would round some, and knows no infinity.
+    /// Every bit counts: JSON would round some numbers, and has no infinity.
     #[test]
     fn numbers_are_stored_exactly() {
         let mut state = 1u64;
@@ -410,7 +410,7 @@ mod tests {
             let before = row(&values);
             let text = ron::to_string(&before).expect("it can be written");
             let after: Row = ron::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}"));
-            // The shortest text of each number tells it from every other, but for the kinds of NaN.
+            // The shortest text of a number identifies it, except for the kinds of NaN.
             assert_eq!(format!("{after:?}"), format!("{before:?}"));
         }
     }

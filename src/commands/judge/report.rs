@@ -1,4 +1,4 @@
-//! What is written: after each row, so that whoever stops the work keeps what is there.
+//! The files of the judge. They are written after each row, so that an interrupted run keeps its rows.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::gpu::AdapterSummary;
 
-/// The `judge.json`, and what the other files are made of.
+/// The `judge.json`, and the data for the other files.
 #[derive(Serialize)]
 pub struct Report<'a> {
     pub version: &'static str,
@@ -22,14 +22,14 @@ pub struct Report<'a> {
     pub size: [u32; 2],
     /// Paths per pixel of the references.
     pub spp: u32,
-    /// Whether all rows are here: not while there is work left, nor when it was stopped.
+    /// Whether all rows are present: false while rows are left, and when the run was stopped.
     pub complete: bool,
     pub rows: &'a [Row],
-    /// Means over the rows of each setting, where rows have several.
+    /// Means over the rows of each setting, if there are several settings.
     pub by_setting: Vec<Summary>,
-    /// What is missing, and why.
+    /// Worlds that are missing, and why.
     pub failures: Vec<Missing>,
-    /// The keys that vary: a column for each.
+    /// The keys that vary, with a column for each.
     #[serde(skip)]
     pub varied: &'a [&'static str],
 }
@@ -53,7 +53,7 @@ impl Report<'_> {
         }
     }
 
-    /// Both tables as a page that needs no browser.
+    /// Both tables in Markdown, for readers without a browser.
     fn markdown(&self) -> String {
         let mut text = format!(
             "# DDGI against path-traced references\n\n{}\n",
@@ -78,7 +78,7 @@ impl Report<'_> {
             + "\n"
     }
 
-    /// What made the table, in one sentence.
+    /// The build, adapter and settings that made the table, in one sentence.
     pub fn made_by(&self) -> String {
         let AdapterSummary {
             name,
@@ -94,22 +94,22 @@ impl Report<'_> {
         )
     }
 
-    /// What a reader must know before the figures.
+    /// Warnings that a reader must know before the figures.
     pub fn warnings(&self) -> Vec<&'static str> {
         let mut warnings = Vec::new();
         if !self.complete {
-            warnings.push("Not complete: the work was stopped, or goes on.");
+            warnings.push("Not complete: the work was stopped, or is in progress.");
         }
         if self.adapter.is_software() {
             warnings.push(
-                "A software adapter made these pictures: they are those of a GPU, but for rounding.",
+                "A software adapter made these pictures: they equal those of a GPU, except for rounding.",
             );
         }
         warnings
     }
 }
 
-/// The files of a table, in a folder of their own.
+/// The files of a table, in one folder.
 pub struct Files {
     folder: PathBuf,
 }
@@ -120,13 +120,13 @@ const HTML: &str = "judge.html";
 const MARKDOWN: &str = "judge.md";
 
 impl Files {
-    /// Makes the folder if need be; what lies there stays until there is a row.
+    /// Creates the folder if need be. Files in it are unchanged until there is a row.
     ///
     /// # Errors
-    /// When one of the files could not be written, with its path.
+    /// When one of the files cannot be written, with its path.
     pub fn new(folder: &Path) -> Result<Self, Failure> {
         for name in [JSON, CSV, HTML, MARKDOWN] {
-            // Dropped, it leaves no trace.
+            // A file that is dropped leaves no trace.
             OutFile::new(folder, name)?;
         }
         Ok(Self {
@@ -134,7 +134,7 @@ impl Files {
         })
     }
 
-    /// Puts a table in the place of the one before, each file at once.
+    /// Replaces the previous table; each file is replaced as a whole.
     ///
     /// # Errors
     /// When a file cannot be written, as on a full disk.

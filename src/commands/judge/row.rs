@@ -1,4 +1,4 @@
-//! One row of the table: a camera's picture in one layout, judged by the reference.
+//! One row of the table: a camera's picture in one layout, judged against the reference.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,8 @@ use crate::{
     world::{Camera, View},
 };
 
-/// What was measured. Fields in the order in which they are printed; what is not finite is `null`.
+/// The measurements. Fields are in the order in which they are printed; numbers that are not finite become
+/// `null`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Row {
     pub world: String,
@@ -31,23 +32,23 @@ pub struct Row {
     /// Values of the keys that vary.
     #[serde(skip_deserializing)]
     pub settings: Setting,
-    /// Whether this is direct light without any probes: the worst that DDGI may be.
+    /// Whether this is direct light without any probes: the worst acceptable result of DDGI.
     pub direct_alone: bool,
     /// Rays per probe and frame.
     pub rays: u32,
     pub hysteresis: f32,
     /// Frames before the pictures.
     pub frames: u32,
-    /// All light: as `grotto compare` gives it, DDGI over reference.
+    /// All light, compared as by `grotto compare`: DDGI over reference.
     pub full: Comparison,
     /// Bounced light alone.
     pub indirect: Comparison,
     /// Light that DDGI adds where the reference has none, over the light of the brightest camera;
     /// `null` where the reference has light everywhere.
     pub leak_ratio: Option<f64>,
-    /// `null` when it was left out.
+    /// `null` if stability was left out.
     pub stability: Option<Stability>,
-    /// `null` when it was left out.
+    /// `null` if the response was left out.
     pub response: Option<Responses>,
     /// Bytes of the probes on the adapter.
     pub probe_bytes: u64,
@@ -61,7 +62,7 @@ pub struct Pictures {
     pub indirect_map: Vec<f32>,
 }
 
-/// The reference of a camera, ready to be compared with.
+/// The reference of a camera, prepared for comparison.
 pub struct Target {
     pub full: Shown,
     pub indirect: Shown,
@@ -69,14 +70,14 @@ pub struct Target {
     pub dark: Option<Dark>,
 }
 
-/// Pixels that the reference sends no light through, or that a mask marks.
+/// Pixels where the reference has no light, or that a mask marks.
 pub struct Dark {
     pub pixels: Selection,
-    /// Mean luminance that makes 1 of the leak ratio; above 0.
+    /// Mean luminance for which the leak ratio is 1; above 0.
     pub bright: f64,
 }
 
-/// The least share of a picture's surfaces that counts as a dark place.
+/// Smallest share of a picture's surfaces that counts as a dark place.
 const LEAST_DARK: f64 = 0.01;
 
 impl Target {
@@ -88,8 +89,8 @@ impl Target {
         }
     }
 
-    /// Where no light of the reference comes from, though there is a surface, as a mask; `None` where
-    /// that is less than 1 % of the picture.
+    /// A mask of the surfaces where the reference has no light; `None` where they fill less than 1 % of the
+    /// picture.
     pub fn unlit(&self, normals: &Picture) -> Option<Picture> {
         let black = |rgb: &[f32; 3]| *rgb == [0.0; 3];
         let pairs = self.full.linear.rgb.iter().zip(&normals.rgb);
@@ -109,7 +110,7 @@ impl Target {
     }
 }
 
-/// All light of a reference.
+/// The sum of a reference's direct and indirect light.
 pub fn full(truth: &Truth) -> Picture {
     let pixels = truth.direct.rgb.iter().zip(&truth.indirect.rgb);
     Picture {
@@ -136,7 +137,7 @@ pub struct Plan {
     /// Frames before the pictures.
     pub frames: u32,
     pub stability: bool,
-    /// Frames that are watched after each change; `None` leaves the response out.
+    /// Frames to watch after each change; `None` leaves the response out.
     pub watched: Option<u32>,
 }
 
@@ -153,7 +154,7 @@ impl Plan {
     }
 }
 
-/// Whose row it is.
+/// The world, camera, layout and settings of a row.
 pub struct Names<'a> {
     pub case: &'a TestCase,
     pub camera: &'a Camera,
@@ -164,8 +165,8 @@ pub struct Names<'a> {
 /// The layout of rows without probes.
 const NO_LAYOUT: &str = "direct light alone";
 
-/// Fills a row; the driver has fresh probes. Its pictures are rounded to what the adapter's f16
-/// holds.
+/// Measures a row; the frame loop must have fresh probes. The pictures are rounded to the precision of the
+/// adapter's f16.
 pub fn judge(
     frame_loop: &mut FrameLoop<'_>,
     names: &Names<'_>,
@@ -210,7 +211,7 @@ pub fn judge(
     Ok((row, pictures))
 }
 
-/// A row of what is there without probes: direct light, and no bounced light at all.
+/// A row without probes: direct light, and no bounced light at all.
 pub fn direct_alone(
     frame_loop: &mut FrameLoop<'_>,
     names: &Names<'_>,
@@ -231,7 +232,7 @@ pub fn direct_alone(
     Ok((row, pictures))
 }
 
-/// The figures that two pictures give; what is not read from them is left at nothing.
+/// The figures of two pictures; all other figures are left empty.
 fn compared(
     names: &Names<'_>,
     full: Shown,
@@ -300,11 +301,11 @@ mod tests {
             direct: picture(&[[0.0; 3], [0.5; 3], [0.0; 3], [0.0; 3]]),
             indirect: picture(&[[0.0; 3], [0.0; 3], [0.0, 1e-6, 0.0], [0.0; 3]]),
         };
-        // Lit, lit by a bounce, unlit, and beyond all surfaces.
+        // Pixels: lit, lit by a bounce, unlit, and beyond all surfaces.
         let normals = picture(&[[0.5, 1.0, 0.5], [0.5; 3], [0.5; 3], [0.0; 3]]);
         let target = Target::new(truth, 0.0);
         let mask = target.unlit(&normals).expect("one of four is enough");
         assert_eq!(mask, picture(&[[1.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]]));
-        assert_eq!(target.unlit(&black), None, "the sky is no place");
+        assert_eq!(target.unlit(&black), None, "the sky does not count");
     }
 }

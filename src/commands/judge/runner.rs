@@ -1,4 +1,4 @@
-//! The work: world by world, camera by camera, row by row.
+//! Judges world by world, camera by camera, row by row.
 
 use std::{
     collections::BTreeMap,
@@ -31,44 +31,44 @@ use crate::{
     world::{Camera, View},
 };
 
-/// The work, and what has come of it.
+/// The judge's options and its results so far.
 pub struct Judge<'a> {
     pub arguments: &'a Arguments,
     pub gpu: &'a Gpu,
     pub cache: &'a Cache,
     pub masks: &'a BTreeMap<String, Selection>,
     pub stop: &'a Arc<AtomicBool>,
-    /// `None` where this is a part of the work.
+    /// `None` if this run is only a part.
     pub files: Option<&'a Files>,
     pub shard: Shard,
     /// Keys with a column of their own.
     pub varied: &'a [&'static str],
     pub rows: Vec<Row>,
-    /// Of each row, among all worlds, cameras and rows.
+    /// Position of each row among all worlds, cameras and rows.
     pub places: Vec<u32>,
     pub page: Page,
     /// Worlds that are missing from the table, and why.
     pub failures: Vec<Missed>,
-    /// How far it has come.
+    /// The position in the whole work.
     pub progress: Progress,
 }
 
-/// Counts worlds, cameras and rows in their order, so that parts of the work number them alike.
+/// Counts worlds, cameras and rows in their order, so that all parts of a run number them alike.
 #[derive(Default)]
 pub struct Progress {
-    /// Rows of the worlds that are done with, those of other parts too.
+    /// Rows of the worlds that are finished, including the rows of other parts.
     pub rows: usize,
-    /// Where the world begins that is at work, and where it ends.
+    /// First and end position of the current world.
     world: Range<u32>,
-    /// What is at work.
+    /// The current position.
     at: u32,
 }
 
-/// A world that is missing from the table, or that has only its first rows there.
+/// A world that is missing from the table, or of which the table has only the first rows.
 pub struct Missed {
     pub path: PathBuf,
     pub failure: Failure,
-    /// The places of the world, and the one that failed.
+    /// The positions of the world, and the one that failed.
     pub world: Range<u32>,
     pub at: u32,
 }
@@ -92,7 +92,7 @@ impl Judge<'_> {
         }
     }
 
-    /// Writes all files, unless they are for others to make of the parts.
+    /// Writes all files, unless this run is a part: then `grotto merge` makes them from all parts.
     pub fn write(&self, complete: bool) -> Result<(), Failure> {
         match self.files {
             Some(files) => files.write(&self.report(complete), &self.page),
@@ -108,7 +108,7 @@ impl Judge<'_> {
         }
     }
 
-    /// What is there stays, and is said to be incomplete: the last row has written it.
+    /// Keeps the files of the last row, which are marked as incomplete.
     pub fn stopped(&self) -> Result<(), Failure> {
         let out = self.arguments.out.display();
         if self.rows.is_empty() {
@@ -124,15 +124,15 @@ impl Judge<'_> {
             )));
         }
         Err(Failure::interrupted(format!(
-            "stopped: {out} holds the first {} rows, and says that there were to be more",
+            "stopped: {out} holds the first {} rows and is marked incomplete",
             self.rows.len()
         )))
     }
 
-    /// Adds the rows of a world; those that are done stay when it fails.
+    /// Adds the rows of a world. Rows that are finished are kept when the world fails.
     ///
     /// # Errors
-    /// When it was stopped. Whatever else goes wrong is told of in the table.
+    /// When the user stops the run. All other failures are listed in the table.
     pub fn world(&mut self, path: &Path) -> Result<(), Failure> {
         let start = self.progress.world.end;
         self.progress.world = start..start;
@@ -167,7 +167,7 @@ impl Judge<'_> {
         let first_row = self.progress.rows;
         self.progress.rows += case.cameras.len() * per_camera;
         let start = self.progress.world.start;
-        // The world itself, and each camera with its rows.
+        // Positions of the world itself, and of each camera with its rows.
         self.progress.world.end += (1 + case.cameras.len() * (1 + per_camera)) as u32;
         let shard = self.shard;
         let has_any = move |mut rows: Range<usize>| rows.any(|row| shard.has(row));
@@ -202,7 +202,7 @@ impl Judge<'_> {
             self.progress.at = start + (1 + index * (1 + per_camera)) as u32;
             let target = self.target(&case, camera, &mut tracer, &mut frame_loop)?;
             self.page.camera(self.progress.at, camera, &target)?;
-            // Whether the next row is one of this part.
+            // Whether the next row belongs to this part.
             let mut is_mine = |progress: &mut Progress| {
                 progress.at += 1;
                 row += 1;
@@ -275,7 +275,7 @@ impl Judge<'_> {
         Ok(target)
     }
 
-    /// The mean luminance that the brightest of a world's cameras sees.
+    /// The mean luminance in the view of the brightest of a world's cameras.
     fn brightest(
         &self,
         case: &TestCase,
@@ -310,7 +310,7 @@ impl Judge<'_> {
         judged
     }
 
-    /// Adds a row, and writes all that there are.
+    /// Adds a row, and rewrites the files.
     fn add(&mut self, (row, pictures): (Row, Pictures)) -> Result<(), Failure> {
         output::note(&self.arguments.run, &table::line(&row));
         self.page.row(self.progress.at, &row, &pictures)?;

@@ -1,4 +1,4 @@
-//! One line for each setting: what a parameter does to all pictures of a table.
+//! One line for each setting: the effect of a parameter on all pictures of a table.
 
 use serde::Serialize;
 
@@ -8,18 +8,18 @@ use super::{super::settings::Setting, row::Row};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     pub settings: Setting,
-    /// Whether these are the rows of direct light alone.
+    /// Whether these are rows of direct light alone.
     pub direct_alone: bool,
-    /// Pictures that the means are of.
+    /// Number of pictures that the means are taken over.
     pub rows: usize,
     pub flip_mean: f64,
     /// Sum over RGB of the absolute difference.
     pub abs_sum_mean: f64,
     pub abs_sum_max: f64,
-    /// By how much the energy of bounced light is off: mean of |ratio − 1|. `null` where a reference has
-    /// no bounced light.
+    /// Error of the energy of bounced light: mean of |ratio − 1|. `null` where a reference has no bounced
+    /// light.
     pub indirect_energy_error: f64,
-    /// Over the rows that have one.
+    /// Mean over the rows that have a leak ratio.
     pub leak_ratio: Option<f64>,
     pub stability_mean: Option<f64>,
     pub stability_max: Option<f64>,
@@ -27,7 +27,7 @@ pub struct Summary {
     pub probe_bytes: f64,
 }
 
-/// The settings in the order in which they first come; none where there is but one.
+/// The settings in order of first appearance; empty if there is only one.
 pub fn by_setting(rows: &[Row]) -> Vec<Summary> {
     let mut kinds: Vec<(&Setting, bool)> = Vec::new();
     for row in rows {
@@ -53,7 +53,7 @@ fn summary(rows: &[Row], (settings, direct_alone): (&Setting, bool)) -> Summary 
         (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
     };
     let most = |value: fn(&Row) -> Option<f64>| known(value).into_iter().reduce(f64::max);
-    let always = "a kind has a row, and rows have these";
+    let always = "every setting has a row, and every row has these figures";
     Summary {
         settings: settings.clone(),
         direct_alone,

@@ -1,10 +1,10 @@
-//! The rows as CSV, and as tables for people: on a terminal, in a page, in Markdown.
+//! The rows as CSV, and as readable tables: on a terminal, in a page, in Markdown.
 
 use std::fmt::Write as _;
 
 use super::{super::dynamics::Responses, page::escaped, row::Row, summary::Summary};
 
-/// Column names and what they hold.
+/// A column's name and the text of its cells.
 type Column = (&'static str, fn(&Row) -> String);
 
 const NAMES: [Column; 3] = [
@@ -42,7 +42,7 @@ const FIGURES: [Column; 16] = [
     ("probe_bytes", |row| row.probe_bytes.to_string()),
 ];
 
-/// RFC 4180, with a header; a column for each key that varies; empty where nothing was measured.
+/// CSV by RFC 4180, with a header and a column for each key that varies; empty where nothing was measured.
 pub fn csv(rows: &[Row], varied: &[&'static str]) -> String {
     let names = |columns: &[Column]| -> Vec<String> {
         columns.iter().map(|(name, _)| (*name).to_owned()).collect()
@@ -80,7 +80,7 @@ fn quoted(text: &str) -> String {
     }
 }
 
-/// One row in one line, as it comes.
+/// One row in one line, for output while the run is in progress.
 pub fn line(row: &Row) -> String {
     format!(
         "{} · {} · {} · {} rays{}: FLIP {:.4}, absolute {:.4}, indirect energy {:.3}",
@@ -95,11 +95,11 @@ pub fn line(row: &Row) -> String {
     )
 }
 
-/// Heads and the cells under them, for people.
+/// Headings and the cells under them, for display.
 pub struct Table {
     heads: Vec<String>,
     lines: Vec<Vec<String>>,
-    /// Columns of names, from the left; those of numbers follow.
+    /// Number of columns with names, which are on the left; columns of numbers follow.
     names: usize,
 }
 
@@ -227,7 +227,7 @@ pub fn of_settings(settings: &[Summary], varied: &[&'static str]) -> Table {
 }
 
 impl Table {
-    /// For a terminal: names to the left, numbers to the right.
+    /// For a terminal: names are aligned to the left, numbers to the right.
     pub fn text(&self) -> String {
         let lines = || std::iter::once(&self.heads).chain(&self.lines);
         let mut widths = vec![0; self.heads.len()];
@@ -288,7 +288,7 @@ impl Table {
     }
 }
 
-/// What the columns say, in Markdown that HTML shows as it is.
+/// The legend of the columns, in Markdown that is also valid in HTML.
 pub const LEGEND: &str = "FLIP (mean; 0 is no visible difference) and absolute (sum over RGB of the absolute \
 difference, 0 to 3; mean over the pixels) compare the tone-mapped pictures. Energy is the light of DDGI over that \
 of the reference. Leak is the light that DDGI adds where the reference has none, over the light of the world's \

@@ -1,4 +1,4 @@
-//! The picture that DDGI is judged by: path-traced, or from the cache.
+//! The picture that DDGI is judged against: path-traced, or from the cache.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,16 +22,16 @@ use crate::{
     world::{Camera, View, World, generate, materials::MaterialSet, voxels::Voxels},
 };
 
-/// Who says what is true.
+/// The tracer of the references.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Against {
-    /// The path tracer on the GPU, as `grotto reference`.
+    /// The path tracer on the GPU, as in `grotto reference`
     Reference,
-    /// The path tracer on the CPU, in f64, over voxels of the CPU: slow, and shares no shader.
+    /// The path tracer on the CPU, in f64, over the CPU's voxels: slow, and independent of all shaders
     Cpu,
 }
 
-/// What a reference shows, and how well.
+/// Content and quality of a reference.
 pub struct Film<'a> {
     pub camera: &'a Camera,
     /// Width and height in pixels.
@@ -39,11 +39,11 @@ pub struct Film<'a> {
     /// Paths per pixel.
     pub spp: u32,
     pub seed: u32,
-    /// Whether textures are seen; else every texture is its mean.
+    /// Whether textures are visible; else every texture is replaced by its mean.
     pub textures: bool,
 }
 
-/// The path tracer of one world, and the references that are kept of it.
+/// The path tracer of one world, and the cache of its references.
 pub struct Tracer<'a> {
     pub world: &'a World,
     pub lights: &'a Lights,
@@ -51,13 +51,13 @@ pub struct Tracer<'a> {
     pub cache: &'a Cache,
     pub gpu: &'a Gpu,
     pub against: Against,
-    /// Ends the tracing.
+    /// Stops the tracing when set.
     pub stop: &'a AtomicBool,
-    /// For the CPU; made when the first reference is traced.
+    /// Voxels for the CPU's tracer; built when the first reference is traced.
     pub voxels: Option<Voxels>,
 }
 
-/// The sources of the tracers: references are good for as long as they stay the same.
+/// The sources of the CPU tracer: stored references are valid as long as these files are unchanged.
 const CPU_SOURCES: [&str; 5] = [
     include_str!("../../reference/march.rs"),
     include_str!("../../reference/path_trace.rs"),
@@ -69,15 +69,18 @@ impl<'a> Tracer<'a> {
     /// The reference, traced if it is not in the cache. `stage` is the world on the adapter.
     ///
     /// # Errors
-    /// When it cannot be traced, and when it was stopped: then nothing is kept. A cache that fails is no
-    /// failure.
+    /// When it cannot be traced, and when the user stops the run: then nothing is stored. Failures of the cache
+    /// are only reported.
     pub fn truth(&mut self, film: &Film<'_>, stage: &Stage) -> Result<Truth, Failure> {
         let key = self.key(film)?;
         match self.cache.load(&key) {
             Found::Truth(truth) => return Ok(*truth),
             Found::Nothing => {}
             Found::Unusable(reason) => {
-                output::note(self.run, &format!("{reason}; the reference is traced anew"));
+                output::note(
+                    self.run,
+                    &format!("{reason}; the reference is traced again"),
+                );
             }
         }
         let truth = Truth {
@@ -85,7 +88,7 @@ impl<'a> Tracer<'a> {
             indirect: self.trace(film, View::Indirect, stage)?,
         };
         if let Err(reason) = self.cache.store(&key, &truth) {
-            output::note(self.run, &format!("{reason}; the reference is not kept"));
+            output::note(self.run, &format!("{reason}; the reference is not stored"));
         }
         Ok(truth)
     }

@@ -1,4 +1,4 @@
-//! `grotto reference`: path-traced ground truth on the GPU, as far as there is patience for it.
+//! `grotto reference`: path-traced ground truth on the GPU, with as many samples as the user waits for.
 
 mod identity;
 mod part;
@@ -28,7 +28,7 @@ use crate::{
     world::View,
 };
 
-/// Path-trace a picture on the GPU, as ground truth; Ctrl-C writes what there is and exits with 130
+/// Path-trace a picture on the GPU, as ground truth; Ctrl-C writes the picture so far and exits with 130
 #[derive(Args)]
 pub struct Arguments {
     /// World file (worlds/*.ron)
@@ -36,11 +36,11 @@ pub struct Arguments {
     /// The picture to write: .png (tone-mapped) or .exr (linear)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Samples (paths) per pixel: noise falls with the root, time grows with it
+    /// Samples (paths) per pixel: noise falls with the square root, time grows in proportion
     #[arg(long, value_name = "N", default_value_t = 256, allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(1..=i64::from(PathTrace::MOST_SAMPLES)))]
     spp: u32,
-    /// Spread the samples over each pixel; else all look through its centre, as `render` does
+    /// Spread the samples over each pixel; else all pass through its centre, as in `render`
     #[arg(long)]
     antialias: bool,
     /// Only part I of N of the samples, written beside the picture; `grotto merge` joins the parts
@@ -60,10 +60,10 @@ struct Record {
     view: String,
     /// Width and height in pixels.
     size: [u32; 2],
-    /// Samples that every pixel holds, and how many were asked for.
+    /// Samples that every pixel has, and the number that was requested.
     spp: u32,
     spp_wanted: u32,
-    /// Which part of the samples, where it is not all of them.
+    /// Which part of the samples, if not all.
     #[serde(skip_serializing_if = "Option::is_none")]
     shard: Option<Shard>,
     antialias: bool,
@@ -76,7 +76,7 @@ struct Record {
     emitters: usize,
 }
 
-/// A scene on its adapter, ready to be traced.
+/// A scene on its adapter, ready for tracing.
 struct Job<'a> {
     arguments: &'a Arguments,
     scene: &'a Setup,
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     render::check_traceable(options.view)?;
     render::note_without_probes(options, run, "`reference`");
     let pixels = options.size.map(u64::from).iter().product::<u64>();
-    // Sums that are read back, at most eight sums of many blocks, and the picture with its bytes.
+    // Memory: sums that are read back, at most eight sums of many blocks, and the picture with its bytes.
     memory::check(
         "a picture of this size",
         pixels * (3 * PathTrace::BYTES_PER_PIXEL + 8 * 12 + 24),
@@ -211,7 +211,7 @@ impl Job<'_> {
         );
     }
 
-    /// `spp`: the samples that were traced.
+    /// `spp`: the number of samples that were traced.
     fn record(&self, spp: u32, shard: Option<Shard>, seconds: f64) -> Record {
         let (arguments, options) = (self.arguments, &self.arguments.picture);
         let pixels = options.size.map(u64::from).iter().product::<u64>();

@@ -1,4 +1,4 @@
-//! A part of a reference: the sums of some of its samples; and the picture that all parts make.
+//! A part of a reference: the sums of some of its samples. Also the picture made of all parts.
 
 use std::{ops::Range, path::Path, sync::atomic::AtomicBool, time::Instant};
 
@@ -31,7 +31,8 @@ use crate::{
 
 pub const COMMAND: &str = "reference";
 
-/// What the numbers that follow it mean: the light that is not random, then each node, three f32 a pixel.
+/// Describes the numbers that follow it: the light that is not random, then each node, with three f32 per
+/// pixel.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Description {
     /// Width and height in pixels.
@@ -39,17 +40,17 @@ struct Description {
     /// As `--view` spells it.
     view: String,
     exposure_ev: f32,
-    /// Samples of the whole picture, and blocks that they are summed in.
+    /// Samples of the whole picture, and the blocks in which they are summed.
     samples: u32,
     blocks: u32,
     /// The blocks of this part.
     first_block: u32,
     end_block: u32,
-    /// Blocks that the sums are of.
+    /// The blocks that each sum covers.
     nodes: Vec<Range<u32>>,
 }
 
-/// What this is a part of. Whatever the picture depends on is told in it.
+/// The whole that this part belongs to. It lists everything that the picture depends on.
 ///
 /// # Errors
 /// When the tracer's shader cannot be composed.
@@ -112,10 +113,10 @@ pub fn head(
     })
 }
 
-/// The file of a part, beside the picture that it is a part of.
+/// The file of a part, beside the picture that it belongs to.
 ///
 /// # Errors
-/// As [`PartFile::new`].
+/// See [`PartFile::new`].
 pub fn file(picture: &Path, head: Head) -> Result<PartFile, Failure> {
     let folder = picture.parent().filter(|path| !path.as_os_str().is_empty());
     PartFile::new(folder.unwrap_or(Path::new(".")), head)
@@ -124,7 +125,7 @@ pub fn file(picture: &Path, head: Head) -> Result<PartFile, Failure> {
 /// Traces a part and writes it. A part has no samples when there are more parts than blocks of samples.
 ///
 /// # Errors
-/// When the adapter fails, and when it was stopped: then nothing is written.
+/// When the adapter fails, and when the user stops the run: then nothing is written.
 pub fn run(job: &Job<'_>, file: PartFile, cancel: &AtomicBool) -> Result<(), Failure> {
     let (arguments, run) = (job.arguments, &job.arguments.run);
     let shard = file.shard();
@@ -194,15 +195,15 @@ pub fn run(job: &Job<'_>, file: PartFile, cancel: &AtomicBool) -> Result<(), Fai
     Ok(())
 }
 
-/// Makes the picture of all parts, which are in order, in a folder.
+/// Makes the picture from all parts, which must be in order, in a folder.
 ///
 /// # Errors
-/// When a part does not fit to the others, and when the picture cannot be written.
+/// When a part does not fit the others, and when the picture cannot be written.
 pub fn merge(parts: &[Part], out: &Path) -> Result<(), Failure> {
     let mut sums = BlockSums::new(0);
     let mut first: Option<(Description, Picture)> = None;
     for part in parts {
-        const UNFIT: &str = "the part does not fit to the others; run all parts again";
+        const UNFIT: &str = "the part does not fit the others; run all parts again";
         let decoded = decode(&part.body);
         let (description, certain, own) =
             decoded.ok_or_else(|| part.refused("the part is damaged; run it again"))?;
@@ -211,7 +212,7 @@ pub fn merge(parts: &[Part], out: &Path) -> Result<(), Failure> {
         }
         match &first {
             None => first = Some((description, certain)),
-            // The same adapter gives the same bits.
+            // The same adapter must give the same bits.
             Some((_, known)) if bits(known).ne(bits(&certain)) => {
                 return Err(part.refused(UNFIT));
             }
@@ -254,7 +255,7 @@ fn encode(description: &Description, sampled: &Sampled) -> Vec<u8> {
     bytes
 }
 
-/// `None` for what was not encoded so.
+/// `None` for bytes that are not an encoded part.
 fn decode(bytes: &[u8]) -> Option<(Description, Picture, BlockSums)> {
     let (length, rest) = part::number(bytes)?;
     let (text, values) = rest.split_at_checked(length as usize)?;

@@ -1,4 +1,4 @@
-//! One scene, with every check.
+//! Examines one scene with every check.
 
 use std::{
     cell::RefCell,
@@ -21,24 +21,24 @@ use crate::{frame::Stage, measure::picture::Picture, world::file::Summary};
 
 /// Longest time of a dispatch on a GPU, milliseconds.
 const MOST_MS: f64 = 50.0;
-/// Longest time of a scene: far more than any takes.
+/// Longest time of a scene: far more than any scene needs.
 const MOST_TIME: Duration = Duration::from_secs(120);
 const MOST_TIME_IN_SOFTWARE: Duration = Duration::from_secs(900);
 
-/// What is to be examined.
+/// The options of an examination.
 #[derive(Clone, Copy)]
 pub struct Examination {
     pub fault: Option<Fault>,
-    /// Only what it takes to judge this.
+    /// Only the work that this check needs.
     pub only: Option<Check>,
 }
 
 thread_local! {
-    /// What the last panic of this thread said.
+    /// The message of the last panic of this thread.
     static PANIC: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Keeps what panics say, for the report, in place of printing it.
+/// Stores the messages of panics for the report, in place of printing them.
 pub fn listen_for_panics() {
     panic::set_hook(Box::new(|info| {
         let place = info
@@ -49,7 +49,7 @@ pub fn listen_for_panics() {
     }));
 }
 
-/// Plays a scene and judges it. What cannot be played is a finding, too.
+/// Plays a scene and judges it. A scene that cannot be played is a finding, too.
 pub fn examine(watched: &mut Watched, scene: &Scene, examination: Examination) -> Findings {
     let start = Instant::now();
     let mut findings = Findings::default();
@@ -110,7 +110,7 @@ struct Judge<'a> {
     findings: &'a mut Findings,
 }
 
-/// The pictures of a play and what the probes held at its end, to be compared bit for bit.
+/// The pictures of a play and the stored light of the probes at its end, for a comparison bit for bit.
 type Take = Vec<(String, Vec<f32>)>;
 
 impl Judge<'_> {
@@ -178,7 +178,7 @@ impl Judge<'_> {
                 values[0] += 1.0;
             }
             self.findings.note(Check::Repeat, same(&first, &second));
-            // Other work on the same GPU may hold up a pass once. What is slow by itself is slow again.
+            // Other work on the same GPU may delay a pass once. A pass that is slow by itself is slow again.
             for (pass, ms) in &mut longest_ms {
                 *ms = ms.min(again.longest_ms.get(pass).copied().unwrap_or_default());
             }
@@ -196,7 +196,7 @@ impl Judge<'_> {
         Ok(())
     }
 
-    /// Plays every part; `after` sees each picture.
+    /// Plays every part; `after` receives each picture.
     fn take(
         &mut self,
         play: &mut Play<'_>,
@@ -225,7 +225,7 @@ impl Judge<'_> {
         })
     }
 
-    /// What is judged of the last picture and of what the buffers hold.
+    /// Judges the last picture and the contents of the buffers.
     fn at_the_end(&mut self, play: &mut Play<'_>, take: &Take) -> Result<(), Failure> {
         let gpu = play.gpu;
         let found = play.frame.stage.read_back(gpu)?;
@@ -251,7 +251,8 @@ impl Judge<'_> {
             let darkness = Darkness::of(play);
             self.findings
                 .note(Check::Dark, reference::is_dark(&darkness, &truth));
-            // Probes that guess what they see are known to leak; a planted leak is judged as what it hides.
+            // Probes with estimated visibility are known to leak, so they are not judged. A planted leak is,
+            // because it pretends to be exact.
             if play.frame.field().exact() || self.plants(Fault::Leak) {
                 self.findings.note(Check::Dark, darkness.light_in(&shown));
             }

@@ -1,13 +1,13 @@
-//! Failures that are known: reported as such, and as cured when one of them passes.
+//! Known failures: reported as known, and as cured when one of them passes.
 
 use serde::Deserialize;
 
 use super::checks::Check;
 
-/// `tests/cli/stress/known.ron`, the one list.
+/// `tests/cli/stress/known.ron`, the only list.
 const LIST: &str = include_str!("../../../tests/cli/stress/known.ron");
 
-/// Scenes that fail, and why nothing is done about it yet.
+/// Scenes that fail, and why they are not fixed yet.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Known {
@@ -27,9 +27,9 @@ impl Known {
     /// The list of this build.
     ///
     /// # Panics
-    /// When it cannot be read: a test holds that it can.
+    /// When the list cannot be read. A test ensures that it can.
     pub fn list() -> Self {
-        ron::from_str(LIST).expect("the list of known failures is sound")
+        ron::from_str(LIST).expect("the list of known failures is valid")
     }
 
     /// A list of one failure, for tests.

@@ -1,4 +1,5 @@
-//! Joins the parts of `grotto stress --shard I/N`: the same bytes as one run would have written.
+//! Joins the parts of `grotto stress --shard I/N` into the report that one run would have written, byte for
+//! byte.
 
 use std::{
     fs,
@@ -10,11 +11,11 @@ use super::{
     report::{FAILURES, Report},
 };
 
-/// Writes the whole of these parts to a folder.
+/// Joins these parts in a folder.
 ///
 /// # Errors
-/// For parts that are no reports, not complete, missing or doubled (with their number), or of different runs; and
-/// for a folder that holds something.
+/// For parts that are not reports, or that are incomplete, missing or given twice (with their number); for
+/// parts of different runs; and for a folder that is not empty.
 pub fn join(parts: &[PathBuf], out: &Path) -> Result<(), Failure> {
     let reports: Vec<Report> = parts
         .iter()

@@ -41,7 +41,7 @@ pub struct Arguments {
         allow_negative_numbers = true
     )]
     seed: u32,
-    /// The folder for the report and for scenes that fail, made if need be
+    /// The folder for the report and for scenes that fail, created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
@@ -50,7 +50,7 @@ pub struct Arguments {
     run: RunOptions,
 }
 
-/// What was found, as `--json` prints it: the report of the scenes, and the storms' records beside it.
+/// The results, as `--json` prints them: the report of the scenes, and the records of the storms.
 #[derive(Serialize)]
 struct Found<'a> {
     #[serde(flatten)]
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(report) = &report {
         if !report.complete {
             return Err(Failure::interrupted(format!(
-                "stopped: {} holds the first {} scenes, and says that there were to be more",
+                "stopped: {} holds the first {} scenes and is marked incomplete",
                 out.display(),
                 report.examined
             )));

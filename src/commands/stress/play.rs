@@ -1,4 +1,4 @@
-//! A scene played from start to end: frames, time that runs, a camera that moves, edits, and frames that settle.
+//! Plays a scene from start to end: frames at rest, moving time and camera, edits, and frames that settle.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use crate::{
     world::{View, voxels::Voxels},
 };
 
-/// Width and height of the pictures: small, so that a scene takes a second where a CPU plays the GPU.
+/// Width and height of the pictures: small, so that a scene takes about a second on a software adapter.
 pub const SIZE: [u32; 2] = [48, 32];
 /// Frames at rest, in motion, after each edit, after the jump, and until the light has settled again.
 const FIRST: u32 = 4;
@@ -26,17 +26,17 @@ const MOVING: u32 = 6;
 const AFTER_EDIT: u32 = 2;
 const JUMPED: u32 = 2;
 const SETTLING: u32 = 32;
-/// Seconds between frames in motion.
+/// Seconds of world time between frames in motion.
 const FRAME_S: f64 = 1.0 / 60.0;
 
-/// The parts of a scene, in their order.
+/// The parts of a scene, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     First,
     Moving,
     Edits,
     Jump,
-    /// Fresh probes under lights that stand still: what is compared with a reference.
+    /// Fresh probes under constant lights, for the comparison with a reference.
     Settled,
 }
 
@@ -64,13 +64,13 @@ pub struct Play<'a> {
     pub gpu: &'a Gpu,
     pub case: &'a TestCase,
     pub frame: Frame,
-    /// The CPU's copy, edited along.
+    /// The CPU's copy, with the same edits.
     pub voxels: Voxels,
     pub shot: Shot,
     probes: ProbeParameters,
     elapsed_s: f64,
     timing: Timing,
-    /// The longest that each pass took in a frame (milliseconds), where the adapter says.
+    /// The longest time of each pass in a frame (milliseconds), where the adapter reports it.
     pub longest_ms: BTreeMap<String, f64>,
 }
 
@@ -86,7 +86,7 @@ impl<'a> Play<'a> {
         let parameters = &case.parameters;
         let mut probes = parameters.probes.clone();
         if fault == Some(Fault::Leak) {
-            // The weights of others, without what hides probes behind walls.
+            // Interpolation of the source documents, without the test that hides probes behind walls.
             probes.method = Method::Source;
             probes.source.weights = SourceWeights::Direction;
         }
@@ -146,7 +146,7 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// Time runs, and the camera goes to the goal and back.
+    /// Time advances, and the camera flies to the goal and back.
     fn walk(&mut self) -> Result<(), Failure> {
         let start = self.case.camera().clone();
         let goal = self.place(self.case.script.goal);
@@ -166,7 +166,7 @@ impl<'a> Play<'a> {
             let lights = self.lights();
             self.shot.frame = self.frame.frames();
             self.shot.time_s = self.case.script.start_s + self.elapsed_s;
-            // Where a CPU plays the GPU, timing would run one pass after the other, which no frame in use does.
+            // On a software adapter, timing would run the passes one after another, as no normal frame does.
             let timed = !self.gpu.summary.is_software();
             let mut recorder = Recorder::new(self.gpu, timed.then_some(&mut self.timing));
             self.frame
@@ -183,7 +183,7 @@ impl<'a> Play<'a> {
         Ok(())
     }
 
-    /// World space of a share of the world's box.
+    /// The world-space position of a point given in shares of the world's box.
     fn place(&self, share: [f64; 3]) -> Vec3 {
         let world = &self.case.world;
         let share = DVec3::from_array(share);

@@ -1,5 +1,5 @@
-//! `stress.json`: what was examined and what failed. Nothing in it depends on time, on chance, or on how the
-//! work was shared, so that merged parts are the whole. Times are in `times.json`.
+//! `stress.json`: which scenes were examined and which failed. Nothing in it depends on time, on chance, or on
+//! how the work was divided, so merged parts equal the whole. Times are in `times.json`.
 
 use std::{collections::BTreeMap, fmt::Write as _, fs, path::Path};
 
@@ -12,14 +12,14 @@ use super::{
 };
 use crate::gpu::AdapterSummary;
 
-/// Says what kind of file a report is.
+/// Identifies the kind of file.
 pub const KIND: &str = "grotto stress";
-/// Raised when a key changes its meaning or goes.
+/// Raised when a key changes its meaning or is removed.
 pub const SCHEMA: u32 = 1;
-/// The report in its folder.
+/// Name of the report in its folder.
 pub const FILE: &str = "stress.json";
 pub const TIMES: &str = "times.json";
-/// The folder of scenes that fail.
+/// Name of the folder for scenes that fail.
 pub const FAILURES: &str = "failures";
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,10 +27,10 @@ pub const FAILURES: &str = "failures";
 pub struct Report {
     pub kind: String,
     pub schema: u32,
-    /// Of grotto.
+    /// Version of grotto.
     pub version: String,
     pub adapter: Adapter,
-    /// Seed of the first scene, and how many scenes were asked for.
+    /// Seed of the first scene, and the requested number of scenes.
     pub seed: u32,
     pub scenes: u32,
     /// The world that was examined in place of generated ones.
@@ -38,19 +38,19 @@ pub struct Report {
     pub world: Option<String>,
     /// Parameters that were set in every scene.
     pub set: Vec<String>,
-    /// The part of the scenes that was examined; left out for all of them.
+    /// The part of the scenes that was examined; left out if there is only one part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shard: Option<Shard>,
     /// Whether every scene was examined.
     pub complete: bool,
-    /// Scenes that were examined, those of known failures included.
+    /// Examined scenes, including those with known failures.
     pub examined: u32,
     /// Verdicts of each check.
     pub checks: BTreeMap<Check, Count>,
     pub failures: Vec<Row>,
-    /// Failures that are listed as known.
+    /// Failures that are on the list of known failures.
     pub known: Vec<Row>,
-    /// Those of the list that pass: they are to be taken from it.
+    /// Entries of that list that pass: remove them from the list.
     pub cured: Vec<Row>,
 }
 
@@ -82,30 +82,30 @@ pub struct Count {
     pub known: u32,
 }
 
-/// One check of one scene.
+/// The verdict of one check for one scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
-    /// Its place among the scenes that were asked for.
+    /// Position of the scene in the run.
     pub index: u32,
     pub scene: String,
     pub seed: u32,
     pub check: Check,
-    /// What was found, in the simplest scene that fails.
+    /// The failure of the simplest scene that still fails.
     pub message: String,
-    /// That scene, in the folder of the report.
+    /// The file of that scene, in the folder of the report.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// What shows it.
+    /// The command that reproduces the failure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
-    /// Why it is known.
+    /// Why the failure is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
 impl Report {
-    /// Counts what the checks say of a scene, and gives the checks that failed and are not known to.
+    /// Counts the verdicts of a scene, and returns the failed checks that are not known failures.
     pub fn count(
         &mut self,
         index: u32,
@@ -155,7 +155,7 @@ impl Report {
         }
     }
 
-    /// Whether nothing is wrong that is not known to be.
+    /// Fails if any failure is not known.
     pub fn verdict(&self) -> Result<(), Failure> {
         if self.failures.is_empty() && self.cured.is_empty() {
             return Ok(());
@@ -176,7 +176,7 @@ impl Report {
         Err(Failure::gate(message))
     }
 
-    /// For a terminal.
+    /// The report as text for a terminal.
     pub fn text(&self) -> String {
         let mut text = format!(
             "{:<12}{:>8}{:>8}{:>8}\n",
@@ -231,10 +231,10 @@ impl Report {
         OutFile::new(folder, FILE)?.write_json(self)
     }
 
-    /// The report of a folder.
+    /// Reads the report of a folder.
     ///
     /// # Errors
-    /// For a file that is missing, damaged, of another kind or newer.
+    /// For a file that is missing, damaged, of another kind, or newer.
     pub fn read(folder: &Path) -> Result<Self, Failure> {
         let path = folder.join(FILE);
         let unusable = |error: &dyn std::fmt::Display| {

@@ -1,4 +1,4 @@
-//! A scene: the text of a world, and what it is rendered with.
+//! A scene: the text of a world, and the parameters that it is rendered with.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use crate::world::{
     file::{self, Overrides, parse},
 };
 
-/// What is examined.
+/// A scene to be examined.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// `scene-17`, or the stem of a file.
@@ -20,14 +20,14 @@ pub struct Scene {
     pub text: String,
     /// `KEY=VALUE`.
     pub set: Vec<String>,
-    /// Where a file's models lie.
+    /// The folder of a file's models.
     pub folder: Option<PathBuf>,
-    /// The choices that the text was made from; of a file there are none.
+    /// The choices that the text was made from; `None` for a file.
     pub tree: Option<Term>,
 }
 
 impl Scene {
-    /// The scene of a seed; `set` comes on top of its own parameters.
+    /// The scene of a seed; `set` overrides the scene's own parameters.
     pub fn generated(seed: u32, set: &[String]) -> Self {
         let generated = grammar::generate(seed);
         Self {
@@ -61,7 +61,7 @@ impl Scene {
     }
 
     /// # Errors
-    /// What `grotto check` says of a world that is none.
+    /// The message of `grotto check`, if the text is not a valid world.
     pub fn load(&self) -> Result<World, Failure> {
         let mut parameters = crate::parameters::Parameters::default();
         for assignment in &self.set {
@@ -76,7 +76,7 @@ impl Scene {
         )?)
     }
 
-    /// The command that shows what a file of this scene does.
+    /// The command that reproduces the failure from a file of this scene.
     pub fn command(&self, file: &str) -> String {
         let set: String = self
             .set

@@ -1,4 +1,5 @@
-//! The run: scenes dealt to workers, each with a GPU of its own, and a report that is always complete so far.
+//! The run: workers, each with a GPU device of its own, examine the scenes, and the report covers all finished
+//! scenes.
 
 use std::{
     collections::BTreeMap,
@@ -24,33 +25,33 @@ use super::{
     watched::Watched,
 };
 
-/// Which scenes, and how.
+/// The scenes of a run, and how they are examined.
 #[derive(Args)]
 pub struct SceneOptions {
     /// Random scenes, made from seeds S, S+1, …
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub scenes: u32,
-    /// One world file, examined as scenes are, in place of random ones
+    /// One world file, examined like a random scene, in place of random scenes
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "shard"])]
     pub world: Option<PathBuf>,
     /// Only part I of N of the scenes; `grotto merge` joins the parts
     #[arg(long, value_name = "I/N", value_parser = Shard::parse)]
     pub shard: Option<Shard>,
-    /// Scenes examined at a time, each on a device of its own [default: 1]
+    /// Scenes examined concurrently, each on a device of its own [default: 1]
     #[arg(long, value_name = "J", allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(1..=64))]
     pub jobs: Option<u32>,
-    /// Plants a fault into every scene: the proof that checks can fail
+    /// Plant a fault into every scene: proves that checks can fail
     #[arg(long, value_name = "FAULT", value_enum, hide = true)]
     pub plant: Option<Fault>,
-    /// Most scenes that are played to shrink one that fails
+    /// Most scenes that are played to shrink a failing one
     #[arg(long, value_name = "N", default_value_t = MOST_TRIES, hide = true)]
     pub tries: u32,
 }
 
-/// What every device plays before it examines: wgpu makes some things once, when they are first used, and a scene
-/// must not be blamed for keeping them.
+/// The world that every device plays before it examines scenes. wgpu creates some objects at their first use
+/// and keeps them, and no scene must be blamed for that.
 const FIRST: &str = include_str!("../../../worlds/minimal.ron");
 
 /// Shortest time between two reports of unfinished work.
@@ -65,7 +66,7 @@ struct Run<'a> {
     stop: &'a AtomicBool,
     known: Known,
     worlds: Vec<Scene>,
-    /// Numbers of the scenes of this part.
+    /// Indices of the scenes of this part.
     pieces: Vec<usize>,
     next: AtomicUsize,
     state: Mutex<State>,
@@ -74,13 +75,13 @@ struct Run<'a> {
 
 struct State {
     report: Report,
-    /// Seconds that each scene took.
+    /// Seconds taken by each scene.
     times: BTreeMap<String, f64>,
     written: Option<Instant>,
 }
 
 /// # Errors
-/// For a folder that holds results, without an adapter; and [`Failure::gate`] when a scene fails and is not known to.
+/// For a folder that holds results, without an adapter; and [`Failure::gate`] when a failure is not known.
 pub fn run(
     options: &SceneOptions,
     seed: u32,
@@ -260,7 +261,7 @@ impl Run<'_> {
             state.report.failures.push(row);
             state.report.sort();
         }
-        // A device that is lost serves no scene after this one.
+        // A lost device cannot examine further scenes.
         if watched.gpu.wait().is_err() {
             *watched = Watched::open(self.run)?;
             warm_up(watched);
@@ -279,7 +280,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Shrinks a scene that fails, and writes the result as a world file.
+    /// Shrinks a scene that fails, and writes the smaller one as a world file.
     fn row(
         &self,
         watched: &mut Watched,

@@ -1,4 +1,4 @@
-//! From a scene that fails to a simpler one that fails by the same check.
+//! Reduces a failing scene to a simpler one that fails the same check.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,18 +10,19 @@ use super::{
     watched::Watched,
 };
 
-/// Most scenes that are played on the way: a bound on the time that a failure takes.
+/// Most scenes that are played for this: a bound on the time per failure.
 pub const MOST_TRIES: u32 = 60;
 
-/// The simplest scene that was found, and why it fails.
+/// The simplest failing scene that was found, and why it fails.
 pub struct Shrunk {
     pub scene: Scene,
     pub message: String,
     pub tries: u32,
 }
 
-/// Takes away parameters and parts of the world, and makes numbers simpler, as long as `check` still fails:
-/// greedily, the steps that take most away first. A world that cannot be read counts as no try.
+/// Removes parameters and parts of the world, and simplifies numbers, as long as `check` still fails. The
+/// search is greedy and tries the steps first that remove most. A world that cannot be read does not count as a
+/// try.
 pub fn shrink(
     watched: &mut Watched,
     scene: &Scene,
@@ -53,7 +54,7 @@ pub fn shrink(
         shrunk.scene = candidate;
         true
     };
-    // A world that cannot be read has a message with a place; a smaller one would have another.
+    // The message for a world that cannot be read names a place; a smaller world would have another message.
     let most_tries = if check == Check::Loads { 0 } else { most_tries };
     let over = |shrunk: &Shrunk| shrunk.tries >= most_tries || stop.load(Ordering::Relaxed);
     let mut at = 0;
@@ -78,7 +79,7 @@ pub fn shrink(
             let candidate = shrunk.scene.with_tree(tree);
             fails(&mut shrunk, candidate)
         });
-        // After a step that fails the same, what stands at its place is another.
+        // After a successful step, the next step has moved to this index.
         at += usize::from(!better);
     }
     shrunk

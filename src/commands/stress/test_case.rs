@@ -1,4 +1,4 @@
-//! A world with what a scene takes from it, and the script that it is played by.
+//! A world with everything that a scene takes from it, and the script by which it is played.
 
 use super::{
     super::{Failure, options},
@@ -11,7 +11,7 @@ use crate::{
 };
 use std::path::Path;
 
-/// All that is rendered.
+/// Everything that is rendered.
 pub struct TestCase {
     pub world: World,
     pub parameters: Parameters,
@@ -20,13 +20,13 @@ pub struct TestCase {
     pub script: Script,
 }
 
-/// What happens in a scene; places are shares of the world's box, so that a smaller world has them too.
+/// The events of a scene. Places are shares of the world's box, so that they also exist in a smaller world.
 #[derive(Clone, Debug)]
 pub struct Script {
-    /// World time of the first frame, and by how much it jumps (seconds).
+    /// World time of the first frame, and the length of the jump (seconds).
     pub start_s: f64,
     pub jump_s: f64,
-    /// Where the camera goes to.
+    /// The place that the camera flies to.
     pub goal: [f64; 3],
     pub edits: Vec<EditPlan>,
     camera: u32,
@@ -37,13 +37,13 @@ pub struct Script {
 pub struct EditPlan {
     pub at: [f64; 3],
     pub radius: f64,
-    /// A ball, or else a box.
+    /// A ball if true, else a box.
     pub round: bool,
-    /// Air, or else the material of this number modulo how many there are.
+    /// Air if `None`, else the material of this number modulo the number of materials.
     pub material: Option<u32>,
 }
 
-/// Edits of a scene.
+/// Number of edits in a scene.
 const EDITS: u32 = 3;
 
 impl Script {
@@ -68,7 +68,7 @@ impl Script {
 
 impl TestCase {
     /// # Errors
-    /// For a parameter that is none, and a lamp preset that the world does not have.
+    /// For an invalid parameter, and for a lamp preset that the world does not have.
     pub fn of(world: World, set: &[String], seed: u32) -> Result<Self, Failure> {
         let mut parameters = Parameters::default();
         for assignment in set {
@@ -95,7 +95,7 @@ impl TestCase {
         &self.world.cameras[self.script.camera as usize % self.world.cameras.len()]
     }
 
-    /// The lights at a moment since the scene began.
+    /// The lights at a time after the start of the scene.
     pub fn lights(&self, elapsed_s: f64) -> Lights {
         let time_s = if self.parameters.lights.animate {
             self.script.start_s + elapsed_s

@@ -1,4 +1,4 @@
-//! A GPU whose errors are listened for.
+//! A GPU whose errors are collected.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -7,11 +7,11 @@ use crate::{
     gpu::{Gpu, ShaderChecks},
 };
 
-/// A device of a worker's own.
+/// A worker's own device.
 pub struct Watched {
     pub gpu: Gpu,
     errors: Arc<Mutex<Vec<String>>>,
-    /// What a planted fault keeps alive.
+    /// Buffers that a planted fault keeps alive.
     pub kept: Vec<wgpu::Buffer>,
 }
 

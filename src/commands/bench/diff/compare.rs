@@ -1,20 +1,21 @@
-//! What has changed between two reports, and what is noise.
+//! Which differences between two reports are real, and which are noise.
 
 use serde::Serialize;
 
 use super::super::model::{Figure, Report, Row};
 use crate::measure::welch::{discoveries, welch};
 
-/// Least relative change of a row that counts: two runs of one build on an idle machine agree to about this.
+/// Smallest relative change of a row that counts: two runs of one build on an idle machine agree to about this.
 pub const FLOOR: f64 = 0.01;
-/// The same of a pass. Short passes move more from run to run than whole frames do.
+/// The same for a pass. Short passes vary more from run to run than whole frames do.
 pub const PASS_FLOOR: f64 = 0.02;
-/// A pass whose change is a smaller share of the frame than this is left out, whatever it is of itself.
+/// A pass whose change is a smaller share of the frame than this is left out, however large its relative change
+/// is.
 const PASS_SHARE: f64 = 5e-4;
-/// Share of the reported changes that may be chance.
+/// Share of the reported changes that may be due to chance.
 const FALSE_SHARE: f64 = 0.05;
 
-/// What a difference is.
+/// The verdict on a difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -22,11 +23,11 @@ pub enum Verdict {
     Faster,
     /// Real, and worse.
     Slower,
-    /// Real, of a figure of which neither more nor less is better.
+    /// Real, in a figure where neither more nor less is better.
     Changed,
-    /// Not told apart from chance, or below the floor.
+    /// Not distinguishable from chance, or below the floor.
     Noise,
-    /// Measured once on a side, so that nothing is known of its spread.
+    /// Measured once on one side, so that its spread is unknown.
     Unknown,
 }
 
@@ -49,33 +50,33 @@ impl Verdict {
 /// One quantity in both reports.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Difference {
-    /// `frame_ms`, a figure, or a pass.
+    /// `frame_ms`, or the name of a figure or a pass.
     pub name: String,
     pub before: Figure,
     pub after: Figure,
     /// Relative to `before`: 0.03 is 3 % more.
     pub change: f64,
-    /// Probability of such a difference by chance alone; `null` where the spread is not known.
+    /// Probability of such a difference by chance alone; `null` where the spread is unknown.
     pub p: Option<f64>,
     pub verdict: Verdict,
 }
 
-/// A row that both reports have.
+/// A row that is in both reports.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RowDifference {
     pub id: String,
     pub headline: Difference,
-    /// Of passes, longest first.
+    /// Differences of the passes, longest first.
     pub passes: Vec<Difference>,
 }
 
-/// A pass over all rows that have it.
+/// The change of a pass over all rows that have it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PassChange {
     pub pass: String,
-    /// Rows in which it has really changed, in the direction of most of them.
+    /// Rows in which the pass has really changed, in the direction of the majority.
     pub rows: usize,
-    /// Rows that have it.
+    /// Rows that have the pass.
     pub of: usize,
     /// Median of the relative changes of those rows.
     pub change: f64,
@@ -87,22 +88,22 @@ pub struct PassChange {
 pub struct Comparison {
     pub rows: Vec<RowDifference>,
     pub passes: Vec<PassChange>,
-    /// Ids of rows that one side alone has.
+    /// Ids of rows that only one side has.
     pub only_before: Vec<String>,
     pub only_after: Vec<String>,
 }
 
 /// Compares row by row.
 ///
-/// A difference is real when Welch's t-test on the medians of the runs says so, and when it is larger than a floor
-/// of 1 % (2 % for a pass). The test asks for few assumptions: runs are independent of each other, where the frames within
-/// one are not, and the spreads of two builds may differ. It stays sharp where overlapping intervals do not: two
-/// intervals may overlap and the means still differ. As there are hundreds of rows and thousands of passes, each
-/// family is held to a false discovery rate of 5 % (Benjamini & Hochberg), or one in twenty comparisons of equal
-/// runs would report a change. The floor takes up what the spread within one call cannot show: clocks, temperature and
-/// the placement of memory differ from call to call.
+/// A difference is real when Welch's t-test on the medians of the runs says so, and when it is larger than a
+/// floor of 1 % (2 % for a pass). The test needs few assumptions: runs are independent of each other (the
+/// frames within one run are not), and the spreads of two builds may differ. It is sharper than overlapping
+/// intervals: two intervals may overlap although the means differ. There are hundreds of rows and thousands of
+/// passes, so each family is held to a false discovery rate of 5 % (Benjamini & Hochberg). Without that, one in
+/// twenty comparisons of equal runs would report a change. The floor covers what the spread within one call
+/// cannot show: clocks, temperature and the placement of memory differ from call to call.
 ///
-/// Figures without runs are compared by their intervals, taken as normal.
+/// Figures without runs are compared by their intervals, which are assumed to be normal.
 pub fn compare(before: &Report, after: &Report) -> Comparison {
     let pairs: Vec<(&Row, &Row)> = before
         .rows
@@ -149,7 +150,8 @@ pub fn compare(before: &Report, after: &Report) -> Comparison {
     }
 }
 
-/// Without a verdict yet. `None` where the rows have no quantity in common.
+/// The difference of a row's main quantity, still without a verdict. `None` where the rows have no quantity in
+/// common.
 fn headline(a: &Row, b: &Row) -> Option<Difference> {
     let (name, before) = a.headline()?;
     let (other, after) = b.headline()?;
@@ -183,7 +185,7 @@ fn pass_differences(a: &Row, b: &Row) -> Vec<Difference> {
     all
 }
 
-/// The half widths are those of 95 % intervals: 1.96 standard errors of many values.
+/// The half widths are of 95 % intervals: 1.96 standard errors of many values.
 fn by_intervals(before: Figure, after: Figure) -> Option<f64> {
     let (a, b) = (before.half_width?, after.half_width?);
     let error = a.hypot(b) / 1.96;
@@ -222,7 +224,7 @@ fn difference(name: &str, before: Figure, after: Figure, p: Option<f64>) -> Diff
     }
 }
 
-/// Gives each of a family of differences its verdict. Passes come with the milliseconds of their frame.
+/// Gives each difference of a family its verdict. Passes come with the milliseconds of their frame.
 fn judge(family: Vec<(&mut Difference, Option<f64>)>, floor: f64) {
     let probabilities: Vec<Option<f64>> =
         family.iter().map(|(difference, _)| difference.p).collect();
@@ -246,7 +248,7 @@ fn judge(family: Vec<(&mut Difference, Option<f64>)>, floor: f64) {
     }
 }
 
-/// Times and sizes.
+/// Times and sizes are better when they are smaller.
 fn less_is_better(name: &str) -> bool {
     ["_ms", "_s", "_bytes", "_mb"]
         .iter()
@@ -254,8 +256,7 @@ fn less_is_better(name: &str) -> bool {
         && !name.ends_with("_per_s")
 }
 
-/// Passes that have changed in at least half of the rows that have them, or in one whose share of rows is smaller but
-/// whose direction is the same everywhere.
+/// Passes that have changed in one direction in at least half of the rows that have them.
 fn pass_changes(rows: &[RowDifference]) -> Vec<PassChange> {
     let all = || rows.iter().flat_map(|row| &row.passes);
     let mut names: Vec<&str> = all().map(|pass| pass.name.as_str()).collect();
@@ -295,7 +296,7 @@ fn pass_changes(rows: &[RowDifference]) -> Vec<PassChange> {
 mod tests {
     use super::{super::super::made_up, *};
 
-    /// The report with every time of one pass multiplied, and the frame longer by as much.
+    /// The report with every time of one pass multiplied by `factor`, and the frame longer by the same amount.
     fn with_slower_pass(pass: &str, factor: f64) -> Report {
         let mut report = made_up::report();
         for row in &mut report.rows {
@@ -328,7 +329,7 @@ mod tests {
         }
         assert!(comparison.passes.is_empty());
         assert!(comparison.only_before.is_empty() && comparison.only_after.is_empty());
-        // Nor has a drift below the floor, however sure it is.
+        // A drift below the floor is no change either, however certain it is.
         let drifted = with_slower_pass("probe_trace", 1.015);
         let comparison = compare(&report, &drifted);
         assert!(comparison.passes.is_empty(), "{:?}", comparison.passes);
@@ -363,7 +364,7 @@ mod tests {
             assert_eq!(change.verdict, verdict);
             assert_eq!((change.rows, change.of), (11, 11));
             assert!((change.change.abs() - 0.03).abs() < 0.001, "{change:?}");
-            // A quarter of the frame: 0.75 % of it, below the floor of rows.
+            // The pass takes a quarter of the frame: 0.75 % of it, below the floor of rows.
             assert!(
                 comparison
                     .rows
@@ -396,7 +397,7 @@ mod tests {
     #[test]
     fn figures_are_compared_by_their_intervals() {
         let figure = |value, half_width| Figure { value, half_width };
-        // Two half widths of 1.96 each: the difference of 5.43 is 1.96 of the joint error.
+        // Two half widths of 1.96 each: the difference of 5.43 is 1.96 standard errors of both together.
         let a = figure(100.0, Some(1.96));
         let distance = 1.96 * 2f64.sqrt();
         let p = by_intervals(a, figure(100.0 + distance, Some(1.96))).expect("intervals");

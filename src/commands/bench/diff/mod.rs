@@ -17,21 +17,21 @@ use super::{
 
 /// Compare two results row by row: what has changed, and what is noise
 ///
-/// A difference is real when Welch's t-test on the medians of the runs says so and it is larger than 1 % (2 % for a
-/// pass). Passes that have changed are named. Results of other machines, suites, worlds or parameters are refused unless
-/// --anyway says otherwise.
+/// A difference is real when Welch's t-test on the medians of the runs says so and it is larger than 1 % (2 %
+/// for a pass). Passes that have changed are named. Results of other machines, suites, worlds or parameters are
+/// refused without --anyway.
 #[derive(Args)]
 pub struct Arguments {
-    /// The result before: a folder, or its bench.json
+    /// The earlier result: a folder, or its bench.json
     #[arg(value_name = "A")]
     before: PathBuf,
-    /// The result after
+    /// The later result
     #[arg(value_name = "B")]
     after: PathBuf,
-    /// End with exit code 4 when a row has really become slower by more than this, as in 3%
+    /// End with exit code 4 when a row has become slower by more than this share, as in 3%
     #[arg(long, value_name = "SHARE", value_parser = share, allow_hyphen_values = true)]
     fail_over: Option<f64>,
-    /// Compare what does not compare, and say so
+    /// Compare results that are not comparable, and say so
     #[arg(long)]
     anyway: bool,
     #[command(flatten)]
@@ -55,11 +55,11 @@ fn share(text: &str) -> Result<f64, String> {
 struct Record<'a> {
     before: Side<'a>,
     after: Side<'a>,
-    /// Why the two do not compare, where `--anyway` compared them.
+    /// Why the two reports are not comparable, where `--anyway` compared them.
     obstacles: &'a [String],
-    /// As a share; `null` without `--fail-over`.
+    /// The limit as a share; `null` without `--fail-over`.
     fail_over: Option<f64>,
-    /// Ids of the rows past it.
+    /// Ids of the rows that exceed the limit.
     failed: Vec<&'a str>,
     #[serde(flatten)]
     comparison: &'a Comparison,

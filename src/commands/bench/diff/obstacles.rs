@@ -1,4 +1,4 @@
-//! Why two reports do not compare.
+//! Why two reports are not comparable.
 
 use super::super::{
     model::{Report, Row},
@@ -8,7 +8,7 @@ use super::super::{
 /// Rows named in one message.
 const MOST_NAMED: usize = 3;
 
-/// One sentence for each reason; empty where they compare.
+/// One sentence for each reason; empty where the reports are comparable.
 pub fn between(before: &Report, after: &Report) -> Vec<String> {
     let mut found = Vec::new();
     let mut differs = |what: &str, a: &str, b: &str| {
@@ -74,7 +74,7 @@ fn length(quick: bool) -> &'static str {
     if quick { "--quick" } else { "in full" }
 }
 
-/// What must be the same for a row to be the same row.
+/// The conditions that must be equal for two rows to be the same row.
 fn conditions(row: &Row) -> impl PartialEq {
     (
         row.size,

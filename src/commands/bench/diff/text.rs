@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::compare::{Comparison, Difference, RowDifference};
 use crate::measure::plot::figure;
 
-/// The table of rows, the passes that have changed, what one side alone has, and the sum of it.
+/// The table of rows, the passes that have changed, rows that only one side has, and a summary.
 pub fn text(comparison: &Comparison) -> String {
     let mut text = String::new();
     let lines: Vec<[String; 6]> = comparison.rows.iter().map(cells).collect();

@@ -1,4 +1,4 @@
-//! The sources' published curves beside our rows.
+//! The sources' published curves next to our rows.
 
 use super::{
     super::model::Row,
@@ -9,10 +9,10 @@ use super::{
 };
 use crate::measure::plot::{self, Curve, Curves, Mark, Scale, figure};
 
-/// The axis of layouts: their numbers, 1 to 4.
+/// The axis of layouts, numbered 1 to 4.
 const LAYOUT: &str = "layout";
 
-/// Empty where none of our rows has anything published beside it.
+/// Empty where nothing is published next to any of our rows.
 pub fn beside(rows: &[&Row]) -> String {
     let all: String = COMPARISONS
         .iter()
@@ -29,7 +29,7 @@ pub fn beside(rows: &[&Row]) -> String {
         "<h2>Beside what the sources published</h2>\n{}{}<details><summary>Further figures of the sources</summary>\n{}\
          </details>\n",
         html::paragraph(
-            "Their cards, scenes and programs differ from ours: the shapes of the curves compare, the heights do not. \
+            "Their cards, scenes and programs differ from ours: compare the shapes of the curves, not their heights. \
              Hollow circles are theirs."
         ),
         html::plots(&all),
@@ -118,7 +118,7 @@ fn compared(comparison: &Comparison, rows: &[&Row]) -> String {
     drawn.replace("</figure>\n", &format!("{numbers}</figure>\n"))
 }
 
-/// Where a row lies on the axis: the number of its layout, or what its suite varies.
+/// The position of a row on the axis: the number of its layout, or the value that its suite varies.
 fn place(comparison: &Comparison, row: &Row) -> Option<f64> {
     if comparison.x_name == LAYOUT {
         let name = row.layout.as_deref()?;

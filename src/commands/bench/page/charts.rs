@@ -1,4 +1,4 @@
-//! Plots of a suite: frame rates side by side, and what a frame is made of.
+//! Plots of a suite: frame rates side by side, and the passes that make up a frame.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::measure::plot::{self, Bar, BarGroup, Stack};
 
-/// Frames per second of rows whose suite varies nothing but names: a group for each layout, a bar for each condition.
+/// Frames per second of rows whose suite varies only names: a group for each layout, a bar for each condition.
 pub fn rates(title: &str, rows: &[&Row]) -> String {
     let rows: Vec<&Row> = rows
         .iter()
@@ -57,11 +57,11 @@ pub fn rates(title: &str, rows: &[&Row]) -> String {
     plot(&format!("{title}: frames per second"), &svg, &key, &words)
 }
 
-/// Passes with a colour of their own; the others share grey.
+/// Passes with a colour of their own; all others are grey.
 const MOST_PASSES: usize = 8;
 const GREY: usize = 8;
 
-/// What the frame of each row is made of.
+/// The passes that make up the frame of each row.
 pub fn passes(title: &str, rows: &[&Row]) -> String {
     let rows: Vec<&Row> = rows
         .iter()
@@ -109,7 +109,8 @@ pub fn passes(title: &str, rows: &[&Row]) -> String {
     let words = match named[..] {
         [] => Vec::new(),
         _ => vec![format!(
-            "Rows are named by {}. A pass that runs only now and then, as after an edit, has the length that it has when it runs.",
+            "Rows are named by {}. A pass that runs only in some frames, such as after an edit, is \
+             drawn with its time in those frames.",
             named.join(", ")
         )],
     };

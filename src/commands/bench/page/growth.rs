@@ -1,4 +1,4 @@
-//! How frame times and figures grow with what a suite varies.
+//! How frame times and figures grow with the value that a suite varies.
 
 use super::{
     super::model::{Figure, Row, Varied},
@@ -21,7 +21,7 @@ pub fn varied_numbers(rows: &[&Row]) -> Vec<String> {
     keys.into_iter().filter(wide).cloned().collect()
 }
 
-/// What a row varies as a number: of a size, its pixels.
+/// The value that a row varies, as a number: for a size, its pixels.
 pub fn number(row: &Row, key: &str) -> Option<f64> {
     match row.varied.get(key)? {
         Varied::Number(number) => Some(*number),
@@ -55,7 +55,8 @@ fn quantities(rows: &[&Row]) -> Vec<Quantity> {
     all
 }
 
-/// A plot for each quantity over the number under `key`, with a curve for all rows that differ in nothing else.
+/// A plot for each quantity over the number under `key`, with a curve for each set of rows that differ in
+/// nothing else.
 pub fn growth(title: &str, rows: &[&Row], key: &str) -> String {
     let rows: Vec<&Row> = rows
         .iter()

@@ -1,4 +1,4 @@
-//! What was measured where and when, what to be careful about, and the worlds.
+//! What was measured, where and when; warnings; and the worlds.
 
 use super::{
     super::model::{Adapter, Build, GpuState, Machine, Report, WorldRecord},
@@ -32,7 +32,7 @@ pub fn heading(report: &Report) -> String {
     text += &facts(&general);
     if !report.parts.is_empty() {
         text += &paragraph(
-            "Results of several cards or machines: the names of rows end with `@` and what follows here.",
+            "Results of several cards or machines: the names of rows end with `@` and one of these labels.",
         );
     }
     for part in &report.parts {
@@ -58,12 +58,13 @@ pub fn adapter_words(adapter: &Adapter) -> String {
     format!("{name} ({kind}, {backend}, {driver})")
 }
 
-/// What a reader must know before the figures.
+/// Warnings that a reader must know before the figures.
 fn warnings(report: &Report) -> Vec<String> {
     let mut all = Vec::new();
     if !report.complete {
         all.push(
-            "Partial: the run goes on, or was stopped before all rows were measured.".to_owned(),
+            "Partial: the run is in progress, or was stopped before all rows were measured."
+                .to_owned(),
         );
     }
     if report.quick {
@@ -91,8 +92,8 @@ fn warnings(report: &Report) -> Vec<String> {
     let noisy = report.rows.iter().filter(|row| row.is_noisy()).count();
     if noisy > 0 {
         all.push(format!(
-            "{noisy} rows are noisy (marked ~): after the most runs, the 95 % interval of the median is still wider \
-             than ±1 %."
+            "{noisy} rows are noisy (marked ~): after the largest number of runs, the 95 % interval of the median \
+             is still wider than ±1 %."
         ));
     }
     if !report.missing.is_empty() {
@@ -144,7 +145,7 @@ fn origin(
 
 fn state(state: Option<GpuState>) -> String {
     let Some(state) = state else {
-        return "not told by the system".to_owned();
+        return "not reported by the system".to_owned();
     };
     let parts = [
         state.graphics_mhz.map(|mhz| format!("graphics {mhz} MHz")),
@@ -154,12 +155,12 @@ fn state(state: Option<GpuState>) -> String {
     ];
     let known: Vec<String> = parts.into_iter().flatten().collect();
     match known[..] {
-        [] => "not told by the system".to_owned(),
+        [] => "not reported by the system".to_owned(),
         _ => known.join(", "),
     }
 }
 
-/// One figure for each world, with its picture. Other sizes and seeds of a world are lines below it.
+/// One figure for each world, with its picture. Other sizes and seeds of a world are lines below the picture.
 fn worlds(report: &Report) -> String {
     if report.worlds.is_empty() {
         return String::new();

@@ -81,7 +81,7 @@ pub fn table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>]) -> String {
     )
 }
 
-/// Two columns: what, and which.
+/// A table of two columns: names and values.
 pub fn facts(all: &[(&str, String)]) -> String {
     let lines = all.iter().map(|(name, value)| {
         format!(

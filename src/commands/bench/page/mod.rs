@@ -1,4 +1,4 @@
-//! `index.html`: a report as one page that needs nothing else.
+//! `index.html`: a report as one page without other files.
 
 mod beside;
 mod charts;
@@ -25,8 +25,8 @@ pub fn page(report: &Report) -> String {
     body += &sections(&hardware);
     body += &beside::beside(&hardware);
     if !software.is_empty() {
-        body += "<h2>Software adapters</h2>\n<p class=\"loud\">The CPU plays the GPU here. These figures say nothing of \
-                 any GPU.</p>\n";
+        body += "<h2>Software adapters</h2>\n<p class=\"loud\">A CPU does the work of the GPU here. These \
+                 figures say nothing about any GPU.</p>\n";
         body += &sections(&software);
     }
     if !report.missing.is_empty() {
@@ -63,7 +63,7 @@ fn sections(rows: &[&Row]) -> String {
             for key in &keys {
                 plots += &growth::growth(world, &rows, key);
             }
-            // A plot for each card: with it in their names, the rows would not fit.
+            // One plot for each card: with the cards in the names of the rows, the names would not fit.
             let cards = names::distinct(rows.iter().map(|row| names::card(row)));
             for card in &cards {
                 let of_card = rows.iter().filter(|row| names::card(row) == *card);
@@ -112,10 +112,7 @@ mod tests {
             assert!(text.contains(part), "{part}");
         }
         assert!(!text.contains("class=\"warn\""), "nothing to warn of");
-        assert!(
-            !text.contains("NaN") && !text.contains("inf"),
-            "no number that is none"
-        );
+        assert!(!text.contains("NaN") && !text.contains("inf"), "no NaN");
     }
 
     #[test]

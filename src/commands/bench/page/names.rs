@@ -1,4 +1,4 @@
-//! What rows are called in plots: by what tells them apart, and no more.
+//! Names of rows in plots: only what distinguishes the rows.
 
 use super::super::model::{Row, Varied};
 use crate::measure::plot::figure;
@@ -10,7 +10,7 @@ fn size(row: &Row) -> String {
     format!("{width}×{height}")
 }
 
-/// What can tell rows apart, in the order in which it is named.
+/// Properties that can distinguish rows, in the order in which they are named.
 fn properties(row: &Row) -> Vec<(String, String)> {
     let mut all = vec![
         ("world".to_owned(), row.world.clone()),
@@ -37,14 +37,14 @@ pub fn shown(value: &Varied) -> String {
     }
 }
 
-/// What a merged report calls the card, and the adapter's name elsewhere.
+/// The card's label in a merged report, else the name of the adapter.
 pub fn card(row: &Row) -> &str {
     row.id
         .rsplit_once('@')
         .map_or(&row.adapter.name, |(_, label)| label)
 }
 
-/// Properties that differ between rows, but for those that are shown in another way.
+/// Properties that differ between rows, except those in `without`, which are shown in another way.
 pub fn differing(rows: &[&Row], without: &[&str]) -> Vec<String> {
     let all: Vec<Vec<(String, String)>> = rows.iter().map(|row| properties(row)).collect();
     let value = |index: usize, key: &str| {
@@ -60,7 +60,7 @@ pub fn differing(rows: &[&Row], without: &[&str]) -> Vec<String> {
         .filter(differs)
         .map(str::to_owned)
         .collect();
-    // A suite that varies the size says so itself.
+    // A suite that varies the size names it already.
     if rows.iter().any(|row| {
         row.varied
             .values()
@@ -71,12 +71,13 @@ pub fn differing(rows: &[&Row], without: &[&str]) -> Vec<String> {
     keys
 }
 
-/// A name for each row, of what differs between them. `without` names properties that are shown in another way.
+/// A name for each row, made of the properties that differ. `without` names properties that are shown in
+/// another way.
 pub fn names(rows: &[&Row], without: &[&str]) -> Vec<String> {
     named(rows, without, false)
 }
 
-/// The same with the keys of what a suite varies: `rays 64`.
+/// The same with the keys that a suite varies: `rays 64`.
 pub fn names_with_keys(rows: &[&Row], without: &[&str]) -> Vec<String> {
     named(rows, without, true)
 }
@@ -95,7 +96,7 @@ fn named(rows: &[&Row], without: &[&str], with_keys: bool) -> Vec<String> {
             )
             .collect();
         match parts[..] {
-            // Nothing differs: one row, or rows that something else tells apart.
+            // No property differs: one row, or rows that are distinguished by something else.
             [] => row.layout.clone().unwrap_or_else(|| row.world.clone()),
             _ => parts.join(" "),
         }
@@ -103,7 +104,7 @@ fn named(rows: &[&Row], without: &[&str], with_keys: bool) -> Vec<String> {
     rows.iter().map(name).collect()
 }
 
-/// The last part of a key: `probes.rays` → `rays`. The whole where that says nothing.
+/// The last part of a key: `probes.rays` → `rays`; the whole key where its last part says nothing.
 pub fn short(key: &str) -> &str {
     match key.rsplit_once('.') {
         Some((_, last)) if !["count", "size", "enabled"].contains(&last) => last,
@@ -111,7 +112,7 @@ pub fn short(key: &str) -> &str {
     }
 }
 
-/// The different values in the order in which they come.
+/// The different values, in order of first appearance.
 pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     let mut found = Vec::new();
     for value in values {
@@ -141,7 +142,7 @@ mod tests {
             .iter()
             .filter(|row| row.suite == "rays")
             .collect();
-        // The layout is cut from the ids, which are alike.
+        // The layout is left out: it is the same in all rows.
         assert_eq!(names(&rays, &[]), ["8", "64", "512"]);
         assert_eq!(names_with_keys(&rays, &[])[0], "rays 8");
         assert_eq!(differing(&rays, &[]), ["probes.rays"]);

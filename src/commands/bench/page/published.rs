@@ -1,20 +1,20 @@
-//! What the source documents measured, by the numbers of their tables.
+//! Measurements of the source documents, by the numbers of their tables.
 
 /// A curve that others published.
 pub struct Published {
-    /// Who, where, on what.
+    /// Author, document and hardware.
     pub source: &'static str,
     pub points: &'static [(f64, f64)],
 }
 
-/// What a plot sets beside our rows.
+/// What a plot shows next to our rows.
 pub struct Comparison {
     pub title: &'static str,
-    /// Of the same quantity.
+    /// Unit of our rows and of the published values.
     pub unit: Unit,
     pub x_name: &'static str,
     pub published: &'static [Published],
-    /// Where our rows are: suite, world, and condition (empty: whatever comes first).
+    /// The rows of ours to show: suite, world, and condition (empty: the first that there is).
     pub suite: &'static str,
     pub world: &'static str,
     pub condition: &'static str,
@@ -70,7 +70,7 @@ pub const COMPARISONS: [Comparison; 5] = [
         title: "Cave: frames per second by rays per probe",
         unit: Unit::Fps,
         x_name: "rays per probe",
-        // The counts between are in a picture alone; `FIGURES` lists all five rates.
+        // The counts in between appear only in a picture; `FIGURES` lists all five rates.
         published: &[Published {
             source: PUBLISHED,
             points: &[(144.0, 126.0), (2025.0, 18.0)],
@@ -112,7 +112,7 @@ pub const COMPARISONS: [Comparison; 5] = [
     },
 ];
 
-/// Figures of their tables that have no curve of ours beside them: where, what, values.
+/// Figures of their tables without a curve of ours next to them: place, quantity, values.
 pub const FIGURES: [[&str; 3]; 10] = [
     [
         "Minecraft, chart of rays",

@@ -1,4 +1,4 @@
-//! Speed against error, where rows were judged.
+//! Speed against error, for rows that were judged.
 
 use super::{
     super::model::Row,
@@ -34,8 +34,8 @@ pub fn quality(rows: &[&Row]) -> String {
     format!(
         "<h2>Speed against error</h2>\n{}{all}",
         html::paragraph(
-            "FLIP of the displayed picture against the path-traced reference: 0 is equal. The line joins the rows that \
-             no other beats in both (the Pareto front); they are marked in the table."
+            "FLIP of the displayed picture against the path-traced reference: 0 is equal. The line joins rows that \
+             no other row beats in both (the Pareto front); the table marks them."
         )
     )
 }
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn judged_rows_are_drawn_and_the_front_is_listed() {
         let mut report = made_up::report();
-        // The last layout becomes slower and worse than the one before.
+        // The last layout becomes slower and worse than the previous one.
         let last = report.rows[6].quality.as_mut().expect("judged");
         last.flip = 0.2;
         let rows: Vec<&Row> = report.rows.iter().collect();

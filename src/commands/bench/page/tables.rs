@@ -8,7 +8,7 @@ use super::{
 };
 use crate::measure::plot::{self, escaped, figure};
 
-/// Tables of a suite: of its frames, and of its other figures.
+/// Tables of a suite: one of its frames, one of its other figures.
 pub fn tables(suite: &str, rows: &[&Row]) -> String {
     let name = |row: &Row| {
         let within = format!("{suite}/");
@@ -54,7 +54,7 @@ const HEADER: [&str; 19] = [
     "FLIP",
 ];
 
-/// Everything behind the name; `None` for a row that is not about frames.
+/// All cells after the name; `None` for a row that is not about frames.
 fn frame_cells(row: &Row) -> Option<Vec<String>> {
     let (timing, ms) = (row.timing.as_ref()?, row.frame_ms?);
     let noisy = if timing.noisy { " ~" } else { "" };
@@ -104,10 +104,10 @@ fn figure_lines(name: &str, figures: &BTreeMap<String, Figure>) -> Vec<Vec<Strin
     figures.iter().map(line).collect()
 }
 
-/// Most steps of a histogram in the page: neighbours are joined.
+/// Most steps of a histogram in the page: neighbouring steps are joined.
 const MOST_STEPS: usize = 60;
 
-/// The frames of each row in order, and how many took how long.
+/// The frame times of each row in order, and their histogram.
 pub fn frames(rows: &[&Row]) -> String {
     let each = rows.iter().filter_map(|row| {
         let (timing, ms) = (row.timing.as_ref()?, row.frame_ms?);
@@ -131,7 +131,7 @@ pub fn frames(rows: &[&Row]) -> String {
         return all;
     }
     format!(
-        "<details><summary>Frame times of each row: in order, and how many frames took how long</summary>\n{}\
+        "<details><summary>Frame times of each row: in order, and as a histogram</summary>\n{}\
          </details>\n",
         html::plots(&all)
     )

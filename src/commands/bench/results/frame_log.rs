@@ -1,4 +1,4 @@
-//! `frames.csv.gz`: every frame that was measured.
+//! `frames.csv.gz`: every measured frame.
 
 use std::{
     fs::File,
@@ -12,25 +12,25 @@ use flate2::{Compression, GzBuilder, read::MultiGzDecoder, write::GzEncoder};
 use super::{super::super::Failure, rows_csv::quoted};
 use crate::measure::whole_file;
 
-/// Its name in the folder of a report.
+/// Name of the file in the folder of a report.
 pub const FRAMES: &str = "frames.csv.gz";
 const HEADER: &str = "row,run,frame,gpu_ms,cpu_ms,wall_ms,by_pass";
 
 /// One frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameSample {
-    /// Between two stamps of the GPU; `None` where it has none.
+    /// Time between two GPU timestamps; `None` where the adapter has none.
     pub gpu_ms: Option<f64>,
-    /// Recording and submitting it.
+    /// CPU time of recording and submitting the frame.
     pub cpu_ms: f64,
-    /// Since the frame before.
+    /// Time since the previous frame.
     pub wall_ms: f64,
-    /// Whether it was timed pass by pass. The statistics of frames leave it out.
+    /// Whether the frame was timed pass by pass. The statistics of frames leave such frames out.
     pub by_pass: bool,
 }
 
-/// Runs are appended as they come. The file appears when the log is finished or dropped, so that an interrupted
-/// run leaves all frames up to then in a valid file.
+/// Runs are appended as they finish. The file appears when the log is finished or dropped, so that an
+/// interrupted run leaves all its frames in a valid file.
 pub struct FrameLog {
     path: PathBuf,
     encoder: Option<GzEncoder<BufWriter<AtomicWriteFile>>>,
@@ -72,7 +72,7 @@ impl FrameLog {
         self.append(&lines.collect::<String>())
     }
 
-    /// Puts the file in its place.
+    /// Moves the file to its final path.
     ///
     /// # Errors
     /// When the disk is full.
@@ -100,16 +100,16 @@ impl FrameLog {
 
 impl Drop for FrameLog {
     fn drop(&mut self) {
-        // Whoever wants to know of a full disk calls `finish`.
+        // Callers that want to know about a full disk call `finish`.
         let _ = self.close();
     }
 }
 
-/// Copies the frames of several logs into one, in this order. Each comes with what to append to the ids of its
+/// Copies the frames of several logs into one, in this order. Each log comes with a suffix for the ids of its
 /// rows.
 ///
 /// # Errors
-/// When one cannot be read, or the new one not be written.
+/// When a log cannot be read, or the new one cannot be written.
 pub fn join_logs(logs: &[(PathBuf, String)], out: &Path, about: &str) -> Result<(), Failure> {
     let mut joined = FrameLog::new(out, about)?;
     for (path, suffix) in logs {
@@ -143,7 +143,7 @@ pub fn join_logs(logs: &[(PathBuf, String)], out: &Path, about: &str) -> Result<
     joined.finish()
 }
 
-/// A field of an id with a suffix, quoted as before.
+/// A field with the id of a row, with the suffix appended, quoted as before.
 fn renamed(row: &str, suffix: &str) -> String {
     match row.strip_suffix('"') {
         Some(open) if row.len() > 1 => format!("{open}{suffix}\""),
@@ -225,6 +225,6 @@ mod tests {
         assert_eq!(failure.exit_code(), 2);
         assert!(failure.reason().contains("a.gz"), "{failure}");
         std::fs::write(&a, "row,run\n").expect("writable");
-        join_logs(&parts, &out, "").expect_err("no gzip file");
+        join_logs(&parts, &out, "").expect_err("not a gzip file");
     }
 }

@@ -23,14 +23,14 @@ use super::{
 const CSV: &str = "rows.csv";
 const HTML: &str = "index.html";
 
-/// The folder that a report is written to, again after every round of rows.
+/// The folder that a report is written to. The report is rewritten after every round of rows.
 pub struct Files {
     folder: PathBuf,
 }
 
 impl Files {
-    /// Makes the folder if need be, and checks that it can be written. Nothing in it changes before the first
-    /// [`write`](Self::write).
+    /// Makes the folder if need be, and checks that it can be written. Files in it are unchanged until the
+    /// first [`write`](Self::write).
     ///
     /// # Errors
     /// When a file cannot be written, and when the folder already holds results, unless they may be
@@ -40,7 +40,7 @@ impl Files {
             refuse_results(folder)?;
         }
         for name in [model::FILE, CSV, HTML, FRAMES] {
-            // Dropped, it leaves no trace.
+            // A file that is dropped leaves no trace.
             OutFile::new(folder, name)?;
         }
         Ok(Self {
@@ -48,7 +48,7 @@ impl Files {
         })
     }
 
-    /// Replaces the report before, file by file: each is complete at every moment.
+    /// Replaces the previous report, file by file: each file is complete at every moment.
     ///
     /// # Errors
     /// When a file cannot be written, as on a full disk.
@@ -59,8 +59,8 @@ impl Files {
         file(HTML)?.write(&page::page(report))
     }
 
-    /// The log of every frame, in the same folder. `about` says in one line what was measured where: it becomes the
-    /// comment of the gzip file.
+    /// The log of every frame, in the same folder. `about` describes in one line what was measured where: it
+    /// becomes the comment of the gzip file.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -69,11 +69,11 @@ impl Files {
     }
 }
 
-/// What other commands, or another run, have left in a folder.
+/// Extensions of files that other commands, or another run, have left in a folder.
 const RESULTS: [&str; 5] = ["json", "csv", "html", "gz", "md"];
 
 /// # Errors
-/// When the folder holds results, with what they are.
+/// When the folder holds results; the error names them.
 fn refuse_results(folder: &Path) -> Result<(), Failure> {
     let shown = folder.display();
     let entries = match fs::read_dir(folder) {
@@ -123,7 +123,7 @@ mod tests {
         let report = report();
         files.write(&report).expect("writable");
         files.write(&report).expect("again");
-        // Not `assert_eq`: a report fills screens.
+        // Not `assert_eq`: a printed report fills several screens.
         assert!(Report::read(&out).expect("its file") == report);
         for name in [CSV, HTML] {
             assert!(out.join(name).metadata().expect("a file").len() > 100);

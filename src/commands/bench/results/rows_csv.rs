@@ -1,11 +1,11 @@
-//! `rows.csv`: one line a row, for spreadsheets.
+//! `rows.csv`: one line for each row, for spreadsheets.
 
 use std::collections::BTreeSet;
 
 use super::super::model::{Report, Row, Varied};
 use crate::measure::frame_times::FrameStatistics;
 
-/// A field as RFC 4180 has it.
+/// A field as RFC 4180 defines it.
 pub fn quoted(field: &str) -> String {
     if field.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", field.replace('"', "\"\""))
@@ -14,7 +14,7 @@ pub fn quoted(field: &str) -> String {
     }
 }
 
-/// All rows. What a row does not have is an empty field.
+/// All rows. Values that a row does not have are empty fields.
 pub fn rows_csv(report: &Report) -> String {
     let columns = Columns::of(report);
     let mut text = line(&columns.names());
@@ -87,7 +87,7 @@ const LAST: [&str; 12] = [
 
 /// The columns of a report: the fixed ones, and one for each name that a row has.
 struct Columns {
-    /// `passes.`, `rays.`, … and the names under it.
+    /// `passes.`, `rays.`, … with the names under each prefix.
     named: Vec<(&'static str, BTreeSet<String>)>,
 }
 
@@ -222,7 +222,7 @@ fn statistics(of: Option<&FrameStatistics>) -> Vec<String> {
 mod tests {
     use super::{super::super::made_up, *};
 
-    /// A reader of RFC 4180, for the round trip.
+    /// A parser of RFC 4180, for the round trip.
     fn parsed(text: &str) -> Vec<Vec<String>> {
         let (mut lines, mut fields, mut field) = (Vec::new(), Vec::new(), String::new());
         let (mut inside, mut characters) = (false, text.chars().peekable());

@@ -1,4 +1,4 @@
-//! What the terminal shows at the end: the few numbers that matter.
+//! What the terminal shows at the end: the most important numbers.
 
 use std::fmt::Write as _;
 
@@ -19,7 +19,7 @@ pub fn summary(report: &Report) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "SOFTWARE ADAPTER ({name}): the CPU plays the GPU, and these are no figures of a GPU"
+            "SOFTWARE ADAPTER ({name}): a CPU does the work of the GPU, and these are not figures of a GPU"
         );
         add_tables(&mut text, &software);
     }
@@ -30,7 +30,8 @@ pub fn summary(report: &Report) -> String {
     if noisy > 0 {
         let _ = writeln!(
             text,
-            "~ noisy: after the most runs the interval of the median is still wider than ±1 % ({noisy} rows)"
+            "~ noisy: after the largest number of runs the interval of the median is still wider than \
+             ±1 % ({noisy} rows)"
         );
     }
     if !report.complete {

@@ -1,4 +1,4 @@
-//! What a run ran on, as far as the system tells.
+//! The machine that a run uses, as far as the system reports it.
 
 use nvml_wrapper::{
     Nvml,
@@ -24,7 +24,7 @@ pub fn build() -> Build {
 
 /// The machine, before anything is measured.
 pub fn machine(adapter: &AdapterSummary) -> Machine {
-    // Where the system tells nothing, the architecture stands for its CPU.
+    // Where the system reports nothing, the architecture stands for the CPU.
     let mut system = System::new().ok();
     if let Some(system) = &mut system {
         system.refresh_cpu_all();
@@ -45,7 +45,7 @@ pub fn machine(adapter: &AdapterSummary) -> Machine {
     }
 }
 
-/// Clocks and power of the adapter now. `None` where no NVIDIA driver tells.
+/// Clocks and power of the adapter now. `None` where no NVIDIA driver reports them.
 pub fn gpu_state(adapter: &AdapterSummary) -> Option<GpuState> {
     if adapter.is_software() {
         return None;

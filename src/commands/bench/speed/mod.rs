@@ -1,7 +1,7 @@
-//! The suites that time frames: how many a second, by layout, rays, lamps and all that costs something.
+//! The suites that time frames: frame rates by layout, rays, lamps and everything else that costs time.
 //!
-//! Every run begins with fresh probes and settles; runs of the rows of a suite are interleaved, so that what
-//! changes on the machine meanwhile touches all rows alike. Frames are neither presented nor paced.
+//! Every run starts with fresh probes, which settle first. Runs of the rows of a suite are interleaved, so that
+//! changes of the machine meanwhile affect all rows alike. Frames are neither presented nor paced.
 
 mod arguments;
 mod machine;
@@ -36,7 +36,8 @@ use super::{
 /// Measures a suite.
 ///
 /// # Errors
-/// For bad input, before anything is measured; when it was stopped, with what there is by then on the disk.
+/// For bad input, before anything is measured, and when the run is stopped: the rows finished by then are on the
+/// disk.
 pub fn run(suite: SpeedSuite, arguments: &Arguments) -> Result<(), Failure> {
     let run = &arguments.run;
     let plan = Plan::new(suite, arguments)?;

@@ -1,4 +1,4 @@
-//! What happens in each frame of a condition: world time, the camera's path, edits. The same in every run.
+//! What happens in each frame of a condition, the same in every run: world time, the camera's path, edits.
 
 use glam::{IVec3, Vec3};
 
@@ -16,20 +16,20 @@ use crate::{
     world::{Camera, voxels::Voxels},
 };
 
-/// Frames in a second of world time.
+/// Frames per second of world time.
 pub const RATE: f64 = 60.0;
-/// Metres that a flight makes in a second.
+/// Speed of a flight (metres per second).
 const SPEED: f32 = 10.0;
 /// Longest path in metres, before it turns back.
 const PATH_M: f32 = 200.0;
-/// Degrees that a camera without a way to fly turns in a second.
+/// Turning speed of a camera that has no room to fly (degrees per second).
 const TURN_DEG: f32 = 90.0;
-/// From edit to edit, in frames.
+/// Frames between two edits.
 const EDIT_INTERVAL: u32 = 10;
-/// Of the ball that is dug, in voxels.
+/// Radius of the ball that is dug or built, in voxels.
 const BALL_RADIUS: f32 = 2.0;
 
-/// Where the camera is in each frame.
+/// The camera's path.
 pub enum Track {
     Rest(Camera),
     Turn(Camera),
@@ -37,7 +37,7 @@ pub enum Track {
 }
 
 impl Track {
-    /// Through a world, from a camera.
+    /// A path through the world from a camera.
     pub fn of(condition: Condition, scene: &BenchScene, voxels: &Voxels, camera: &Camera) -> Self {
         if condition != Condition::Flight {
             return Self::Rest(camera.clone());
@@ -46,12 +46,12 @@ impl Track {
         let cameras = std::slice::from_ref(camera);
         match Path::new(&scene.world, voxels, cameras, PATH_M / voxel_m) {
             Ok(path) => Self::Flight { path, voxel_m },
-            // It faces a wall.
+            // The camera faces a wall.
             Err(_) => Self::Turn(camera.clone()),
         }
     }
 
-    /// After so many seconds.
+    /// The camera after this many seconds.
     pub fn at(&self, seconds: f64) -> Camera {
         match self {
             Self::Rest(camera) => camera.clone(),
@@ -64,8 +64,8 @@ impl Track {
     }
 }
 
-/// Balls where the camera looks, in turn dug and built, each at another place: the world keeps growing out of its buffers, as under a
-/// player's hands.
+/// Edits balls where the camera looks, alternately digging and building, each at another place. As with a
+/// player, the world keeps outgrowing its buffers.
 pub struct Digging {
     voxels: Voxels,
     origin: IVec3,
@@ -86,7 +86,7 @@ impl Digging {
         }
     }
 
-    /// Edits the world if it is this frame's turn.
+    /// Edits the world if an edit is due in this frame.
     ///
     /// # Errors
     /// When the adapter cannot hold the bricks.
@@ -103,9 +103,9 @@ impl Digging {
         Ok(frame.apply(gpu, &self.voxels, &edit)?)
     }
 
-    /// Where the next of a fixed sequence of camera rays meets stone (grid space), and its material.
+    /// Where the next of a fixed sequence of camera rays hits a solid voxel (grid space), and its material.
     fn target(&mut self) -> Option<(Vec3, u8)> {
-        /// Tries before a camera counts as one that sees nothing.
+        /// Rays tried before a camera counts as seeing nothing.
         const TRIES: u32 = 16;
         let basis = self.camera.basis(1.0);
         let origin = basis.origin - self.origin.as_dvec3();

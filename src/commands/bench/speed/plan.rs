@@ -1,4 +1,4 @@
-//! Which rows a suite has, before anything is opened or measured.
+//! The rows of a suite, before anything is opened or measured.
 
 use std::path::{Path, PathBuf};
 
@@ -29,15 +29,16 @@ pub enum SpeedSuite {
     All,
 }
 
-/// Worlds of the suites, relative to the working folder.
+/// Worlds of the suites, relative to the working directory.
 const CAVE: &str = "worlds/cave.ron";
 const CORNELL: &str = "worlds/cornell.ron";
 const CAVERN: &str = "worlds/cavern.ron";
 const BEAM: &str = "worlds/beam.ron";
 
-/// Voxels from which a world counts as large: its frames take long, and fewer of them are measured.
+/// Number of voxels from which a world counts as large: its frames take long, and fewer of them are measured.
 const LARGE: u64 = 10_000_000;
-/// Lamps of a large world whose cascades are compared: all of the cavern's would hide what those cost.
+/// Lamps of a large world whose cascades are compared: with all lamps of the cavern, their cost would hide that
+/// of the cascades.
 const LAMPS_OF_CASCADES: u32 = 4;
 
 impl SpeedSuite {
@@ -58,7 +59,7 @@ impl SpeedSuite {
         }
     }
 
-    /// Those that it is made of.
+    /// The parts that the suite is made of.
     fn parts(self) -> &'static [Part] {
         use Part as P;
         match self {
@@ -98,7 +99,7 @@ enum Part {
     Rays,
     Maps,
     Lights,
-    /// Without the showpiece, whose dozens of lamps take minutes.
+    /// Without the cavern, whose dozens of lamps take minutes.
     LightsOfAll,
     Textures,
     Resolution,
@@ -144,18 +145,18 @@ pub struct Group {
     pub rows: Vec<RowSpec>,
 }
 
-/// All rows, and the worlds that they are of.
+/// All rows, and the worlds that they use.
 pub struct Plan {
     pub scenes: Vec<BenchScene>,
-    /// In the order in which they are measured.
+    /// In the order of measurement.
     pub groups: Vec<Group>,
-    /// What there is no row for, and why.
+    /// Rows that could not be planned, and why.
     pub missing: Vec<Missing>,
 }
 
 impl Plan {
     /// # Errors
-    /// For worlds that cannot be read, and for cameras and layouts that none has.
+    /// For worlds that cannot be read, and for cameras and layouts that no world has.
     pub fn new(suite: SpeedSuite, arguments: &Arguments) -> Result<Self, Failure> {
         let parameters = arguments.run.parameters()?;
         let mut plan = Self {
@@ -201,7 +202,7 @@ impl Plan {
         }
         if plan.groups.iter().all(|group| group.rows.is_empty()) {
             return Err(Failure::bad_input(format!(
-                "there is no row to measure: suite `{}` finds no world with what --camera and --layout name",
+                "there is no row to measure: suite `{}` has no world with the named --camera and --layout",
                 suite.name()
             )));
         }
@@ -217,7 +218,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The index of a world, which is read once.
+    /// The index of a world. Each world is read once.
     fn scene(&mut self, path: &Path, parameters: &Parameters) -> Result<usize, Failure> {
         let same = |scene: &BenchScene| scene.path == path && scene.parameters == *parameters;
         if let Some(known) = self.scenes.iter().position(same) {
@@ -237,7 +238,7 @@ impl Plan {
         let own = self.scene(path, parameters)?;
         let size = self.scenes[own].world.size;
         let mut found = vec![own];
-        // In quadrants of the world's own size; the last ones grow sideways, as caves do.
+        // In quarters of the world's own size; the last ones grow sideways, as caves do.
         let factors = [[1, 1, 1], [2, 2, 2], [8, 4, 8], [8, 8, 8], [16, 8, 16]];
         for factor in factors.iter().take(if quick { 3 } else { factors.len() }) {
             let scaled = (size * glam::UVec3::from_array(*factor) / 4)
@@ -255,7 +256,7 @@ impl Plan {
         Ok(found)
     }
 
-    /// How long the runs of a row are.
+    /// The length of the runs of a row.
     pub fn length(&self, spec: &RowSpec, arguments: &Arguments) -> Length {
         let large = self.is_large(spec);
         let (settling, measured) = match (spec.suite, arguments.quick, large) {
@@ -286,7 +287,7 @@ impl Plan {
         }
     }
 
-    /// Runs that all rows take at least, for progress.
+    /// Fewest runs of all rows together, for the progress bar.
     pub fn least_runs(&self, arguments: &Arguments) -> u64 {
         let (least, _) = Self::runs(arguments);
         let rows = self.groups.iter().flat_map(|group| &group.rows);

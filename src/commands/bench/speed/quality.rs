@@ -1,4 +1,4 @@
-//! How true a row's light is: against the path-traced reference that the judge keeps.
+//! The error of a row's light against the path-traced reference that the judge stores.
 
 use std::{collections::BTreeMap, sync::atomic::AtomicBool};
 
@@ -28,25 +28,25 @@ use crate::{
     world::View,
 };
 
-/// Frames from fresh probes to the picture that is judged, as in the judge's own tables.
+/// Frames from fresh probes to the judged picture, as in the judge's own tables.
 const SETTLING: u32 = 300;
 /// Longest edge of a judged picture.
 const LONGEST_EDGE: u32 = 480;
-/// Pictures whose changes make the stability (the source's table 4.4).
+/// Pictures over which stability is measured (the source's table 4.4).
 const STILL_FRAMES: u32 = 50;
 
-/// Where references come from and how good they are.
+/// Where references come from, and their quality.
 pub struct Judging<'a> {
     pub cache: &'a Cache,
     pub run: &'a RunOptions,
     pub stop: &'a AtomicBool,
     /// Paths per pixel.
     pub spp: u32,
-    /// Frames to settle in place of [`SETTLING`].
+    /// Settling frames in place of [`SETTLING`].
     pub settling: Option<u32>,
 }
 
-/// A picture of the row's shape that is not larger than the judge's.
+/// The size of a picture with the row's aspect that is not larger than the judge's.
 fn judged_size([width, height]: [u32; 2]) -> [u32; 2] {
     let longest = width.max(height);
     if longest <= LONGEST_EDGE {
@@ -74,7 +74,7 @@ impl Judging<'_> {
         self.settling.unwrap_or(SETTLING)
     }
 
-    /// The reference of a spec's view at rest.
+    /// The reference for a spec's view at rest.
     fn target(&self, rig: &Rig<'_>, spec: &RowSpec, size: [u32; 2]) -> Result<Target, Failure> {
         let lights = rig.lights(spec, rig.time_s);
         let mut tracer = Tracer {
@@ -101,7 +101,7 @@ impl Judging<'_> {
     /// FLIP and energy of the settled picture.
     ///
     /// # Errors
-    /// When the adapter fails, and when it was told to stop.
+    /// When the adapter fails, and when the user stops the run.
     pub fn quality(&self, rig: &mut Rig<'_>, spec: &RowSpec) -> Result<Quality, Failure> {
         let size = judged_size(spec.size);
         let target = self.target(rig, spec, size)?;
@@ -120,11 +120,11 @@ impl Judging<'_> {
         })
     }
 
-    /// The source's figures of error: the sum over RGB of the absolute difference, of the display. `view` is
-    /// [`View::Direct`] for light without any probes.
+    /// The source's figures of error: the sum over RGB of the absolute difference of the displayed pictures.
+    /// `mode` is [`ViewMode::Direct`] for light without any probes.
     ///
     /// # Errors
-    /// As [`quality`](Self::quality).
+    /// See [`quality`](Self::quality).
     pub fn errors(
         &self,
         rig: &mut Rig<'_>,
@@ -151,10 +151,10 @@ impl Judging<'_> {
         Ok((named(&figures), quality))
     }
 
-    /// The mean and the greatest change of a pixel between frames of the still scene.
+    /// The mean and the greatest change of a pixel between frames of a scene at rest.
     ///
     /// # Errors
-    /// As [`quality`](Self::quality).
+    /// See [`quality`](Self::quality).
     pub fn stability(
         &self,
         rig: &mut Rig<'_>,

@@ -19,40 +19,40 @@ use crate::{
     world::{View, voxels::Voxels},
 };
 
-/// From frame to frame that is timed pass by pass; no divisor of the interval of edits.
+/// Frames between two that are timed pass by pass; the interval of edits is not a multiple of it.
 const BY_PASS_INTERVAL: u32 = 7;
-/// Frames that the adapter may be behind.
+/// Frames that the adapter may lag behind.
 const IN_FLIGHT: usize = 2;
 
 /// How long a run is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Length {
-    /// Frames from fresh probes to the first that counts.
+    /// Frames from fresh probes to the first measured frame.
     pub settling: u32,
-    /// Frames that count.
+    /// Measured frames.
     pub measured: u32,
 }
 
-/// What one run gave.
+/// The results of one run.
 pub struct Run {
     /// Every measured frame in order.
     pub samples: Vec<FrameSample>,
-    /// Those that were timed pass by pass.
+    /// Times of the frames that were timed pass by pass.
     pub passes: Vec<PassTimes>,
 }
 
-/// What every frame of a run takes, whatever its spec.
+/// Everything that the frames of a run share, whatever the spec.
 pub struct Rig<'a> {
     pub gpu: &'a Gpu,
     pub scene: &'a BenchScene,
     pub frame: Frame,
-    /// As the world was built.
+    /// The voxels before any edit.
     pub voxels: Voxels,
     pub seed: u32,
-    /// World time at which frames begin.
+    /// World time of the first frame.
     pub time_s: f64,
     stop: &'a AtomicBool,
-    /// Of frames that are not measured: their passes learn how long they take.
+    /// Times of unmeasured frames, from which their passes learn how long they take.
     timing: Timing,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Rig<'a> {
         })
     }
 
-    /// Fresh probes as the spec has them, and pictures of this size.
+    /// Replaces the probes by fresh ones of the spec, and resizes the picture.
     ///
     /// # Errors
     /// When the adapter cannot hold them.
@@ -94,7 +94,7 @@ impl<'a> Rig<'a> {
     }
 
     /// # Errors
-    /// When the user has stopped the work.
+    /// When the user has stopped the run.
     pub fn check_stop(&self) -> Result<(), Failure> {
         match self.stop.load(Ordering::Relaxed) {
             true => Err(Failure::interrupted("stopped")),
@@ -102,7 +102,7 @@ impl<'a> Rig<'a> {
         }
     }
 
-    /// The lights of a spec at a time.
+    /// The lights of a spec at this time.
     pub fn lights(&self, spec: &RowSpec, time_s: f64) -> Lights {
         let time_s = if spec.parameters.lights.animate {
             time_s
@@ -112,7 +112,7 @@ impl<'a> Rig<'a> {
         Lights::at(&self.scene.world, &spec.lamps, time_s)
     }
 
-    /// What a frame of the spec shows; its number is set when it is recorded.
+    /// The view of a frame of the spec; its frame number is set when the frame is recorded.
     pub fn shot(&self, spec: &RowSpec, size: [u32; 2], view: View, time_s: f64) -> Shot {
         Shot {
             camera: spec.camera.clone(),
@@ -126,10 +126,10 @@ impl<'a> Rig<'a> {
         }
     }
 
-    /// Frames of the spec at rest, of which only the light counts.
+    /// Draws frames of the spec at rest, only to advance the light.
     ///
     /// # Errors
-    /// When the adapter fails, and when it was told to stop.
+    /// When the adapter fails, and when the user stops the run.
     pub fn advance(
         &mut self,
         spec: &RowSpec,
@@ -153,11 +153,11 @@ impl<'a> Rig<'a> {
         Ok(())
     }
 
-    /// Settles and times frames. Fresh probes each time, so that runs are alike. An edited world is
-    /// one of its own: buffers that grow would stay large.
+    /// Settles, then times frames. Every run starts with fresh probes, so that runs are alike. A run with edits
+    /// uses a world of its own, because buffers that have grown stay large.
     ///
     /// # Errors
-    /// When the adapter fails, and when it was told to stop.
+    /// When the adapter fails, and when the user stops the run.
     pub fn run(
         &mut self,
         spec: &RowSpec,
@@ -209,7 +209,7 @@ impl<'a> Rig<'a> {
             if let Some(digging) = digging.as_mut().filter(|_| index >= length.settling) {
                 digging.step(gpu, &mut self.frame, index - length.settling)?;
             }
-            // A fresh field learns how long its passes take before anything counts.
+            // A fresh field learns how long its passes take before frames are measured.
             let by_pass = index.is_multiple_of(BY_PASS_INTERVAL) || index < length.settling / 4;
             let mut recorder = if by_pass {
                 Recorder::new(gpu, Some(&mut timing))

@@ -1,4 +1,4 @@
-//! From the runs of a row to its figures.
+//! Computes the figures of a row from its runs.
 
 use std::collections::BTreeMap;
 
@@ -22,11 +22,11 @@ use crate::{
     },
 };
 
-/// Points of a row's curve at most.
+/// Most points of a row's curve.
 const CURVE_POINTS: usize = 600;
-/// Bars of its histogram.
+/// Bars of a row's histogram.
 const BARS: usize = 40;
-/// Half width of the interval of the median, as a share of it, that ends the repetition of a row.
+/// A row is repeated until the half width of its median's interval is this share of the median.
 const SURE: f64 = 0.01;
 
 /// The runs of one row so far.
@@ -37,15 +37,15 @@ pub struct Measured {
     facts: Option<Facts>,
 }
 
-/// What is the same in every run.
+/// Facts that are equal in every run.
 struct Facts {
     rays: BTreeMap<String, u64>,
     probes: Probes,
     memory_bytes: BTreeMap<String, u64>,
 }
 
-/// Milliseconds of the frames that the figures are of: by the adapter's clock where it has one, and only those
-/// that were timed as a whole, where some were.
+/// Milliseconds of the frames that count: by the adapter's clock where it has one, and only those that were
+/// timed as a whole, if there are any.
 fn counted(samples: &[FrameSample]) -> Vec<f64> {
     let some_whole = samples.iter().any(|sample| !sample.by_pass);
     let counted = samples
@@ -69,7 +69,7 @@ impl Measured {
         self.runs.len()
     }
 
-    /// Adds a run; the rig is as it left it.
+    /// Adds a run. The rig must be as the run left it.
     ///
     /// # Errors
     /// When the adapter fails.
@@ -97,16 +97,16 @@ impl Measured {
         Interval::of(&self.medians()).is_some_and(|interval| interval.relative() <= SURE)
     }
 
-    /// Whether even the `most` runs would not make it so, as far as those that there are tell.
+    /// Whether even `most` runs would not make it sure, as far as the runs so far tell.
     pub fn is_hopeless(&self, most: usize) -> bool {
-        /// Fewer runs say too little of their spread.
+        /// Fewer runs say too little about their spread.
         const ENOUGH: usize = 10;
         let medians = self.medians();
         let hopeless = |interval: Interval| interval.relative_after(medians.len(), most) > SURE;
         medians.len() >= ENOUGH && Interval::of(&medians).is_some_and(hopeless)
     }
 
-    /// The row as it stands; `None` before the first run.
+    /// The row with the runs so far; `None` before the first run.
     pub fn row(&self, gpu: &Gpu, length: Length, seed: u32, adapter: &Adapter) -> Option<Row> {
         let facts = self.facts.as_ref()?;
         let all: Vec<f64> = self
@@ -122,7 +122,7 @@ impl Measured {
             .collect();
         let passes = median_passes(&passes);
         let rates = facts.rays.iter().filter_map(|(kind, &count)| {
-            // Shadow rays share their passes with other work.
+            // Shadow rays share their passes with other work, so no pass has their name.
             let pass = format!("{kind}_rays");
             let rate = mrays_per_s(Some(count), passes.get(&pass).copied())?;
             Some((kind.clone(), rate))
@@ -166,7 +166,7 @@ impl Measured {
         }
         let middle = self.middle_run(all.median)?;
         let frames = counted(&middle.samples);
-        // From the fastest frame to three medians; what is longer goes into the last bar.
+        // From the fastest frame to three medians; all longer frames go into the last bar.
         let fastest = frames.iter().copied().fold(f64::INFINITY, f64::min);
         let step = ((3.0 * all.median - fastest) / BARS as f64).max(f64::MIN_POSITIVE);
         let mut histogram = vec![0; BARS];
@@ -188,7 +188,7 @@ impl Measured {
         })
     }
 
-    /// The run whose median is nearest to that of all.
+    /// The run whose median is nearest to the median of all runs.
     fn middle_run(&self, all: f64) -> Option<&Run> {
         let off = |run: &&Run| {
             let own = median(&counted(&run.samples)).unwrap_or(f64::INFINITY);
@@ -229,7 +229,7 @@ pub fn blank(spec: &RowSpec, seed: u32, adapter: &Adapter, clock: &str) -> Row {
     }
 }
 
-/// At most [`CURVE_POINTS`] values, each the worst of the frames that it stands for.
+/// At most [`CURVE_POINTS`] values, each the worst of the frames that it represents.
 fn curve(frames_ms: &[f64]) -> Vec<f32> {
     let stride = frames_ms.len().div_ceil(CURVE_POINTS).max(1);
     let worst = |chunk: &[f64]| chunk.iter().copied().fold(0.0, f64::max) as f32;

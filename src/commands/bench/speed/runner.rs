@@ -26,19 +26,19 @@ use crate::{
     world::View,
 };
 
-/// Times that a world is voxelised, and a process started, for a row.
+/// Number of builds of a world, or starts of a process, for a row.
 const REPEATS: u32 = 5;
 
-/// What all rows of a command have in common.
+/// Values that all rows of a command share.
 pub struct Common<'a> {
     pub gpu: &'a Gpu,
     pub adapter: &'a Adapter,
-    /// What `--adapter` said.
+    /// The value of `--adapter`.
     pub asked: Option<&'a str>,
     pub seed: u32,
     pub judging: &'a Judging<'a>,
     pub quick: bool,
-    /// Frames until light counts as settled, for starts.
+    /// For starts: frames until light counts as settled.
     pub settled: u32,
 }
 
@@ -72,10 +72,10 @@ impl Common<'_> {
         }
     }
 
-    /// The row of a spec that needs a rig and times no frames.
+    /// The row of a spec that needs a rig but times no frames.
     ///
     /// # Errors
-    /// When the adapter fails, and when it was told to stop.
+    /// When the adapter fails, and when the user stops the run.
     pub fn with_rig(&self, spec: &RowSpec, rig: &mut Rig<'_>) -> Result<Row, Failure> {
         let judging = self.judging;
         match spec.work {
@@ -113,7 +113,7 @@ impl Common<'_> {
 
     fn build(&self, spec: &RowSpec, scene: &BenchScene) -> Result<Row, Failure> {
         let mut reports: Vec<BuildReport> = Vec::new();
-        // The first one compiles; it does not count.
+        // The first build compiles shaders; it does not count.
         let mut stage = Stage::build(self.gpu, &scene.world)?;
         for _ in 0..self.repeats() {
             self.keep_warm(&stage)?;
@@ -146,8 +146,8 @@ impl Common<'_> {
         Ok(row)
     }
 
-    /// Keeps the GPU busy for a while: one that waits for the CPU lowers its clock. Distances that are right stay as they are
-    /// when they are swept again.
+    /// Keeps the GPU busy for a while: a GPU that waits for the CPU lowers its clock. Correct distances do not
+    /// change when they are swept again.
     fn keep_warm(&self, stage: &Stage) -> Result<(), Failure> {
         const LONG_ENOUGH: Duration = Duration::from_millis(150);
         /// Sweeps of one submission.
@@ -208,8 +208,8 @@ impl Common<'_> {
     }
 }
 
-/// Bytes of a probe's two maps with their borders, in halves: four channels of irradiance, two of
-/// distance. What the source's table 4.1 counts.
+/// Bytes of a probe's two maps with their borders, in half floats: four channels of irradiance, two of
+/// distance. The source's table 4.1 counts the same.
 fn map_bytes(irradiance: u32, distance: u32) -> f64 {
     let texels = |edge: u32| f64::from(edge + 2) * f64::from(edge + 2);
     texels(irradiance) * 8.0 + texels(distance) * 4.0

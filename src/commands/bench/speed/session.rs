@@ -1,4 +1,4 @@
-//! One call of `grotto bench SUITE`: group after group, run after run, and the report that grows.
+//! One call of `grotto bench SUITE`: measures group after group, run after run, and adds to the report.
 
 use std::{
     collections::{BTreeMap, btree_map::Entry},
@@ -34,7 +34,7 @@ use crate::{
 
 /// Width in pixels of the pictures of worlds.
 const PICTURE_WIDTH: u32 = 320;
-/// From one writing of the report to the next, at least.
+/// Shortest time between two writings of the report.
 const WRITE_INTERVAL: Duration = Duration::from_secs(10);
 /// Frames of one step of the warm-up.
 const WARM_UP: Length = Length {
@@ -43,7 +43,7 @@ const WARM_UP: Length = Length {
 };
 /// The warm-up ends when two steps agree by this share …
 const SETTLED: f64 = 0.005;
-/// … but lasts at least as long, because clocks rise slowly, and not much longer than the most.
+/// … but lasts at least LEAST, because clocks rise slowly, and not much longer than MOST.
 const LEAST_WARM_UP: Duration = Duration::from_secs(1);
 const MOST_WARM_UP: Duration = Duration::from_secs(6);
 
@@ -68,15 +68,15 @@ impl<'a> Session<'a> {
     /// Measures all groups.
     ///
     /// # Errors
-    /// When the adapter fails, when it was told to stop, and when a file cannot be written; what is
-    /// measured by then is in the report.
+    /// When the adapter fails, when the user stops the run, and when a file cannot be written. Rows that were
+    /// measured by then are in the report.
     pub fn measure(&mut self) -> Result<(), Failure> {
         let mut rigs = Rigs::new();
         let plan = self.plan;
         if !self.gpu.features.contains(wgpu::Features::TIMESTAMP_QUERY) {
             output::note(
                 &self.arguments.run,
-                "note: this adapter has no timestamps: frames are timed by the wall's clock",
+                "note: this adapter has no timestamps: frames are timed by the wall clock",
             );
         }
         self.warm_up(&mut rigs)?;
@@ -107,7 +107,7 @@ impl<'a> Session<'a> {
         self.files.map_or(Ok(()), |files| files.write(&self.report))
     }
 
-    /// Renders the first row's frames until they take as long as those before.
+    /// Renders the first row's frames until they take as long as the previous ones.
     fn warm_up(&mut self, rigs: &mut Rigs<'a>) -> Result<(), Failure> {
         let mut rows = self.plan.groups.iter().flat_map(|group| &group.rows);
         let first = rows.find(|row| matches!(row.work, Work::Frames(_)));
@@ -138,7 +138,7 @@ impl<'a> Session<'a> {
                     if settled {
                         "until sixty took as long as the sixty before (within 0.5 %)"
                     } else {
-                        "which never came to take the same time"
+                        "whose times never agreed"
                     }
                 );
                 return Ok(());
@@ -157,7 +157,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The rows of a group: each run of all rows before the next run of any.
+    /// The rows of a group: each run is made for all rows before the next run of any row.
     fn group(
         &mut self,
         group: &Group,
@@ -204,7 +204,7 @@ impl<'a> Session<'a> {
             let rows = frames.iter().filter_map(|measured| self.row(measured));
             let rows: Vec<Row> = rows.collect();
             self.report.rows.extend(rows);
-            // Only now: a run that is stopped keeps the rows of its last round.
+            // Checked only now, so that a stopped run keeps the rows of its last round.
             ended?;
             if written.elapsed() >= WRITE_INTERVAL {
                 self.write()?;
@@ -279,7 +279,7 @@ impl<'a> Session<'a> {
 
     /// Frames of a start after which light counts as settled.
     fn settled(&self, spec: &RowSpec) -> u32 {
-        /// Of a world of ordinary size: its faces are at rest by then.
+        /// For a world of ordinary size: its surface cache has settled by then.
         const SETTLED: u32 = 400;
         let length = self.plan.length(spec, self.arguments);
         let ordinary = match self.arguments.quick || self.plan.is_large(spec) {
@@ -289,7 +289,7 @@ impl<'a> Session<'a> {
         self.arguments.frames.unwrap_or(ordinary)
     }
 
-    /// Adds rows, or notes why there are none. Only what ends the whole work is an error.
+    /// Adds rows, or notes why there are none. Returns only errors that end the whole run.
     fn keep(&mut self, id: &str, rows: Result<Vec<Row>, Failure>) -> Result<(), Failure> {
         match rows {
             Ok(rows) => self.report.rows.extend(rows),
@@ -307,7 +307,7 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Puts the error of a row's light beside its speed, where its picture stands still.
+    /// Judges the light of a row, if its picture does not move.
     fn judge_row(
         &mut self,
         index: usize,

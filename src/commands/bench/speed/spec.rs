@@ -1,4 +1,4 @@
-//! What a row is of, before it is measured.
+//! The description of a row, before it is measured.
 
 use std::{
     collections::BTreeMap,
@@ -53,7 +53,7 @@ impl BenchScene {
         }
     }
 
-    /// The preset that the parameters name, or the first, without those lamps that they leave out.
+    /// The preset that the parameters name, or the first, without the lamps that the parameters leave out.
     ///
     /// # Errors
     /// For a name that the world does not have.
@@ -73,7 +73,7 @@ impl BenchScene {
         Ok(lamps)
     }
 
-    /// The lamps of the preset that has the most.
+    /// The lamps of the largest preset.
     pub fn most_lamps(&self) -> Vec<Lamp> {
         let presets = self.world.lamp_presets.iter().map(|preset| &preset.lamps);
         presets
@@ -86,13 +86,13 @@ impl BenchScene {
 /// What happens while frames are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
-    /// World time stands still.
+    /// World time is paused.
     Still,
-    /// World time runs, 60 frames a second.
+    /// World time advances by 1/60 s per frame.
     Moving,
-    /// As moving, and the camera flies its path.
+    /// Like `Moving`, and the camera flies its path.
     Flight,
-    /// As moving, and every tenth frame a ball is dug or built.
+    /// Like `Moving`, and every tenth frame a ball is dug or built.
     Edits,
 }
 
@@ -109,24 +109,24 @@ impl Condition {
     }
 }
 
-/// How a row comes about.
+/// How a row is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
-    /// Frames, timed.
+    /// Timed frames.
     Frames(Condition),
     /// A settled picture against the reference; no frames are timed.
     Error,
     /// Direct light alone against the reference.
     DirectError,
-    /// The change of a pixel between frames of a still scene.
+    /// The change of a pixel between frames of a scene at rest.
     Stability,
-    /// Bytes that a probe takes.
+    /// Bytes of a probe.
     Bytes,
     /// Voxelising the world.
     Build,
     /// From the start of a process to its pictures.
     Start,
-    /// Rays alone, against plain DDA: one row for each kind.
+    /// Rays alone, compared with plain DDA: one row for each kind.
     Traversal,
 }
 
@@ -134,7 +134,7 @@ pub enum Work {
 #[derive(Clone)]
 pub struct RowSpec {
     pub id: String,
-    /// Its place in the plan, counted from 0, whatever part of it is measured.
+    /// Its position in the plan of the whole run, counted from 0, whichever part of the plan is measured.
     pub place: u32,
     pub suite: &'static str,
     /// Index of its world.
@@ -146,7 +146,7 @@ pub struct RowSpec {
     pub parameters: Parameters,
     pub lamps: LampPreset,
     pub work: Work,
-    /// What the report calls its condition.
+    /// The name of the condition in the report.
     pub condition: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -154,7 +154,7 @@ pub struct RowSpec {
 }
 
 impl RowSpec {
-    /// A row of the scene as its file has it, seen from one of its cameras in one of its layouts.
+    /// A row of the scene with the parameters of its file, seen from one of its cameras in one of its layouts.
     ///
     /// # Errors
     /// For a lamp preset that the world does not have.
@@ -187,23 +187,23 @@ impl RowSpec {
         })
     }
 
-    /// With another name: what follows the suite and the world.
+    /// Gives the row another name: the part after the suite and the world.
     #[must_use]
     pub fn called(mut self, world: &str, name: &str) -> Self {
         self.id = format!("{}/{world}/{name}", self.suite);
         self
     }
 
-    /// With a value of a parameter that the suite varies.
+    /// Sets a parameter that the suite varies.
     ///
     /// # Errors
-    /// For a value that the key does not take.
+    /// For a value that the key does not accept.
     pub fn with(mut self, key: &str, value: &str) -> Result<Self, Failure> {
         self.parameters.set(&format!("{key}={value}"))?;
         Ok(self.varying(key, value))
     }
 
-    /// With something that the suite varies and that is no parameter.
+    /// Records a value that the suite varies and that is not a parameter.
     #[must_use]
     pub fn varying(mut self, name: &str, value: &str) -> Self {
         let varied = match value.parse::<f64>() {
@@ -215,7 +215,7 @@ impl RowSpec {
     }
 }
 
-/// What differs from the defaults, as `--set` takes it.
+/// Parameters that differ from their defaults, as `--set` takes them.
 pub fn changed(parameters: &Parameters) -> Vec<String> {
     let differing = KEYS
         .iter()

@@ -1,4 +1,5 @@
-//! How long a player waits: from the start of a process to its first frame, its first picture, settled light.
+//! How long a player waits: from the start of a process to its first frame, its first picture, and settled
+//! light.
 
 use std::{
     collections::BTreeMap,
@@ -55,11 +56,11 @@ pub struct Arguments {
 struct Milestones {
     /// The adapter is open.
     opened_ms: f64,
-    /// The world's voxels are on it.
+    /// The world's voxels are on the adapter.
     built_ms: f64,
     /// The first frame is done.
     first_frame_ms: f64,
-    /// Its picture has been read back.
+    /// The first frame's picture has been read back.
     first_picture_ms: f64,
     /// The light has settled.
     settled_ms: f64,
@@ -70,7 +71,7 @@ fn now_ns() -> u64 {
     since.map_or(0, |since| since.as_nanos() as u64)
 }
 
-/// What the started process does.
+/// Runs in the started process.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let elapsed_ms = || now_ns().saturating_sub(arguments.since) as f64 / 1e6;
     let picture = &arguments.picture;
@@ -82,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let probes = &scene.parameters.probes;
     let mut frame = Frame::new(&gpu, stage, &scene.layout, probes, picture.size)?;
     let lights = Lights::at(&scene.world, &scene.lamps, scene.lamp_time_s);
-    // As the window does: a frame that is never timed goes out in slices for ever.
+    // As in the window: without timings, the frame's dispatches would stay cut into chunks.
     let mut timing = Timing::new(&gpu)?;
     let mut step = |frame: &mut Frame| {
         let shot = Shot {
@@ -119,11 +120,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     })
 }
 
-/// Starts this program several times for a row, and gives the mean of each milestone with its interval. A start before
-/// these does not count: it fills the driver's cache of shaders.
+/// Starts this program several times for a row, and returns the mean of each milestone with its interval. An
+/// earlier start does not count: it fills the driver's shader cache.
 ///
 /// # Errors
-/// When a start fails, with what it said.
+/// When a start fails, with its error output.
 pub fn measure(
     spec: &RowSpec,
     path: &Path,

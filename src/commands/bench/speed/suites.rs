@@ -6,17 +6,17 @@ use super::{
 };
 use crate::world::{Camera, Lamp, LampPreset, LayoutSpec, Motion};
 
-/// What the user asked for, as far as rows depend on it.
+/// The user's options, as far as rows depend on them.
 pub struct Wanted<'a> {
     pub scenes: &'a [BenchScene],
-    /// Those of them that the suite is about, by index.
+    /// Indices of the scenes that the suite measures.
     pub only: Vec<usize>,
-    /// Only these cameras and layouts; all where empty.
+    /// Only these cameras and layouts; all if empty.
     pub cameras: &'a [String],
     pub layouts: &'a [String],
-    /// Width and height in pixels, where the suite does not vary it.
+    /// Width and height in pixels, unless the suite varies them.
     pub size: [u32; 2],
-    /// Less of everything.
+    /// Measure less of everything.
     pub quick: bool,
 }
 
@@ -51,7 +51,7 @@ impl Wanted<'_> {
         }
     }
 
-    /// Scenes that have what was named, with their index.
+    /// Scenes that have the named camera and layout, with their index.
     pub fn scenes(&self) -> impl Iterator<Item = (usize, &BenchScene, &Camera, &LayoutSpec)> {
         self.only.iter().filter_map(|&index| {
             let scene = self.scenes.get(index)?;
@@ -59,7 +59,7 @@ impl Wanted<'_> {
         })
     }
 
-    /// All of a list, or every second of it where the user wants it quick.
+    /// All values of a list, or every second one with `--quick`.
     fn some<'v, T>(&self, values: &'v [T]) -> impl Iterator<Item = &'v T> {
         values.iter().step_by(if self.quick { 2 } else { 1 })
     }
@@ -81,7 +81,7 @@ pub fn layouts(wanted: &Wanted<'_>) -> Rows {
     Ok(rows)
 }
 
-/// One parameter of the first layout, still and moving.
+/// Varies one parameter of the first layout, still and moving.
 fn over(
     wanted: &Wanted<'_>,
     suite: &'static str,
@@ -112,7 +112,7 @@ fn over(
 
 const STILL_AND_MOVING: [Condition; 2] = [Condition::Still, Condition::Moving];
 
-/// Rays per probe: powers of two, and those of the source's chart.
+/// Rays per probe: powers of two, and the counts of the source's chart.
 const RAYS: [u32; 13] = [
     8, 16, 32, 64, 128, 144, 256, 400, 512, 900, 1024, 1600, 2025,
 ];
@@ -122,7 +122,7 @@ pub fn rays(wanted: &Wanted<'_>) -> Rows {
     over(wanted, "rays", &settings, &STILL_AND_MOVING)
 }
 
-/// Sizes of the maps. Distances are kept under Chebyshev's test alone.
+/// Sizes of the maps. Distances are stored only for Chebyshev's test.
 pub fn maps(wanted: &Wanted<'_>) -> Rows {
     let pairs = [
         (4, 8),
@@ -153,7 +153,7 @@ pub fn textures(wanted: &Wanted<'_>) -> Rows {
     over(&whole, "textures", &settings, &STILL_AND_MOVING)
 }
 
-/// Probes that sleep and probes that do not, by layout and rays.
+/// Rows with sleeping probes and without, by layout and rays.
 pub fn states(wanted: &Wanted<'_>) -> Rows {
     let mut rows = Vec::new();
     for (index, scene, camera, _) in wanted.scenes() {
@@ -199,7 +199,7 @@ pub fn resolution(wanted: &Wanted<'_>) -> Rows {
     Ok(rows)
 }
 
-/// One to four levels of a layout that follows the camera, where a world has such a one.
+/// One to four levels of a layout that follows the camera, where a world has such a layout.
 pub fn cascades(wanted: &Wanted<'_>) -> Rows {
     let mut rows = Vec::new();
     for (index, scene, camera, _) in wanted.scenes() {
@@ -264,7 +264,7 @@ pub fn lights(wanted: &Wanted<'_>) -> Rows {
     Ok(rows)
 }
 
-/// From the start of a process to its first frame and on.
+/// From the start of a process to its first frame and beyond.
 pub fn start(wanted: &Wanted<'_>) -> Rows {
     let mut rows = Vec::new();
     for (index, scene, camera, layout) in wanted.scenes() {
@@ -275,7 +275,7 @@ pub fn start(wanted: &Wanted<'_>) -> Rows {
     Ok(rows)
 }
 
-/// Rays alone, against plain DDA.
+/// Rays alone, compared with plain DDA.
 pub fn traversal(wanted: &Wanted<'_>) -> Rows {
     let mut rows = Vec::new();
     for (index, scene, camera, layout) in wanted.scenes() {
@@ -287,7 +287,7 @@ pub fn traversal(wanted: &Wanted<'_>) -> Rows {
     Ok(rows)
 }
 
-/// Voxelising: one row for each scene, which are one world at several sizes and with several seeds.
+/// Voxelising: one row for each scene. The scenes are one world at several sizes and with several seeds.
 pub fn world(wanted: &Wanted<'_>) -> Rows {
     let mut rows = Vec::new();
     for (index, scene, camera, layout) in wanted.scenes() {
@@ -302,7 +302,8 @@ pub fn world(wanted: &Wanted<'_>) -> Rows {
     Ok(rows)
 }
 
-/// A lamp that does one thing: stand, flicker, or move as the world has it or, if it does not, on a circle of two voxels.
+/// A lamp with one animation: it stands still, flickers, or moves. It moves as the world says or else on a
+/// circle of two voxels.
 fn animated(lamp: &Lamp, condition: &str) -> Lamp {
     let motion = match condition {
         "still" => Vec::new(),
@@ -402,10 +403,7 @@ mod tests {
         let flickers = |lamp: &Lamp| matches!(lamp.motion[..], [Motion::Flicker { .. }]);
         assert!(of("flickering").iter().all(flickers));
         let moves = |lamp: &Lamp| matches!(lamp.motion[..], [Motion::Orbit { .. }, ..]);
-        assert!(
-            of("moving").iter().all(moves),
-            "none of them moves by itself"
-        );
+        assert!(of("moving").iter().all(moves), "no lamp of the world moves");
         let all = scenes[2].most_lamps().len();
         assert!(rows.iter().any(|row| row.lamps.lamps.len() == all));
     }

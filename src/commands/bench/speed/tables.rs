@@ -10,13 +10,13 @@ use super::{
 use crate::world::{LampPreset, LayoutSpec};
 
 const SUITE: &str = "tables";
-/// The worlds that the tables are of.
+/// The worlds that the tables use.
 pub const CAVE: &str = "cave";
 pub const CORNELL: &str = "cornell";
-/// Small boxes in a thin roof: where the error tables of probes tell most.
+/// Small boxes in a thin roof: the world where the error tables of probes are the most informative.
 pub const BEAM: &str = "beam";
 
-/// Those tables of the sources whose systems grotto does not have.
+/// Tables of the sources whose systems grotto does not have.
 pub fn missing() -> Vec<Missing> {
     [
         (
@@ -59,7 +59,7 @@ impl Tables<'_> {
         found.map(|(index, scene, ..)| (index, scene))
     }
 
-    /// Adds a row of a table: the world's layout (or another), with these parameters.
+    /// Adds a row to a table: the world's layout (or another), with these parameters.
     fn add(
         &mut self,
         table: &str,
@@ -85,7 +85,7 @@ impl Tables<'_> {
         Ok(())
     }
 
-    /// 4.1–4.7 and Fig. 4.8: maps, errors, stability, times. The algorithm is the source's.
+    /// Tables 4.1–4.7 and Fig. 4.8: maps, errors, stability, times. The algorithm is the source's.
     fn fibix(&mut self) -> Result<(), Failure> {
         const PROBES_ALONE: [(&str, &str); 1] = [("probes.method", "source")];
         let with = |more: &[(&'static str, &'static str)]| [&PROBES_ALONE[..], more].concat();
@@ -173,8 +173,8 @@ impl Tables<'_> {
         Ok(())
     }
 
-    /// 7.3–7.7 and 7.9: the field's rays, times and states by grid, rays and culling; and its weights, added one by
-    /// one.
+    /// Tables 7.3–7.7 and 7.9: the field's rays, times and states by grid, rays and culling; and its weights,
+    /// added one by one.
     fn g3d(&mut self) -> Result<(), Failure> {
         const ALONE: (&str, &str) = ("probes.method", "source");
         let grids = [
@@ -252,7 +252,7 @@ impl Tables<'_> {
         Ok(())
     }
 
-    /// Gives the last row the first lamps of its world's largest preset.
+    /// Limits the last row's lamps to the first `count` of its world's largest preset.
     fn light_by(&mut self, count: usize) {
         let lamps = self.scene(CAVE).map(|(_, scene)| scene.most_lamps());
         if let (Some(row), Some(mut lamps)) = (self.rows.last_mut(), lamps) {
@@ -268,7 +268,7 @@ impl Tables<'_> {
         }
     }
 
-    /// Probes over the space of the cave's coarsest layout. `None` where there is no cave.
+    /// Probes that fill the space of the cave's coarsest layout. `None` without the cave.
     fn lattice(&self, name: &str, counts: UVec3) -> Option<LayoutSpec> {
         let (_, scene) = self.scene(CAVE)?;
         let reach = |layout: &&LayoutSpec| {
@@ -279,7 +279,7 @@ impl Tables<'_> {
         let widest = layouts.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
         let span = (widest.counts - 1).as_vec3() * widest.spacing;
         let gaps = (counts - 1).max(UVec3::ONE).as_vec3();
-        // Rounded down to quadrants of a voxel.
+        // Rounded down to a quarter of a voxel.
         let spacing = ((span / gaps) * 4.0).floor() / 4.0;
         Some(LayoutSpec {
             name: name.to_owned(),

@@ -1,6 +1,6 @@
-//! Where no light can come: air that is connected, through faces of voxels, to no lamp, to nothing that shines and
-//! not to the outside. No light passes an edge or a corner between voxels, so such a space is exactly black. This
-//! knows of no noise, and holds the path tracer too.
+//! Finds places that no light can reach: air that is connected, through faces of voxels, to no lamp, to no
+//! emissive voxel and not to the outside. Light does not pass an edge or a corner between voxels, so such a
+//! space is exactly black. The check has no noise, and it also covers the path tracer.
 
 use glam::{DVec2, DVec3, IVec3};
 
@@ -13,15 +13,15 @@ use crate::{
     world::{Camera, World, voxels::Voxels},
 };
 
-/// Light that is none: below what rounding of halves leaves of it.
+/// Light below this counts as none: rounding of halves may leave that much.
 const NOTHING: f32 = 1e-4;
 
-/// For each pixel, whether what it shows lies in the dark.
+/// For each pixel, whether its surface is in the dark.
 pub struct Darkness {
     pub pixels: Vec<bool>,
 }
 
-/// What is known of a voxel.
+/// States of a voxel.
 const UNKNOWN: u8 = 0;
 const LIT: u8 = 1;
 const SOLID: u8 = 2;
@@ -36,7 +36,7 @@ impl Darkness {
         )
     }
 
-    /// What a camera sees.
+    /// The darkness in the view of a camera.
     fn seen_by(camera: &Camera, world: &World, voxels: &Voxels, lights: &Lights) -> Self {
         let lit = lit_air(world, voxels, lights);
         let size = world.size.as_ivec3();
@@ -53,7 +53,7 @@ impl Darkness {
                 return false;
             };
             let before = hit.voxel + FACE_NORMALS[usize::from(hit.face)];
-            // In front of it there is air that no light reaches; what borders on it shines no light into it.
+            // No light reaches the air in front of the face, and no voxel next to that air shines into it.
             inside(before) && lit[index(before)] == UNKNOWN
         });
         Self {
@@ -61,7 +61,7 @@ impl Darkness {
         }
     }
 
-    /// Light in a dark place of a picture.
+    /// Fails for light in a dark place of a picture.
     pub fn light_in(&self, picture: &Picture) -> Result<(), String> {
         let lit = self.pixels.iter().zip(&picture.rgb).enumerate();
         let mut bright = lit.filter(|(_, (dark, rgb))| **dark && rgb.iter().any(|v| *v > NOTHING));
@@ -77,7 +77,7 @@ impl Darkness {
     }
 }
 
-/// For each voxel, x then y then z, what is known of it.
+/// The state of each voxel, in the order x, y, z.
 fn lit_air(world: &World, voxels: &Voxels, lights: &Lights) -> Vec<u8> {
     let size = voxels.size().as_ivec3();
     let index = |at: IVec3| (at.x + size.x * (at.y + size.y * at.z)) as usize;
@@ -98,7 +98,7 @@ fn lit_air(world: &World, voxels: &Voxels, lights: &Lights) -> Vec<u8> {
             open.push(at);
         }
     };
-    // A lamp in stone, or on a border, is taken to light all that it touches.
+    // A lamp inside solid voxels, or on a border, is assumed to light everything that it touches.
     for lamp in lights
         .lamps
         .iter()

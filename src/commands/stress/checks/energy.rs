@@ -1,10 +1,11 @@
-//! The furnace bound: the most light that any surface of a world can send.
+//! The furnace bound: an upper bound on the light that any surface of a world can send.
 //!
 //! Let M be the greatest radiance that leaves a surface, per channel. A surface sends its emission, its albedo
-//! times the direct light over π, and its albedo times the mean of what it sees, which is at most M or the sky:
-//! M ≤ e + ρ·(E/π + max(M, S)). So M ≤ max(S, (e + ρ·E/π)/(1 − ρ), e + ρ·(E/π + S)): the radiance of a white
-//! furnace (Veach 1997, §8.3) whose walls all have the greatest emission, albedo and direct light of the world.
-//! E is bounded by each lamp's intensity over its radius squared, for nothing is nearer than that.
+//! times the direct light over π, and its albedo times the mean incident radiance, which is at most M or the
+//! sky: M ≤ e + ρ·(E/π + max(M, S)). So M ≤ max(S, (e + ρ·E/π)/(1 − ρ), e + ρ·(E/π + S)): the radiance of a
+//! white furnace (Veach 1997, §8.3) whose walls all have the greatest emission, albedo and direct light of the
+//! world. E is bounded by each lamp's intensity over its radius squared, because nothing is nearer than the
+//! radius.
 
 use glam::{DVec3, Vec3};
 
@@ -14,13 +15,13 @@ use crate::{
     world::{Colour, LampKind, Motion, World},
 };
 
-/// Estimates of light from emissive faces are unbiased and noisy: single ones lie above the mean.
+/// Estimates of light from emissive faces are unbiased but noisy: single estimates may lie above the mean.
 const NOISE: f32 = 2.0;
-/// Halves round, and probes clamp to what a half can hold.
+/// Halves are rounded, and probes clamp to the largest half.
 const ROUNDING: f32 = 1.01;
 const MOST_HALF: f32 = 65504.0;
 
-/// Most radiance per channel; `None` where an albedo of 1 leaves no bound below what a half can hold.
+/// Upper bound of radiance per channel; `None` where an albedo of 1 leaves no bound below the largest half.
 pub fn bound(case: &TestCase) -> Option<Vec3> {
     let world = &case.world;
     let mut direct = DVec3::ZERO;
@@ -78,7 +79,7 @@ pub fn most_albedo(world: &World) -> Vec3 {
     })
 }
 
-/// Whether the world has light that comes by chance: from emissive faces, chosen at random.
+/// The tolerance of the bound: larger if the world has emissive faces, whose light is sampled at random.
 fn slack(world: &World) -> f32 {
     let shines = |emission: Vec3| emission.max_element() > 0.0;
     let noisy = world
@@ -88,7 +89,7 @@ fn slack(world: &World) -> f32 {
     if noisy { ROUNDING * NOISE } else { ROUNDING }
 }
 
-/// Every pixel against the bound.
+/// Checks every pixel against the bound.
 pub fn picture(what: &str, picture: &Picture, case: &TestCase) -> Result<(), String> {
     let Some(bound) = bound(case) else {
         return Ok(());
@@ -98,14 +99,14 @@ pub fn picture(what: &str, picture: &Picture, case: &TestCase) -> Result<(), Str
         if Vec3::from_array(*rgb).cmpgt(most).any() {
             let (x, y) = (index as u32 % picture.width, index as u32 / picture.width);
             return Err(format!(
-                "{what}: {rgb:?} at pixel ({x}, {y}), and nothing of this world can send more than {bound}"
+                "{what}: {rgb:?} at pixel ({x}, {y}), and nothing in this world can send more than {bound}"
             ));
         }
     }
     Ok(())
 }
 
-/// The irradiance over π that probes keep is a mean of radiances, so the same bound holds.
+/// The irradiance over π that probes store is a mean of radiances, so the same bound holds.
 pub fn atlas(texels: &[f32], case: &TestCase) -> Result<(), String> {
     let Some(bound) = bound(case) else {
         return Ok(());
@@ -115,7 +116,7 @@ pub fn atlas(texels: &[f32], case: &TestCase) -> Result<(), String> {
         let light = Vec3::new(texel[0], texel[1], texel[2]);
         if light.cmpgt(most).any() {
             return Err(format!(
-                "the irradiance atlas: {light} in texel {index}, and nothing of this world can send more than {bound}"
+                "the irradiance atlas: {light} in texel {index}, and nothing in this world can send more than {bound}"
             ));
         }
     }

@@ -1,4 +1,4 @@
-//! No NaN, no infinity and no negative light in any buffer of light, told by bits.
+//! No NaN, no infinity and no negative light in any buffer of light, tested by bits.
 
 use half::f16;
 
@@ -12,7 +12,7 @@ use crate::{
     },
 };
 
-/// A picture's linear light.
+/// Checks the linear light of a picture.
 pub fn picture(what: &str, picture: &Picture) -> Result<(), String> {
     for (index, rgb) in picture.rgb.iter().enumerate() {
         if let Some(bad) = rgb.iter().find(|value| !value.is_finite() || **value < 0.0) {
@@ -41,7 +41,7 @@ fn light(what: &str, values: &[f32]) -> Result<(), String> {
     }
 }
 
-/// What probes and faces remember.
+/// Checks the stored light of probes and faces.
 pub fn buffers(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
     let (gpu, field) = (play.gpu, play.frame.field());
     for (name, buffer) in field.histories() {
@@ -61,7 +61,7 @@ pub fn buffers(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
     faces(play)
 }
 
-/// The first layer of the irradiance atlas; worlds as small as these have no other.
+/// The first layer of the irradiance atlas; worlds as small as these have only one.
 pub fn atlas(play: &Play<'_>) -> Result<Vec<f32>, Failure> {
     let field: &ProbeField = play.frame.field();
     let texels: Vec<[f16; 4]> = play.gpu.read_texture(field.irradiance_atlas())?;
@@ -86,9 +86,9 @@ fn faces(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
 fn is_finite(history: &GpuFaceHistory) -> bool {
     let of_quadrant = |quadrant: &GpuFaceQuadrant| {
         let [r, g, b] = quadrant.light;
-        let [believed_r, believed_g, believed_b] = quadrant.by_probes;
+        let [probes_r, probes_g, probes_b] = quadrant.by_probes;
         let numbers = [r, g, b, quadrant.samples, quadrant.noise];
-        let by_probes = [believed_r, believed_g, believed_b];
+        let by_probes = [probes_r, probes_g, probes_b];
         numbers
             .iter()
             .chain(&by_probes)

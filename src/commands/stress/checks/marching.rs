@@ -1,4 +1,4 @@
-//! Marching through the brick map against one voxel a step, hit for hit.
+//! Marching through the brick map, compared hit for hit with a march of one voxel per step.
 
 use glam::{UVec3, Vec3};
 
@@ -15,11 +15,11 @@ use crate::{
     world::voxels::Voxels,
 };
 
-/// Voxels whose centres send rays, and directions of each.
+/// Number of voxels whose centres send rays, and of directions for each.
 const PROBES: usize = 24;
 const DIRECTIONS: u32 = 64;
 
-/// The camera's rays, and rays from voxels all over the world.
+/// Compares the camera's rays, and rays from voxels all over the world.
 pub fn against_plain(
     gpu: &Gpu,
     case: &TestCase,
@@ -33,7 +33,7 @@ pub fn against_plain(
         .collect();
     let every = air.len().div_ceil(PROBES).max(1);
     air = air.into_iter().step_by(every).collect();
-    // Without air rays start in stone, which both marchers must say alike.
+    // Without air, rays start in solid voxels, and both marchers must report that alike.
     if air.is_empty() {
         air.push(UVec3::ZERO);
     }
@@ -62,7 +62,7 @@ pub fn against_plain(
         let mut pairs = marched.iter().zip(&plain).enumerate();
         if let Some((ray, (found, wanted))) = pairs.find(|(_, (a, b))| !a.same_hit(**b)) {
             return Ok(Err(format!(
-                "{kind:?} ray {ray} of {} hits voxel {} by marching and {} one voxel a step",
+                "{kind:?} ray {ray} of {} hits voxel {} by marching and {} in steps of one voxel",
                 marched.len(),
                 found.place,
                 wanted.place

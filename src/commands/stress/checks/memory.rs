@@ -1,10 +1,10 @@
-//! Memory on the adapter: none stays behind, and none is taken that was not predicted.
+//! Memory on the adapter: all of it is released, and none is taken that was not predicted.
 
 use crate::{frame::Frame, gpu::Gpu, world::file::Summary};
 
-/// Bytes that the adapter has given away; `None` where it does not say.
+/// Bytes that the adapter's allocator has given out; `None` where it does not report them.
 pub fn allocated(gpu: &Gpu) -> Option<u64> {
-    // What is staged for writes, or was dropped, goes with the next submission.
+    // Staging memory and dropped resources are released with the next submission.
     gpu.queue.submit([]);
     gpu.wait().ok()?;
     gpu.device
@@ -12,14 +12,14 @@ pub fn allocated(gpu: &Gpu) -> Option<u64> {
         .map(|report| report.total_allocated_bytes)
 }
 
-/// After everything of a scene was dropped.
+/// Checks that everything is released after a scene was dropped.
 pub fn returned(before: Option<u64>, after: Option<u64>) -> Option<Result<(), String>> {
     let (before, after) = (before?, after?);
     Some(if after <= before {
         Ok(())
     } else {
         Err(format!(
-            "{} bytes stay on the adapter when the scene is gone",
+            "{} bytes remain on the adapter after the scene is dropped",
             after - before
         ))
     })
@@ -30,7 +30,7 @@ const SMALL: u64 = 2 << 20;
 /// Bytes of a brick with its masks.
 const BRICK: u64 = 576;
 
-/// What a scene takes against what `grotto check` and `Frame::memory` say of it.
+/// Compares the memory of a scene with the predictions of `grotto check` and `Frame::memory`.
 pub fn predicted(frame: &Frame, summary: &Summary, taken: Option<u64>) -> Result<(), String> {
     let memory = frame.memory();
     let grid = frame.stage.voxels.grid.size();

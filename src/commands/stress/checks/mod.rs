@@ -1,4 +1,4 @@
-//! What must hold of every scene. `docs/stress.md` gives each check's bound and where it comes from.
+//! Conditions that must hold for every scene. `docs/stress.md` gives each check's bound and its origin.
 
 pub mod darkness;
 pub mod energy;
@@ -12,41 +12,41 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// A check, by the name that reports give it.
+/// A check, with its name in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Check {
-    /// A generated world is one that `grotto check` accepts.
+    /// `grotto check` accepts the generated world.
     Loads,
     /// Everything is built and rendered without an error or a panic.
     Runs,
     /// No validation error of wgpu.
     Validation,
-    /// The GPU's voxels are the CPU's but for rounding.
+    /// The GPU's voxels equal the CPU's, except for rounding.
     Voxels,
-    /// The brick map keeps its invariants: octant distances are those of a fresh build.
+    /// The brick map keeps its invariants: octant distances equal those of a fresh build.
     Distances,
-    /// Marching hits what one voxel a step hits.
+    /// Marching finds the same hits as steps of one voxel.
     Marching,
-    /// After edits the GPU's voxels are the CPU's copy.
+    /// After edits the GPU's voxels equal the CPU's copy.
     Edits,
     /// No NaN, no infinity and no negative light.
     Finite,
     /// No light above the furnace bound.
     Energy,
-    /// No light where none can come.
+    /// No light where none can arrive.
     Dark,
-    /// Not far from a path-traced reference.
+    /// The picture is near a path-traced reference.
     Band,
-    /// The same bytes twice.
+    /// A second rendering gives the same bytes.
     Repeat,
-    /// No memory stays behind.
+    /// All memory is released.
     Memory,
     /// No more memory than predicted.
     Predicted,
     /// No dispatch holds a GPU for long.
     Dispatch,
-    /// The scene takes no longer than it may.
+    /// The scene takes no longer than the limit.
     Time,
 }
 
@@ -92,12 +92,12 @@ impl Check {
     }
 }
 
-/// What the checks say of a scene: nothing of those that do not apply to it.
+/// The verdicts of a scene's checks; checks that do not apply to the scene are missing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings(pub BTreeMap<Check, Result<(), String>>);
 
 impl Findings {
-    /// Notes a verdict; of several, the first that is bad stays.
+    /// Adds a verdict; the first failure of a check is kept.
     pub fn note(&mut self, check: Check, verdict: Result<(), String>) {
         let known = self.0.entry(check).or_insert(Ok(()));
         if known.is_ok() {

@@ -1,4 +1,4 @@
-//! The picture against a short path-traced reference of the same moment.
+//! The picture against a short path-traced reference at the same world time.
 
 use std::sync::atomic::AtomicBool;
 
@@ -11,14 +11,14 @@ use crate::{
     world::{LayoutSpec, View, World},
 };
 
-/// Paths of each pixel: the mean over a picture is then known to a few per cent.
+/// Paths per pixel: with these, the mean over a picture is known to a few per cent.
 const SAMPLES: u32 = 32;
-/// How many times as bright, or as dark, as the reference a picture may be on the whole. Wide, for the layouts are
-/// as bad as chance makes them: one probe may have to light a whole world.
+/// Largest ratio of the mean luminance of a picture to that of the reference, in either direction. The band is
+/// wide because the layouts are random and may be very bad: one probe may have to light a whole world.
 const BAND: f64 = 4.0;
-/// Mean luminance below which a picture is too dark to be compared: a few samples decide it.
+/// Mean luminance below which a picture is too dark for a comparison: a few samples decide it.
 const LEAST: f64 = 2e-3;
-/// Above this albedo light takes more frames to settle than a scene has.
+/// Above this albedo light needs more frames to settle than a scene has.
 const MOST_ALBEDO: f32 = 0.9;
 
 pub fn traced(play: &Play<'_>) -> Result<Picture, Failure> {
@@ -50,7 +50,7 @@ fn mean(picture: &Picture) -> f64 {
     picture.rgb.iter().map(luminance).sum::<f64>() / picture.rgb.len() as f64
 }
 
-/// Whether the probes of a layout reach all of the world.
+/// Whether the probes of a layout cover the whole world.
 fn covers(layout: &LayoutSpec, world: &World) -> bool {
     let half = world.size.as_vec3() / 2.0;
     let off = (layout.centre - world.origin.as_vec3() - half).abs();
@@ -58,7 +58,7 @@ fn covers(layout: &LayoutSpec, world: &World) -> bool {
     !layout.follow && (off + half).cmple(reach * 1.01).all()
 }
 
-/// The mean of the picture against that of the reference. `None` where the two cannot be compared.
+/// Compares the mean of the picture with that of the reference. `None` where the two cannot be compared.
 pub fn band(play: &Play<'_>, shown: &Picture, truth: &Picture) -> Option<Result<(), String>> {
     let case = play.case;
     if energy::most_albedo(&case.world).max_element() > MOST_ALBEDO {
@@ -86,7 +86,7 @@ pub fn band(play: &Play<'_>, shown: &Picture, truth: &Picture) -> Option<Result<
         .flatten()
 }
 
-/// The reference itself is dark where no light can come.
+/// The reference itself must be dark where no light can arrive.
 pub fn is_dark(darkness: &Darkness, truth: &Picture) -> Result<(), String> {
     darkness
         .light_in(truth)

@@ -1,4 +1,4 @@
-//! What the GPU builds, against the CPU's reference and against the invariants of the structure.
+//! The voxels that the GPU builds, against the CPU's reference and against the invariants of the brick map.
 
 use glam::{IVec3, UVec3};
 
@@ -12,10 +12,11 @@ use crate::{
     },
 };
 
-/// Voxels around a centre within which the shape may be rounded to the other side (f32 against f64).
+/// Distance from a voxel's centre (voxels) within which rounding (f32 against f64) may put the surface on
+/// either side.
 const TOLERANCE: f64 = 1e-3;
-/// Share of the voxels that may lie so near to a boundary. Small worlds of round numbers have whole planes of
-/// voxel centres on one, where either answer is right.
+/// Largest share of voxels that may be so near to a boundary. In small worlds of round numbers whole planes of
+/// voxel centres lie on a boundary, where either answer is right.
 const MOST_SHARE: f64 = 0.05;
 
 /// The GPU's voxels against those of `world::generate`.
@@ -31,7 +32,7 @@ pub fn against_the_cpu(case: &TestCase, found: &Voxels) -> Result<(), String> {
     Ok(())
 }
 
-/// The GPU's voxels against the copy that was edited along.
+/// Compares the GPU's voxels with the copy that received the same edits.
 pub fn against_the_copy(found: &Voxels, copy: &Voxels) -> Result<(), String> {
     let size = found.size();
     for index in 0..size.element_product() {
@@ -50,7 +51,7 @@ pub fn against_the_copy(found: &Voxels, copy: &Voxels) -> Result<(), String> {
     Ok(())
 }
 
-/// Plants a distance that reaches into stone: of the first empty cell beside a solid one.
+/// Plants a distance that reaches into a solid voxel: in the first empty cell beside a solid one.
 pub fn overstate(gpu: &Gpu, on_gpu: &GpuVoxels, voxels: &Voxels) {
     let (grid, ..) = voxels.raw();
     let near = grid
@@ -65,7 +66,7 @@ pub fn overstate(gpu: &Gpu, on_gpu: &GpuVoxels, voxels: &Voxels) {
     }
 }
 
-/// Every voxel of a box of this size, for those who look at all.
+/// Every voxel of a box of this size.
 pub fn all(size: UVec3) -> impl Iterator<Item = IVec3> {
     let size = size.as_ivec3();
     (0..size.z).flat_map(move |z| {

@@ -1,15 +1,15 @@
-//! All chance of the grammar: one stream of numbers from one seed.
+//! All randomness of the grammar: one stream of numbers from one seed.
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 use super::term::Term;
 
-/// The same draws for the same seed on every machine.
+/// Draws the same numbers for the same seed on every machine.
 pub struct Dice(ChaCha8Rng);
 
 impl Dice {
-    /// `stream` keeps what is drawn for one purpose apart from all else that the same seed gives.
+    /// `stream` separates the numbers for one purpose from all other numbers of the same seed.
     pub fn new(seed: u32, stream: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(u64::from(seed));
         rng.set_stream(stream);
@@ -31,28 +31,29 @@ impl Dice {
         self.0.random_range(low..=high)
     }
 
-    /// A number between the two with three decimals: short in a file, and the same when it is read again.
+    /// A number between the two, with three decimals: short in a file, and unchanged when it is read back.
     pub fn number(&mut self, low: f64, high: f64) -> f64 {
         rounded(low + (high - low) * self.unit())
     }
 
-    /// As [`number`](Self::number), each order of magnitude as likely as the next. Both ends are above 0.
+    /// Like [`number`](Self::number), but every order of magnitude is equally likely. Both ends must be above
+    /// 0.
     pub fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         rounded((low.ln() + (high / low).ln() * self.unit()).exp()).max(0.001)
     }
 
-    /// One of these.
+    /// One of the items.
     pub fn pick<'a, T>(&mut self, of: &'a [T]) -> &'a T {
         &of[self.whole(0, of.len() as u32 - 1) as usize]
     }
 
-    /// Three numbers, each between plus and minus the extent of its axis.
+    /// Three numbers, each between minus and plus the half extent of its axis.
     pub fn within(&mut self, half: [f64; 3]) -> Term {
         Term::vector(half.map(|half| self.number(-half, half)))
     }
 }
 
-/// To three decimals.
+/// Rounds to three decimals.
 pub fn rounded(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }

@@ -18,11 +18,11 @@ fn count(dice: &mut Dice, low: u32, high: u32) -> Term {
     number(f64::from(dice.whole(low, high)))
 }
 
-/// Share of reflected light: from black to white, most in between.
+/// Albedo: from black to white, mostly in between.
 fn albedo(dice: &mut Dice) -> Term {
     let most = match dice.whole(0, 19) {
         0 => return Term::vector([0.0; 3]),
-        // What is near 1 keeps light for so many bounces that it does not settle: known, and rare.
+        // Light in albedo near 1 bounces so often that it does not settle: known, and rare.
         1 => return Term::vector([*dice.pick(&[0.95, 1.0]); 3]),
         2..=4 => 0.2,
         _ => 0.85,
@@ -117,7 +117,7 @@ fn pattern(dice: &mut Dice) -> Term {
     }
 }
 
-/// `{"m0": (a: …), …}` and the names.
+/// `{"m0": (a: …), …}` and the names of the materials.
 pub fn materials(dice: &mut Dice) -> (Term, Vec<String>) {
     let names: Vec<String> = (0..dice.whole(1, 5))
         .map(|index| format!("m{index}"))
@@ -247,7 +247,7 @@ pub fn features(
     )
 }
 
-/// What scattered features and lamps have in common.
+/// Keys that scattered features and lamps share.
 pub fn scattered(dice: &mut Dice) -> Vec<(&'static str, Term)> {
     let mut keys = vec![if dice.chance(0.5) {
         ("count", count(dice, 0, 12))

@@ -1,7 +1,7 @@
 //! Random worlds over the whole schema of `worlds/README.md`, each from one seed.
 //!
-//! A world is built as a tree of choices ([`term`]) and handed on as the text of a world file: what reads it is
-//! what reads every other world file.
+//! A world is built as a tree of choices ([`term`]) and passed on as the text of a world file, so the reader of
+//! all other world files reads it.
 
 mod dice;
 mod matter;
@@ -14,10 +14,10 @@ use dice::rounded;
 use shape::Ground;
 use term::Term;
 
-/// What is drawn for what: streams of one seed.
+/// Streams of random numbers of one seed, by purpose.
 const WORLD: u64 = 0;
 const PARAMETERS: u64 = 1;
-/// Of the script that plays a scene.
+/// For the script that plays a scene.
 pub const SCRIPT: u64 = 2;
 
 /// A generated world, and the parameters that it is rendered with.
@@ -36,7 +36,7 @@ pub fn generate(seed: u32) -> Generated {
     }
 }
 
-/// Extents: tiny, flat, thin, odd, and whole cells of 8.
+/// Sizes: tiny, flat, thin, odd, and whole cells of 8.
 fn size(dice: &mut Dice) -> [f64; 3] {
     let edge = |dice: &mut Dice, low, high| f64::from(dice.whole(low, high));
     match dice.whole(0, 9) {
@@ -113,7 +113,7 @@ fn world(dice: &mut Dice, seed: u32) -> Term {
     Term::Record("", keys)
 }
 
-/// Values of parameters that are drawn, each key at most once.
+/// Parameters that may be set, with their possible values; each key is set at most once.
 const VALUES: [(&str, &[&str]); 19] = [
     ("probes.visibility", &["exact", "chebyshev", "chebyshev"]),
     ("probes.relocation", &["off", "off"]),
@@ -137,7 +137,7 @@ const VALUES: [(&str, &[&str]); 19] = [
 ];
 
 fn parameters(dice: &mut Dice) -> Vec<String> {
-    // Fewer rays than by default: scenes are small, and are many.
+    // Fewer rays than by default: scenes are small, and there are many.
     let rays = *dice.pick(&["8", "24", "32", "32", "64"]);
     let mut set = vec![format!("probes.rays={rays}")];
     if dice.chance(0.35) {
@@ -256,7 +256,7 @@ mod tests {
             "response",
         ];
         for form in forms {
-            assert!(all.contains(form), "{form} never comes up");
+            assert!(all.contains(form), "{form} is never generated");
         }
         assert!(generate(3) == generate(3) && generate(3) != generate(4));
     }

@@ -10,7 +10,7 @@ fn number(value: f64) -> Term {
     Term::Number(value)
 }
 
-/// Anywhere: in a room, in air, in stone, at a face, an edge or a corner of the world, outside.
+/// A position: in a room, in air, in solid voxels, at a face, an edge or a corner of the world, or outside.
 fn place(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> [f64; 3] {
     if !ground.rooms.is_empty() && dice.chance(0.7) {
         let room = *dice.pick(&ground.rooms);
@@ -25,7 +25,7 @@ fn place(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> [f64; 3] {
         let along = match form {
             0 => *dice.pick(&[-half, half]),
             1 => dice.number(-1.5, 1.5) * half,
-            // On the border of two voxels.
+            // On the border between two voxels.
             2 => dice.number(-half, half).round(),
             _ => dice.number(-0.95, 0.95) * half,
         };
@@ -34,7 +34,7 @@ fn place(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> [f64; 3] {
 }
 
 fn direction(dice: &mut Dice) -> Term {
-    // Never of length 0.
+    // The length must not be 0.
     let down = if dice.chance(0.8) { -1.0 } else { 1.0 };
     let aside = [dice.number(-1.0, 1.0), dice.number(-1.0, 1.0)];
     Term::vector([aside[0], down * dice.number(0.05, 1.0), aside[1]])
@@ -121,7 +121,7 @@ fn motion(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3], is_scattered: 
     }
 }
 
-/// Presets; the first is lit.
+/// Lamp presets; the first one is used.
 pub fn lamps(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     let preset = |dice: &mut Dice, index: u32| {
         let count = *dice.pick(&[0, 1, 1, 1, 2, 3, 5]);
@@ -196,7 +196,7 @@ pub fn cameras(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
             ("position", Term::vector(place(dice, ground, centre))),
         ];
         if dice.chance(0.6) {
-            // Not where the camera stands.
+            // Not at the position of the camera.
             let at = place(dice, ground, centre).map(|along| super::dice::rounded(along + 0.037));
             keys.push(("look_at", Term::vector(at)));
         } else {
@@ -212,7 +212,7 @@ pub fn cameras(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     Term::List((0..count).map(|index| camera(dice, index)).collect())
 }
 
-/// Volumes of all kinds: over the world, too small, off the world, that follow, that nest.
+/// Volumes of all kinds: covering the world, too small, beside the world, following the camera, nested.
 pub fn layouts(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     let layout = |dice: &mut Dice, index: u32| {
         let mut keys = vec![("name", Term::text(format!("l{index}")))];
@@ -230,7 +230,7 @@ pub fn layouts(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
         };
         let counts = [0; 3].map(|_| f64::from(dice.whole(low, high)));
         keys.push(("counts", Term::vector(counts)));
-        // The spacing at which the volume is as wide as the world.
+        // The spacing that makes the volume as wide as the world.
         let fitting = [0, 1, 2].map(|axis| 2.0 * ground.half[axis] / counts[axis]);
         let factor = *dice.pick(&[1.0, 1.0, 1.0, 0.9, 0.5, 0.2, 2.0]);
         let spacing = fitting.map(|fitting| super::dice::rounded((fitting * factor).max(0.25)));

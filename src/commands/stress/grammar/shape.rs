@@ -5,17 +5,17 @@ use super::{
     term::Term,
 };
 
-/// What a shape is made within.
+/// The space and the names that a shape can use.
 pub struct Ground<'a> {
-    /// Half of the extent of the world, voxels.
+    /// Half of the world's extent, voxels.
     pub half: [f64; 3],
     /// Names of noises.
     pub noises: &'a [String],
-    /// Hollows of the shape, once it is made: where lamps and cameras are often put.
+    /// Hollows of the shape, known once it is made: lamps and cameras are often put there.
     pub rooms: Vec<Room>,
 }
 
-/// A hollow box: its middle, from the middle of the world, and half of its extent.
+/// A hollow box: its centre, relative to that of the world, and half of its extent.
 #[derive(Clone, Copy)]
 pub struct Room {
     pub at: [f64; 3],
@@ -30,7 +30,7 @@ fn number(value: f64) -> Term {
     Term::Number(value)
 }
 
-/// `{"n0": (basis: …), …}` and the names.
+/// `{"n0": (basis: …), …}` and the names of the noises.
 pub fn noises(dice: &mut Dice) -> (Term, Vec<String>) {
     let count = *dice.pick(&[0, 0, 1, 1, 2, 3]);
     let names: Vec<String> = (0..count).map(|index| format!("n{index}")).collect();
@@ -79,7 +79,7 @@ fn noise(dice: &mut Dice) -> Term {
     record("", keys)
 }
 
-/// The shape of a world whose middle is at `centre`.
+/// The shape of a world with this centre.
 pub fn world_shape(dice: &mut Dice, ground: &mut Ground<'_>, centre: [f64; 3]) -> Term {
     let shape = match dice.whole(0, 9) {
         0..=3 => rooms(dice, ground),
@@ -104,13 +104,13 @@ fn cuboid(half: [f64; 3]) -> Term {
     record("Box", vec![("half", Term::vector(half))])
 }
 
-/// Stone with hollows, most of them closed: spaces that light must not reach through thin walls.
+/// Solid material with hollows, most of them closed: light must not reach them through thin walls.
 fn rooms(dice: &mut Dice, ground: &mut Ground<'_>) -> Term {
     let half = ground.half;
     let wall = f64::from(dice.whole(1, 2));
     let count = dice.whole(1, 3);
     if dice.chance(0.6) {
-        // In a row, with walls of one thickness between them.
+        // In a row, with walls of equal thickness between them.
         let axis = dice.whole(0, 2) as usize;
         let each = (2.0 * half[axis] - wall * f64::from(count + 1)) / f64::from(count);
         for index in 0..count {
@@ -160,7 +160,7 @@ fn cavern(dice: &mut Dice, ground: &Ground<'_>) -> Term {
     )
 }
 
-/// A tree of at most so many operators over each other.
+/// A tree of at most `depth` nested operators.
 fn shape(dice: &mut Dice, ground: &Ground<'_>, half: [f64; 3], depth: u32) -> Term {
     if depth == 0 || dice.chance(0.15) {
         return leaf(dice, ground, half);
@@ -213,7 +213,7 @@ fn named_noise(dice: &mut Dice, ground: &Ground<'_>) -> Option<Term> {
     (!ground.noises.is_empty()).then(|| Term::text(dice.pick(ground.noises)))
 }
 
-/// Copies that keep within half of a period.
+/// Copies that each stay within half of a period.
 fn repeat(dice: &mut Dice) -> Term {
     let reach = dice.number(1.0, 6.0);
     let axis = |dice: &mut Dice| {
@@ -259,7 +259,7 @@ fn scatter(dice: &mut Dice, half: [f64; 3]) -> Term {
     record("Scatter", keys)
 }
 
-/// A primitive that keeps within this distance of the origin.
+/// A primitive that stays within this distance of the origin.
 fn bounded(dice: &mut Dice, reach: f64) -> Term {
     let part = rounded(reach * 0.5);
     match dice.whole(0, 3) {
@@ -345,7 +345,7 @@ fn leaf(dice: &mut Dice, ground: &Ground<'_>, half: [f64; 3]) -> Term {
     }
 }
 
-/// A small shape for a rule.
+/// A small shape, for a rule.
 pub fn of_rule(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     moved(centre, leaf(dice, ground, ground.half))
 }

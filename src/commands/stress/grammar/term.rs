@@ -1,7 +1,7 @@
-//! What the grammar builds: a tree of the choices that it made, which prints as the text of a world file.
+//! The output of the grammar: a tree of its choices, which prints as the text of a world file.
 //!
-//! A node is what RON can say. So every node can be shrunk in the same few ways, whatever it stands for, and
-//! the reader of world files decides which of the results is a world.
+//! A node is any RON value. So every node can be shrunk in the same few ways, whatever it means, and the reader
+//! of world files decides which of the results are valid worlds.
 
 use std::fmt;
 
@@ -15,26 +15,26 @@ pub enum Term {
     Text(String),
     /// `Name(a, b)`; a vector has no name.
     Tuple(&'static str, Vec<Term>),
-    /// `Name(key: a, key: b)`; many have no name.
+    /// `Name(key: a, key: b)`; the name may be empty.
     Record(&'static str, Vec<(&'static str, Term)>),
     List(Vec<Term>),
     /// `{"name": a, "name": b}`
     Map(Vec<(String, Term)>),
 }
 
-/// Where a node stands: the number of a child, of that child's child, and so on.
+/// The position of a node: the index of a child, of that child's child, and so on.
 pub type Path = Vec<usize>;
 
 /// One step towards a simpler tree.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
-    /// Takes children from `first` on out of the node at the path.
+    /// Removes children, starting at `first`, from the node at the path.
     Remove {
         path: Path,
         first: usize,
         count: usize,
     },
-    /// Puts something simpler in the place of the node at the path.
+    /// Replaces the node at the path by something simpler.
     Replace { path: Path, with: Term },
 }
 
@@ -47,7 +47,7 @@ impl Term {
         Self::Text(of.into())
     }
 
-    /// How many nodes the tree has.
+    /// The number of nodes in the tree.
     pub fn nodes(&self) -> usize {
         1 + self
             .children()
@@ -79,17 +79,17 @@ impl Term {
             .try_fold(self, |node, &index| node.child_mut(index))
     }
 
-    /// Whether children can be taken out without a hole: not of a tuple, whose places have meanings.
+    /// Whether children can be removed. Children of a tuple cannot: their positions have meanings.
     fn is_collection(&self) -> bool {
         matches!(self, Self::List(_) | Self::Record(..) | Self::Map(_))
     }
 
-    /// Whether this stands for something by its name, as `Sphere(…)` does.
+    /// Whether the node has a name, such as `Sphere(…)`.
     fn is_named(&self) -> bool {
         matches!(self, Self::Record(name, _) | Self::Tuple(name, _) if !name.is_empty())
     }
 
-    /// Every step there is, those that take most away first.
+    /// Every possible step; those that remove most come first.
     pub fn steps(&self) -> Vec<Step> {
         let mut steps = Vec::new();
         let mut level: Vec<(Path, &Self)> = vec![(Vec::new(), self)];
@@ -103,7 +103,7 @@ impl Term {
             });
             level = below.collect();
         }
-        // Numbers last: there are many, and they take nothing away.
+        // Numbers last: there are many, and simplifying them removes nothing.
         steps.sort_by_key(|step| {
             matches!(
                 step,
@@ -125,7 +125,7 @@ impl Term {
                 count,
             };
             let mut count = children.len() / 2;
-            // A record's keys have nothing to do with each other, and few can be left out.
+            // The keys of a record are independent of each other, and few can be left out.
             while count > 1 && !matches!(self, Self::Record(..)) {
                 let firsts = (0..children.len()).step_by(count);
                 steps.extend(firsts.map(|first| remove(first, count.min(children.len() - first))));
@@ -173,7 +173,7 @@ impl Term {
         Some(tree)
     }
 
-    /// A file: each key of the outermost record on a line of its own.
+    /// The text of a file: each key of the outermost record is on its own line.
     pub fn file(&self) -> String {
         let Self::Record(_, keys) = self else {
             return format!("{self}\n");

@@ -1,4 +1,4 @@
-//! After the storm: what must hold, and what is compared with what never saw one.
+//! After the storm: the conditions that must hold, and the comparison with frames that never had a storm.
 
 use super::{
     judge::{self, Check},
@@ -10,23 +10,24 @@ use super::{
 };
 use crate::commands::Failure;
 
-/// Frames after a remake or a loss, before the picture must be that of a fresh start to the bit.
+/// Frames after a rebuild or a loss, before the picture must equal that of a fresh start bit for bit.
 const EXACT_FRAMES: u32 = 12;
-/// Pictures of other seeds that tell how large the noise is.
+/// Pictures with other seeds, which measure the noise.
 const FRESH_PICTURES: u32 = 3;
-/// Voxels around the camera that are air when pictures are compared.
+/// Radius around the camera that is cleared of voxels when pictures are compared (voxels).
 const AIR_RADIUS: f32 = 4.5;
-/// What may be left beside the memory of a fresh frame: objects, and bytes on the adapter.
+/// What may remain above the memory of a fresh frame: objects, and bytes on the adapter.
 const SLACK_OBJECTS: f64 = 4.0;
 const SLACK_BYTES: f64 = 2.0 * 1024.0 * 1024.0;
-/// How much larger than those of a fresh frame the buffers may be that edits have made grow.
+/// Largest ratio of buffers that have grown by edits to those of a fresh frame.
 const GROWN: f64 = 2.0;
 
 impl Storm<'_> {
-    /// Settles, and compares with what never saw a storm.
+    /// Settles, and compares with frames that never had a storm.
     pub fn judge(&mut self, after: After<'_>) -> Result<(), Failure> {
         self.still_scene()?;
-        // Afterwards: an edit that makes buffers grow uploads all voxels anew, and would mend what is wrong on purpose.
+        // Only now: an edit that makes buffers grow uploads all voxels again, and would repair the planted
+        // fault.
         self.plant()?;
         self.look()?;
         self.rig.steps(self.plan.settling, after)?;
@@ -83,7 +84,7 @@ impl Storm<'_> {
         if self.has(Kind::Soak) {
             let software = self.rig.gpu.summary.is_software();
             let judged = Judged {
-                // New kernels and devices take memory that compilers and drivers keep.
+                // New kernels and devices take memory, which compilers and drivers keep.
                 process: !self.has(Kind::Layout) && !self.has(Kind::Loss),
                 times: self.plan.kinds.only(Kind::Soak) && !software,
             };
@@ -95,7 +96,7 @@ impl Storm<'_> {
         }
         self.hear_device_errors();
         for refused in &self.refused {
-            tracing::error!("the device has refused: {refused}");
+            tracing::error!("the device has reported an error: {refused}");
         }
         let checks = [
             Check::none("light.not_finite", self.not_finite),
@@ -105,8 +106,8 @@ impl Storm<'_> {
         Ok(())
     }
 
-    /// What nothing changes any longer: a camera of the world in some air, at the time when the storm ended, in a
-    /// picture that is large enough to be compared.
+    /// Brings the scene to rest: a camera of the world with some air around it, the time at which the storm
+    /// ended, and a picture that is large enough for a comparison.
     fn still_scene(&mut self) -> Result<(), Failure> {
         let world = &self.plan.scene.world;
         self.rig.now.camera = world.cameras[0].clone();
@@ -119,7 +120,7 @@ impl Storm<'_> {
             self.rig.resize(self.plan.start.size.map(|edge| edge | 1))?;
         }
         if self.has(Kind::Time) {
-            // The lamps of a moment are the same, whatever moments came before.
+            // The lamps at a given time must be the same, whatever times came before.
             let mut now = self.rig.now.clone();
             if self.plan.planted == Planted::LateLamps {
                 now.time_s -= 1.0;
@@ -138,7 +139,7 @@ impl Storm<'_> {
         Ok(())
     }
 
-    /// Makes wrong what a test wants to be wrong.
+    /// Plants the fault that a test requests.
     fn plant(&mut self) -> Result<(), Failure> {
         match self.plan.planted {
             Planted::EditOnCpuOnly => {
@@ -179,7 +180,7 @@ impl Storm<'_> {
         Ok(())
     }
 
-    /// The picture after some frames is that of a fresh start, to the bit.
+    /// Checks that the picture after some frames equals that of a fresh start, bit for bit.
     fn exact(&mut self, name: &str, after: After<'_>) -> Result<(), Failure> {
         self.rig.steps(EXACT_FRAMES, after)?;
         let picture = self.rig.frame.read_radiance(&self.rig.gpu)?;
@@ -189,13 +190,13 @@ impl Storm<'_> {
         Ok(())
     }
 
-    /// What the stormed frame holds against what a fresh one does: `stormed` is the footprint with the first alone,
-    /// `both` with both, `own` the bytes that the fresh one says it has.
+    /// Compares the memory of the stormed frame with that of a fresh one. `stormed` is the footprint of the
+    /// first alone, `both` that of both, `own` the bytes that the fresh frame reports.
     fn memory(&mut self, stormed: Footprint, both: Footprint, own: u64) {
         let fresh_objects = both.objects.saturating_sub(stormed.objects);
         let fresh_bytes = both.bytes.saturating_sub(stormed.bytes);
         let here = self.rig.frame.memory().total;
-        // Buffers that edits have outgrown are replaced by larger ones, which stay.
+        // Buffers that became too small for the edits were replaced by larger ones, which stay.
         let grown = here.saturating_sub(own);
         let held_objects = stormed.objects.saturating_sub(self.before.objects);
         let held_bytes = stormed.bytes.saturating_sub(self.before.bytes);

@@ -1,5 +1,5 @@
-//! What a storm changes and when, from a seed: every kind has random numbers of its own, so that it does the
-//! same whatever blows beside it.
+//! The changes of a storm and their frames, from a seed. Every kind has its own random numbers, so that it does
+//! the same whatever other kinds run at the same time.
 
 use glam::{IVec3, UVec3, Vec3};
 use rand::{RngExt as _, SeedableRng as _};
@@ -14,14 +14,14 @@ use crate::{
     },
 };
 
-/// Voxels that an edit storm rewrites in a second of world time.
+/// Voxels that an edit storm rewrites per second of world time.
 pub const VOXELS_PER_SECOND: u32 = 10_000;
-/// Frames in a second of world time.
+/// Frames per second of world time.
 pub const RATE: u32 = 60;
-/// Longest edge of a box, and radius of a ball, in voxels.
+/// Longest edge of a box, and largest radius of a ball, in voxels.
 const LONGEST_EDGE: i32 = 8;
 const LARGEST_RADIUS: f32 = 3.5;
-/// Half of the strokes lie this near to the camera, in voxels.
+/// Half of the strokes are within this distance of the camera, in voxels.
 const NEAR: i32 = 16;
 
 /// The random numbers of one kind of change.
@@ -38,13 +38,13 @@ impl Dice {
         Self { random, next: 0 }
     }
 
-    /// Whether a change is due in this frame; the next one is, some frames later.
+    /// Whether a change is due in this frame. The next one is due some frames later.
     pub fn is_due(&mut self, frame: u32, frames_between: std::ops::RangeInclusive<u32>) -> bool {
         let due = frame >= self.next;
         if due {
             self.next = frame + self.random.random_range(frames_between);
         }
-        // The first frame is left to settle in.
+        // The first frame is left for settling.
         due && frame > 0
     }
 
@@ -56,7 +56,7 @@ impl Dice {
         all[self.random.random_range(0..all.len())]
     }
 
-    /// Size of a picture: at most half as large again as `base`, odd or not, often one pixel wide, high or both.
+    /// Size of a picture: at most 1.5 times `base`, odd or even, often one pixel wide, high or both.
     pub fn size(&mut self, base: [u32; 2]) -> [u32; 2] {
         if self.chance(0.15) {
             return [1, 1];
@@ -70,7 +70,7 @@ impl Dice {
         })
     }
 
-    /// World time to jump to, in seconds: back, forward, near and as far as `--time` takes.
+    /// World time to jump to, in seconds: back, forward, near, and up to the largest `--time`.
     pub fn time(&mut self, now_s: f64) -> f64 {
         let near = self.random.random_range(-10.0..10.0);
         let day = self.random.random_range(-86_400.0..86_400.0);
@@ -86,7 +86,7 @@ impl Dice {
         ])
     }
 
-    /// One of these layouts, or one of its own, and parameters that make the probes anew.
+    /// One of these layouts or a random one, with parameters that rebuild the probes.
     pub fn layout(
         &mut self,
         layouts: &[LayoutSpec],
@@ -142,7 +142,7 @@ impl Dice {
             ],
             &["source.depth=clamp", "source.depth=reject"],
         ] {
-            // What is not thrown stays as it was chosen before.
+            // Parameters that are not drawn keep their previous values.
             if self.chance(0.4) {
                 let assignment = self.one_of(values);
                 next.set(assignment)
@@ -152,7 +152,8 @@ impl Dice {
         (layout, next)
     }
 
-    /// A stroke in a world of `size` voxels with so many materials; half of them near `camera` (grid space).
+    /// A stroke in a world of `size` voxels with `materials` materials; half of the strokes are near `camera`
+    /// (grid space).
     pub fn stroke(&mut self, size: UVec3, camera: IVec3, materials: u8) -> Stroke {
         let at = if self.chance(0.5) {
             let offset = [0; 3].map(|_| self.random.random_range(-NEAR..=NEAR));
@@ -180,7 +181,7 @@ impl Dice {
     }
 }
 
-/// One change of voxels (grid space) to a material, 0 for air.
+/// A change of voxels (grid space) to one material, 0 for air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stroke {
     Voxel(IVec3, u8),
@@ -199,7 +200,7 @@ impl Stroke {
         }
     }
 
-    /// Voxels that it is about, in a world that has them all.
+    /// Number of voxels in the stroke, in a world that contains all of them.
     pub fn voxels(&self) -> u32 {
         match *self {
             Self::Voxel(..) => 1,
@@ -209,11 +210,11 @@ impl Stroke {
     }
 }
 
-/// Frames from one camera of a world to the next.
+/// Frames of the flight from one camera of a world to the next.
 const FRAMES_A_LEG: u32 = 240;
 
-/// The camera in frame `frame`: from each camera of the world to the next one and back to the first, looking
-/// around. It may lead through stone.
+/// The camera in frame `frame`: it flies from each camera of the world to the next one and back to the first,
+/// looking around. The path may lead through solid voxels.
 pub fn camera(cameras: &[Camera], frame: u32) -> Camera {
     let leg = (frame / FRAMES_A_LEG) as usize;
     let along = (frame % FRAMES_A_LEG) as f32 / FRAMES_A_LEG as f32;

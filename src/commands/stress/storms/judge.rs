@@ -1,4 +1,4 @@
-//! What must hold after a storm, each as a number with a bound.
+//! The conditions that must hold after a storm, each as a number with a bound.
 
 use std::collections::BTreeMap;
 
@@ -22,13 +22,13 @@ use crate::{
     },
 };
 
-/// One thing that must hold.
+/// A condition that must hold.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     pub name: String,
-    /// `null` where it varies from run to run: then it stands under `measured` by the same name.
+    /// `null` where the value varies from run to run: then it is in `measured` under the same name.
     pub value: Option<f64>,
-    /// Most that is allowed; `null` where nothing is, and the value is only told.
+    /// Largest allowed value; `null` where the value is only reported.
     pub bound: Option<f64>,
     pub passed: bool,
 }
@@ -40,23 +40,23 @@ impl Check {
             name: name.into(),
             value: Some(value),
             bound: Some(bound),
-            // Not so for NaN.
+            // False for NaN.
             passed: value <= bound,
         }
     }
 
-    /// Passes for none.
+    /// Passes if the count is 0.
     pub fn none(name: impl Into<String>, count: u64) -> Self {
         Self::at_most(name, count as f64, 0.0)
     }
 
-    /// The same without a bound: its value is only told.
+    /// The same without a bound: the value is only reported.
     pub fn told(mut self) -> Self {
         (self.bound, self.passed) = (None, true);
         self
     }
 
-    /// The same with its value under `measured`.
+    /// The same with the value moved to `measured`.
     pub fn measured(mut self, measured: &mut BTreeMap<String, f64>) -> Self {
         if let Some(value) = self.value.take() {
             measured.insert(self.name.clone(), value);
@@ -65,8 +65,8 @@ impl Check {
     }
 }
 
-/// The voxels on the GPU against the CPU's copy, that against a fresh build of the same voxels, and the faces that
-/// shine on both sides.
+/// Compares the voxels on the GPU with the CPU's copy, that copy with a fresh build of the same voxels, and the
+/// lists of emissive faces on both sides.
 pub fn voxels(
     gpu: &Gpu,
     frame: &Frame,
@@ -89,8 +89,8 @@ pub fn voxels(
     ])
 }
 
-/// Cells that differ: in what they hold, in the distances of empty ones, and, if `places`, in the place of their
-/// bricks.
+/// Number of cells that differ: in their content, in the distances of empty cells, and, if `places`, in the
+/// place of their bricks.
 fn different_cells(a: &Voxels, b: &Voxels, places: bool) -> u64 {
     let (words_a, masks_a, materials_a) = a.raw();
     let (words_b, masks_b, materials_b) = b.raw();
@@ -112,7 +112,7 @@ fn different_cells(a: &Voxels, b: &Voxels, places: bool) -> u64 {
     pairs.filter(|pair| !same(*pair)).count() as u64
 }
 
-/// The same voxels as nobody has edited them.
+/// A fresh build of the same voxels, without edits.
 fn built_afresh(voxels: &Voxels) -> Voxels {
     Voxels::from_cells(voxels.size(), |cell| match voxels.cell(cell) {
         Cell::Empty => NewCell::Empty,
@@ -120,7 +120,7 @@ fn built_afresh(voxels: &Voxels) -> Voxels {
     })
 }
 
-/// Voxel by voxel.
+/// The content of a cell, voxel by voxel.
 fn content(voxels: &Voxels, cell: UVec3) -> Box<Brick> {
     let mut content = Box::new([0; BRICK_VOXELS]);
     for index in 0..BRICK_VOXELS as u32 {
@@ -131,10 +131,10 @@ fn content(voxels: &Voxels, cell: UVec3) -> Box<Brick> {
     content
 }
 
-/// 0 where the list that the frame knows and that on the GPU are what a look at all voxels finds.
+/// 0 where the frame's list and the GPU's list equal the list `found`, which a scan of all voxels gives.
 fn different_emitters(gpu: &Gpu, frame: &Frame, found: &Emitters) -> Result<u64, GpuError> {
     let list = &frame.stage.emitters;
-    // One that the adapter cannot hold is left empty, which is said when it is made.
+    // A list that the adapter cannot hold is left empty, which is reported when it is made.
     if !list.holds(found) {
         return Ok(u64::from(!list.known.faces.is_empty()));
     }
@@ -153,7 +153,7 @@ fn different_emitters(gpu: &Gpu, frame: &Frame, found: &Emitters) -> Result<u64,
     Ok(different)
 }
 
-/// Values of the picture and of what probes have found that are not finite.
+/// Number of values in the picture and in the results of probes that are not finite.
 pub fn not_finite(gpu: &Gpu, frame: &Frame) -> Result<u64, GpuError> {
     let picture = frame.read_radiance(gpu)?;
     let rays: Vec<f32> = gpu.read_buffer(frame.field().rays())?;
@@ -173,7 +173,7 @@ pub fn not_finite(gpu: &Gpu, frame: &Frame) -> Result<u64, GpuError> {
 
 /// Edge in pixels of the blocks whose light is compared.
 const BLOCK: usize = 8;
-/// Share of the mean of a picture below which the light of a block is as good as none.
+/// Share of the mean of a picture below which the light of a block counts as dark.
 const DARK: f64 = 0.05;
 
 /// How much two pictures of the same scene differ.
@@ -181,7 +181,7 @@ const DARK: f64 = 0.05;
 pub struct Difference {
     /// Mean over the pixels, as a display shows them.
     pub flip: f64,
-    /// Of the light of blocks of pixels, relative: mean, and the block that differs most.
+    /// Relative difference of the light of blocks of pixels: mean, and the largest.
     pub mean_block: f64,
     pub worst_block: f64,
 }
@@ -221,7 +221,7 @@ impl Difference {
     }
 }
 
-/// Mean of the channels over each block of pixels, those at the edges smaller.
+/// Mean of the channels over each block of pixels; blocks at the edges are smaller.
 fn blocks(picture: &Picture) -> Vec<f64> {
     let (width, height) = (picture.width as usize, picture.height as usize);
     let columns = width.div_ceil(BLOCK);
@@ -235,12 +235,12 @@ fn blocks(picture: &Picture) -> Vec<f64> {
     sums.into_iter().map(|(sum, count)| sum / count).collect()
 }
 
-/// What a picture may differ more than fresh pictures with other seeds differ among themselves: that many
-/// times as much, and this much besides.
+/// The allowed difference of a picture, from the differences among fresh pictures with other seeds: a factor,
+/// and an absolute term.
 const FACTORS: [(f64, f64); 3] = [(1.5, 0.01), (1.5, 0.01), (2.0, 0.15)];
 
-/// The light of a picture after a storm against pictures that began with the same voxels, lights and size, and
-/// differ by their seeds: how much those differ is the noise that it is judged by.
+/// Compares the light of a picture after a storm with pictures that started with the same voxels, lights and
+/// size, and differ by their seeds. The differences among these pictures measure the noise.
 pub fn light(
     name: &str,
     picture: &Picture,
@@ -273,7 +273,7 @@ pub fn light(
     Ok(checks.collect())
 }
 
-/// Pixels whose light differs by a bit.
+/// Number of pixels whose light differs in any bit.
 pub fn different_pixels(a: &Picture, b: &Picture) -> u64 {
     if [a.width, a.height] != [b.width, b.height] {
         return a.rgb.len().max(b.rgb.len()) as u64;
@@ -347,7 +347,7 @@ mod tests {
             .flatten()
             .for_each(|value| *value *= 0.7);
         assert!(judged(&stale).iter().all(|check| !check.passed));
-        // One corner that stayed dark shows in the worst block alone.
+        // One corner that stayed dark shows only in the worst block.
         let mut corner = noisy(4);
         for y in 0..8 {
             for x in 0..8 {

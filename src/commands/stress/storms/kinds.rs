@@ -1,4 +1,4 @@
-//! The kinds of storms, and which of them blow at once.
+//! The kinds of storms, and which of them run at the same time.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use std::fmt;
 pub enum Kind {
     /// Voxels.
     Edit,
-    /// The probes' layout and the parameters that make them anew.
+    /// The probes' layout and the parameters that rebuild the probes.
     Layout,
     /// The size of the picture.
     Resize,
@@ -15,7 +15,7 @@ pub enum Kind {
     Time,
     /// The device is destroyed and opened again.
     Loss,
-    /// Mixed play, for long.
+    /// Mixed changes over a long time.
     Soak,
 }
 
@@ -29,7 +29,7 @@ impl Kind {
         Self::Soak,
     ];
 
-    /// The flag that asks for it, without its dashes.
+    /// The flag that selects the kind, without its dashes.
     pub fn flag(self) -> &'static str {
         match self {
             Self::Edit => "edit-storm",
@@ -42,12 +42,12 @@ impl Kind {
     }
 }
 
-/// Those that blow together.
+/// Kinds that run at the same time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Kinds(Vec<Kind>);
 
 impl Kinds {
-    /// Each once, in the order of [`Kind::ALL`].
+    /// Each kind once, in the order of [`Kind::ALL`].
     pub fn new(kinds: &[Kind]) -> Self {
         let wanted = Kind::ALL.into_iter().filter(|kind| kinds.contains(kind));
         Self(wanted.collect())
@@ -57,7 +57,7 @@ impl Kinds {
         self.0.contains(&kind)
     }
 
-    /// Whether this is the only one.
+    /// Whether `kind` is the only one.
     pub fn only(&self, kind: Kind) -> bool {
         self.0 == [kind]
     }

@@ -1,5 +1,5 @@
-//! Storms: changes that come faster than any player makes them, and what must hold afterwards.
-//! `docs/storms.md` says what each does and what it checks.
+//! Storms: changes that come faster than any player makes them, and the conditions that must hold afterwards.
+//! `docs/storms.md` describes each storm and its checks.
 
 mod aftermath;
 mod changes;
@@ -32,16 +32,16 @@ use super::super::{
 };
 use crate::{gpu::Gpu, world::View};
 
-/// Which storms, and how long.
+/// The storms of a run, and their length.
 #[derive(Args)]
 pub struct StormOptions {
     /// Worlds of the storms [default: worlds/cave.ron]
     #[arg(value_name = "WORLD")]
     worlds: Vec<PathBuf>,
-    /// Storm: 10 000 voxels a second are dug and filled. Storms that are named together blow at once
+    /// Storm: 10 000 voxels a second are dug and filled. Storms that are named together run at the same time
     #[arg(long)]
     edit_storm: bool,
-    /// Storm: probe layouts and what makes probes anew are switched
+    /// Storm: probe layouts and parameters that rebuild the probes change
     #[arg(long)]
     layout_storm: bool,
     /// Storm: pictures of all sizes, down to one pixel
@@ -50,20 +50,20 @@ pub struct StormOptions {
     /// Storm: world time jumps
     #[arg(long)]
     time_storm: bool,
-    /// Storm: the device is destroyed between frames, and drawing goes on with a new one
+    /// Storm: the device is destroyed between frames, and drawing continues with a new one
     #[arg(long)]
     device_loss: bool,
-    /// Mixed play for so many minutes, watched for memory that grows and frames that slow down
+    /// Mixed changes for N minutes, watching for memory that grows and frames that slow down
     #[arg(long, value_name = "MINUTES", value_parser = minutes, allow_negative_numbers = true)]
     soak: Option<f64>,
-    /// Minutes of each storm [default: 1; with --soak, those]
+    /// Minutes of each storm [default: 1; with --soak, its minutes]
     #[arg(long, value_name = "M", value_parser = minutes, allow_negative_numbers = true, conflicts_with = "soak")]
     storm_minutes: Option<f64>,
     /// Frames of each storm, in place of minutes: the same seed then does exactly the same
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000),
           allow_negative_numbers = true, conflicts_with = "storm_minutes")]
     storm_frames: Option<u32>,
-    /// Frames without a change after a storm, and of the pictures that it is compared with
+    /// Frames without a change after a storm, also of the pictures that it is compared with
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=100_000),
           allow_negative_numbers = true)]
     storm_settling: u32,
@@ -79,13 +79,13 @@ fn minutes(text: &str) -> Result<f64, String> {
 }
 
 impl StormOptions {
-    /// Whether any storm was asked for.
+    /// Whether any storm was requested.
     pub fn any(&self) -> bool {
         !self.kinds().is_empty()
     }
 
     fn kinds(&self) -> Kinds {
-        let asked = [
+        let requested = [
             (self.edit_storm, Kind::Edit),
             (self.layout_storm, Kind::Layout),
             (self.resize_storm, Kind::Resize),
@@ -93,8 +93,8 @@ impl StormOptions {
             (self.device_loss, Kind::Loss),
             (self.soak.is_some(), Kind::Soak),
         ];
-        let asked = asked.into_iter().filter(|(asked, _)| *asked);
-        Kinds::new(&asked.map(|(_, kind)| kind).collect::<Vec<_>>())
+        let requested = requested.into_iter().filter(|(requested, _)| *requested);
+        Kinds::new(&requested.map(|(_, kind)| kind).collect::<Vec<_>>())
     }
 
     fn length(&self) -> Length {
@@ -104,7 +104,7 @@ impl StormOptions {
         }
     }
 
-    /// The command that does the same in one world, frame for frame.
+    /// The command that repeats the storm in one world, frame for frame.
     fn repeat(&self, world: &Path, seed: u32, frames: u32, run: &RunOptions) -> String {
         let mut words = vec!["grotto stress".to_owned()];
         for kind in self.kinds().iter() {
@@ -129,12 +129,12 @@ impl StormOptions {
     }
 }
 
-/// Runs the storms that were asked for, all kinds at once, in one world after another, and writes
-/// [`FILE`] into `out` after each. Nothing where no storm was asked for. `stop` ends them early: then the record
-/// of the last one is not complete.
+/// Runs the requested storms, all kinds at the same time, in one world after another, and writes [`FILE`] into
+/// `out` after each world. Does nothing where no storm was requested. `stop` ends them early: then the last
+/// record is not complete.
 ///
 /// # Errors
-/// For a world that cannot be read, and when the adapter fails. Checks that fail are in the records: see
+/// For a world that cannot be read, and when the adapter fails. Failed checks are in the records: see
 /// [`verdict`].
 pub fn run(
     options: &StormOptions,
@@ -197,7 +197,7 @@ pub fn run(
             seed,
             planted: Planted::Nothing,
         };
-        // A device of its own: what one world has left behind must not count for the next.
+        // Each world has a device of its own: what one world leaves behind must not count for the next.
         let gpu = open(run, records.is_empty())?;
         let bar = match plan.length {
             Length::Frames(frames) => output::progress(
@@ -232,7 +232,7 @@ pub fn run(
     Ok(records)
 }
 
-/// Says once that an adapter is a CPU.
+/// Opens the adapter; prints only once that it is a CPU.
 fn open(run: &RunOptions, first: bool) -> Result<Gpu, Failure> {
     if first {
         return output::open_gpu(run);
@@ -241,7 +241,7 @@ fn open(run: &RunOptions, first: bool) -> Result<Gpu, Failure> {
 }
 
 /// # Errors
-/// When a check has failed, with the command that repeats it; when a storm was stopped before its end.
+/// When a check has failed, with the command that repeats it; and when a storm was stopped before its end.
 pub fn verdict(records: &[StormRecord]) -> Result<(), Failure> {
     if let Some(failed) = report::verdict(records) {
         return Err(Failure::gate(failed));

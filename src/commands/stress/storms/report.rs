@@ -1,4 +1,4 @@
-//! What storms write: a record each, as JSON and as a table.
+//! The output of storms: a record for each, as JSON and as a table.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use super::{judge::Check, soak::Sample};
 /// The file of the records in the folder of `--out`.
 pub const FILE: &str = "storms.json";
 
-/// One run: the kinds that blew together in one world, and what was found.
+/// One run: the kinds that ran at the same time in one world, and the results.
 #[derive(Clone, Debug, Serialize)]
 pub struct StormRecord {
     /// The flags of its kinds, joined by `+`.
@@ -19,35 +19,35 @@ pub struct StormRecord {
     pub seed: u32,
     /// Frames of the storm itself.
     pub frames: u32,
-    /// Frames without a change after it, and of the fresh pictures that it is compared with.
+    /// Frames without a change after the storm, and frames of the fresh pictures that it is compared with.
     pub settling: u32,
     /// Width and height in pixels at the start.
     pub size: [u32; 2],
-    /// Whether it came to its end; if not, there are no checks.
+    /// Whether the storm ended normally; if not, there are no checks.
     pub complete: bool,
-    /// How often what was changed.
+    /// Number of changes of each kind.
     pub changes: BTreeMap<&'static str, u64>,
     pub checks: Vec<Check>,
-    /// The command that does the same again.
+    /// The command that repeats the run.
     pub repeat: String,
-    /// What varies from run to run.
+    /// Values that vary from run to run.
     pub measured: Measured,
 }
 
-/// What varies from run to run.
+/// Values that vary from run to run.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Measured {
     /// Seconds of the storm itself.
     pub seconds: f64,
-    /// By the name of the check.
+    /// Under the name of the check.
     pub values: BTreeMap<String, f64>,
-    /// Of a soak.
+    /// Samples of a soak.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub samples: Vec<Sample>,
 }
 
 impl StormRecord {
-    /// Whether all that was checked holds, and all was.
+    /// Whether the run is complete and all its checks hold.
     pub fn passed(&self) -> bool {
         self.complete && self.checks.iter().all(|check| check.passed)
     }
@@ -106,7 +106,7 @@ fn figure(value: f64) -> String {
     }
 }
 
-/// What failed, and how to see it again; `None` where nothing did.
+/// The failed checks, and the commands that repeat them; `None` if nothing failed.
 pub fn verdict(records: &[StormRecord]) -> Option<String> {
     let failed: Vec<String> = records
         .iter()
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn what_varies_stands_under_measured_alone() {
+    fn what_varies_is_only_under_measured() {
         let mut record = record(0.0);
         record.checks[0] =
             Check::at_most("soak.object_growth", 3.0, 16.0).measured(&mut record.measured.values);

@@ -1,4 +1,5 @@
-//! What storms blow on: a frame with the CPU's copy of its voxels, and all that it takes to draw the next one.
+//! The frame that storms change, with the CPU's copy of its voxels and everything needed to draw the next
+//! frame.
 
 use crate::{
     commands::Failure,
@@ -14,7 +15,7 @@ use crate::{
     },
 };
 
-/// What is drawn at a moment: the part of the state that storms change, apart from the voxels.
+/// The state of the next frame: everything that storms change, apart from the voxels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Now {
     pub layout: LayoutSpec,
@@ -23,7 +24,7 @@ pub struct Now {
     pub size: [u32; 2],
     pub time_s: f64,
     pub camera: Camera,
-    /// Of the random rays.
+    /// Seed of the random rays.
     pub seed: u32,
 }
 
@@ -50,12 +51,12 @@ pub struct Rig<'a> {
     /// The CPU's copy, with all edits.
     pub voxels: Voxels,
     pub now: Now,
-    /// Takes the place of the lights, where a test wants stale ones.
+    /// Replaces the lights, where a test wants stale ones.
     pub stale: Option<Lights>,
 }
 
 impl<'a> Rig<'a> {
-    /// Builds the world as everyone does.
+    /// Builds the world in the usual way.
     pub fn new(gpu: Gpu, scene: &'a Scene, now: Now) -> Result<Self, Failure> {
         let device_errors = DeviceErrors::watch(&gpu);
         let stage = Stage::build(&gpu, &scene.world)?;
@@ -72,7 +73,7 @@ impl<'a> Rig<'a> {
         })
     }
 
-    /// Draws a frame and waits for it.
+    /// Draws a frame and waits for the GPU.
     pub fn step(&mut self) -> Result<(), Failure> {
         let lights = match &self.stale {
             Some(lights) => lights.clone(),
@@ -93,20 +94,21 @@ impl<'a> Rig<'a> {
         Ok(())
     }
 
-    /// Changes the CPU's copy, and makes the GPU follow.
+    /// Changes the CPU's copy and updates the GPU.
     pub fn edit(&mut self, change: impl FnOnce(&mut Voxels) -> Edit) -> Result<(), Failure> {
         let edit = change(&mut self.voxels);
         Ok(self.frame.apply(&self.gpu, &self.voxels, &edit)?)
     }
 
-    /// Another picture size; the probes keep their light.
+    /// Sets another picture size; the probes keep their light.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Failure> {
         self.frame.resize(&self.gpu, size)?;
         self.now.size = size;
         Ok(())
     }
 
-    /// Fresh probes in another layout. False where the adapter or the layout does not allow it: then all is as before.
+    /// Fresh probes in another layout. False where the adapter or the layout does not allow it: then nothing
+    /// changes.
     pub fn replace_probes(
         &mut self,
         layout: LayoutSpec,
@@ -120,17 +122,18 @@ impl<'a> Rig<'a> {
                 (self.now.layout, self.now.parameters) = (layout, parameters);
                 Ok(true)
             }
-            // Too much for this adapter, or no layout at all.
+            // The layout is too large for this adapter, or invalid.
             Err(failure) if failure.exit_code() == crate::commands::EXIT_BAD_INPUT => Ok(false),
             Err(failure) => Err(failure),
         }
     }
 
-    /// Destroys the device, draws on it as a window would that has not heard of it, and goes on with a new one. Edits
-    /// stay, unless `forget_edits`. False where the loss was not heard of.
+    /// Destroys the device, draws once more on it, as a window does that has not noticed the loss, and
+    /// continues with a new device. Edits are kept, unless `forget_edits`. False where the loss was not
+    /// reported.
     pub fn lose_device(&mut self, forget_edits: bool) -> Result<bool, Failure> {
         self.gpu.device.destroy();
-        // Errors are what a lost device gives; that it is lost must be heard of.
+        // A lost device gives errors, which do not matter here; the loss must be reported.
         let _ = self.step();
         let _ = self.frame.read_radiance(&self.gpu);
         let heard = self.device_errors.is_lost();
@@ -147,7 +150,7 @@ impl<'a> Rig<'a> {
         Ok(heard)
     }
 
-    /// The light of a frame that began with the voxels, lights and size of now, after so many frames.
+    /// The light of a frame that started with the present voxels, lights and size, after N frames.
     pub fn fresh(
         &self,
         seed: u32,

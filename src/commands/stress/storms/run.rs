@@ -1,4 +1,4 @@
-//! One storm from its first frame to its last check.
+//! Runs one storm from its first frame to its last check.
 
 use std::{
     cell::Cell,
@@ -20,53 +20,53 @@ use super::{
 };
 use crate::{commands::Failure, gpu::Gpu, measure::statistics::median};
 
-/// How long a storm blows.
+/// The length of a storm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Length {
-    /// Repeats exactly with the same seed.
+    /// Frames: repeats exactly with the same seed.
     Frames(u32),
-    /// By the clock on the wall.
+    /// Minutes of real time.
     Minutes(f64),
 }
 
-/// What a storm is made of.
+/// The description of a storm.
 pub struct Plan<'a> {
     pub scene: &'a Scene,
-    /// What the first frame shows.
+    /// The state of the first frame.
     pub start: Now,
     pub kinds: Kinds,
     pub length: Length,
     /// Frames without a change, before pictures are compared.
     pub settling: u32,
     pub seed: u32,
-    /// Something that is wrong on purpose.
+    /// A fault planted on purpose.
     pub planted: Planted,
 }
 
-/// Faults that tests plant, to show that each check finds its own.
+/// Faults that tests plant, to show that each check finds its fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Planted {
     #[default]
     Nothing,
     /// One stroke does not reach the GPU.
     EditOnCpuOnly,
-    /// After the storm the light is that of other lamps.
+    /// After the storm the light is computed from other lamps.
     StaleLight,
-    /// A buffer in each frame is never given back.
+    /// In each frame a buffer is leaked.
     LeakedBuffer,
-    /// What a probe ray has found is not a number.
+    /// The result of a probe ray is NaN.
     NotANumber,
-    /// A call that the device refuses.
+    /// A call that the device rejects.
     InvalidCall,
-    /// The last layout is not taken.
+    /// The last layout is not applied.
     KeptProbes,
-    /// A new device gets the voxels as nobody has edited them.
+    /// A new device gets the voxels without their edits.
     LostEdits,
     /// Lamps are a second late.
     LateLamps,
 }
 
-/// What a storm has found.
+/// The results of a storm.
 pub struct Found {
     pub frames: u32,
     pub complete: bool,
@@ -75,23 +75,23 @@ pub struct Found {
     pub measured: Measured,
 }
 
-/// Frames from one look at the light to the next.
+/// Frames between two checks of the light.
 const FRAMES_TO_LOOK: u32 = 64;
-/// Frames of a soak from one sample to the next.
+/// Frames of a soak between two samples.
 const FRAMES_TO_SAMPLE: u32 = 8;
-/// Frames from one edit of a soak to the next, places that it digs and fills in turn, and their radius.
+/// Soaks: frames between two edits, number of places that are dug and filled in turn, and their radius.
 const FRAMES_TO_DIG: u32 = 30;
 const SOAK_PLACES: u32 = 8;
 const SOAK_RADIUS: f32 = 2.5;
 
-/// A storm that blows.
+/// A storm in progress.
 pub(super) struct Storm<'a> {
     pub plan: &'a Plan<'a>,
     pub rig: Rig<'a>,
     dice: BTreeMap<Kind, Dice>,
-    /// Voxels that may be rewritten by now.
+    /// Voxels that may be rewritten now.
     credit: f64,
-    /// What the device holds apart from the frame.
+    /// Footprint of the device without the frame.
     pub before: Footprint,
     leaked: Vec<wgpu::Buffer>,
     pub not_finite: u64,
@@ -101,7 +101,7 @@ pub(super) struct Storm<'a> {
     pub found: Found,
 }
 
-/// Runs a storm and judges it. `stop` ends it early: then it is not judged.
+/// Runs a storm and judges it. `stop` ends the storm early: then it is not judged.
 pub fn run(
     gpu: Gpu,
     plan: &Plan<'_>,
@@ -216,7 +216,7 @@ impl Storm<'_> {
         Ok(())
     }
 
-    /// All that changes before a frame.
+    /// Applies all changes before a frame.
     fn change(&mut self, frame: u32) -> Result<(), Failure> {
         let plan = self.plan;
         self.rig.now.camera = changes::camera(&plan.scene.world.cameras, frame);
@@ -265,7 +265,7 @@ impl Storm<'_> {
         Ok(())
     }
 
-    /// Slow edits, which leave as much stone as there was: a few balls are dug and filled in turn.
+    /// Slow edits that leave the number of solid voxels unchanged: a few balls are dug and filled in turn.
     fn dig(&mut self, index: u32) -> Result<(), Failure> {
         let world = &self.plan.scene.world;
         let camera = &world.cameras[0];
@@ -288,7 +288,7 @@ impl Storm<'_> {
         Ok(())
     }
 
-    /// Errors that the device has reported on its own.
+    /// Collects errors that the device has reported asynchronously.
     pub fn hear_device_errors(&mut self) {
         self.refused.extend(
             self.rig

@@ -8,22 +8,22 @@ use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
 use super::judge::Check;
 use crate::{gpu::Gpu, measure::statistics::median};
 
-/// What there is at one moment.
+/// Measurements at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Sample {
     /// Seconds since the start.
     pub time_s: f64,
-    /// Of this process, resident.
+    /// Resident memory of this process.
     pub process_bytes: f64,
-    /// What the adapter's allocator has given out.
+    /// Bytes that the adapter's allocator has given out.
     pub adapter_bytes: f64,
-    /// Devices, buffers, textures and bind groups that are alive.
+    /// Devices, buffers, textures and bind groups that exist.
     pub objects: f64,
     /// Median milliseconds of the frames since the last sample.
     pub frame_ms: f64,
 }
 
-/// Looks at this process.
+/// Measures this process.
 pub struct Process {
     system: Option<System>,
     id: Option<Pid>,
@@ -37,7 +37,7 @@ impl Process {
         }
     }
 
-    /// Resident bytes; 0 where the system does not say.
+    /// Resident bytes; 0 where the system does not report them.
     pub fn bytes(&mut self) -> u64 {
         let (Some(system), Some(id)) = (&mut self.system, self.id) else {
             return 0;
@@ -48,17 +48,17 @@ impl Process {
     }
 }
 
-/// What the devices of an instance hold.
+/// The objects and the memory of all devices of an instance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Footprint {
     /// Devices, buffers, textures and bind groups.
     pub objects: u64,
-    /// What the allocator of the device has given out; 0 where it does not say.
+    /// Bytes that the device's allocator has given out; 0 where it does not report them.
     pub bytes: u64,
 }
 
 impl Footprint {
-    /// Of all devices of the instance; the work that was submitted must be done.
+    /// The footprint of all devices of the instance. Submitted work must be finished.
     pub fn of(gpu: &Gpu) -> Self {
         let objects = gpu.instance.generate_report().map_or(0, |report| {
             let hub = report.hub_report();
@@ -76,22 +76,23 @@ impl Footprint {
     }
 }
 
-/// Name of the check.
+/// Name of the check of the process.
 const PROCESS: &str = "soak.process_growth_bytes";
-/// Share of the samples that is left out at the start: caches fill.
+/// Share of the samples that is left out at the start, while caches fill.
 const WARM_UP: f64 = 0.2;
-/// Fewer say nothing.
+/// Fewer samples say nothing.
 const LEAST_SAMPLES: usize = 6;
-/// Standard errors above 0 from which a slope is no accident.
+/// Standard errors above 0 from which a slope is significant.
 const SURE: f64 = 4.0;
-/// Share of the whole slope that both halves have at least where growth is steady: one step has not.
+/// Where growth is steady, each half of the run has at least this share of the whole slope; a single step does
+/// not.
 const LEAST_IN_HALVES: f64 = 0.25;
-/// Growth of the process over the run that is allowed: allocators keep what they are given back.
+/// Allowed growth of the process over the run: allocators keep memory that was freed.
 const PROCESS_GROWTH: f64 = 32.0 * 1024.0 * 1024.0;
-/// Of the adapter's allocator: an edit makes a buffer larger by half now and then.
+/// Allowed growth of the adapter's allocator: an edit occasionally enlarges a buffer by half.
 const ADAPTER_GROWTH: f64 = 4.0 * 1024.0 * 1024.0;
 const OBJECT_GROWTH: f64 = 16.0;
-/// Share by which frames at the end may take longer than at the start.
+/// Largest share by which frames at the end may be slower than at the start.
 const DRIFT: f64 = 0.1;
 
 /// A straight line through points by least squares.
@@ -102,7 +103,7 @@ struct Line {
 }
 
 impl Line {
-    /// `None` for fewer than three points, or all at one time.
+    /// `None` for fewer than three points, or if all have the same time.
     fn through(points: &[(f64, f64)]) -> Option<Self> {
         let count = points.len() as f64;
         let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
@@ -127,8 +128,8 @@ impl Line {
     }
 }
 
-/// How much a line through the samples rises over them; 0 unless they rise steadily: in both halves, and by more
-/// than their scatter explains.
+/// Rise of a line through the samples over the whole run. It is 0 unless the samples rise steadily: in both
+/// halves, and by more than their scatter explains.
 fn steady_growth(points: &[(f64, f64)]) -> f64 {
     let (first, second) = points.split_at(points.len() / 2);
     let lines = [points, first, second].map(Line::through);
@@ -144,7 +145,7 @@ fn steady_growth(points: &[(f64, f64)]) -> f64 {
     whole.slope * span
 }
 
-/// What of a soak is judged; the rest is only told.
+/// Which values of a soak are judged; the others are only reported.
 #[derive(Clone, Copy, Debug)]
 pub struct Judged {
     /// The memory of the process.
@@ -153,7 +154,7 @@ pub struct Judged {
     pub times: bool,
 }
 
-/// Judges a run by its samples; what was found goes to `measured`.
+/// Judges a run by its samples; the values are added to `measured`.
 pub fn judge(
     samples: &[Sample],
     judged: Judged,
@@ -163,7 +164,7 @@ pub fn judge(
     let settled = &samples[skipped.min(samples.len())..];
     let too_few = LEAST_SAMPLES.saturating_sub(settled.len());
     let mut checks = vec![Check::none("soak.samples_missing", too_few as u64)];
-    /// Its name, what a sample has of it, and how much it may grow.
+    /// Name of the check, value of a sample, and allowed growth.
     type Part = (&'static str, fn(&Sample) -> f64, f64);
     let parts: [Part; 3] = [
         (PROCESS, |s| s.process_bytes, PROCESS_GROWTH),
@@ -186,7 +187,7 @@ pub fn judge(
     checks
 }
 
-/// Share by which the last tenth of the samples takes longer than the first.
+/// Share by which the last tenth of the samples is slower than the first.
 fn drift(samples: &[Sample]) -> Option<f64> {
     let tenth = samples.len().div_ceil(10);
     let of = |samples: &[Sample]| {
@@ -208,7 +209,7 @@ mod tests {
     };
     const MIB: f64 = 1024.0 * 1024.0;
 
-    /// A minute of play with scatter, changed by `change`.
+    /// A minute of changes with scatter, modified by `change`.
     fn run(change: impl Fn(usize, &mut Sample)) -> Vec<Sample> {
         let sample = |index: usize| {
             let scatter = ((index * 37) % 11) as f64 / 11.0;
@@ -266,7 +267,7 @@ mod tests {
 
     #[test]
     fn caches_that_fill_once_are_no_leak() {
-        // In the warm-up, and one step later on.
+        // Growth in the warm-up, and a single step later.
         let warm = run(|i, sample| sample.process_bytes += 10.0 * MIB * i.min(15) as f64);
         assert_eq!(failed(&warm), Vec::<String>::new());
         let step = run(|i, sample| sample.process_bytes += if i > 60 { 40.0 * MIB } else { 0.0 });
