@@ -25,7 +25,7 @@ use passes::{Passes, Placement};
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
-    lights::Lights,
+    lights::{CommonGain, Lights},
     measure::picture::Picture,
     parameters::ProbeParameters,
     passes::{
@@ -69,7 +69,8 @@ pub struct Frame {
     frames: u32,
     view: wgpu::Buffer,
     lights: GpuLights,
-    /// Of the last frame.
+    gain: CommonGain,
+    /// Of the last frame, at their reference intensities.
     lights_before: Option<Lights>,
     field: ProbeField,
     faces: SurfaceCache,
@@ -99,6 +100,7 @@ impl Frame {
             frames: 0,
             view,
             lights,
+            gain: CommonGain::default(),
             lights_before: None,
             field,
             faces,
@@ -119,9 +121,14 @@ impl Frame {
         let uniform = shot.to_gpu();
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
-        self.lights.set(gpu, lights);
-        let before = self.lights_before.replace(lights.clone());
-        let light_change = before.map_or(0.0, |before| lights.change_since(&before));
+        let emits = !self.stage.emitters.known.groups.is_empty();
+        let (lights, gain) = self.gain.split(lights, emits);
+        self.lights.set(gpu, &lights, gain);
+        let light_change = match &self.lights_before {
+            Some(before) => lights.change_since(before),
+            None => 0.0,
+        };
+        self.lights_before = Some(lights);
         if self
             .field
             .follow(shot.camera.position, u64::from(self.frames))
@@ -224,6 +231,7 @@ impl Frame {
         self.faces = faces;
         self.frames = 0;
         // Probes without a history know of no change.
+        self.gain = CommonGain::default();
         self.lights_before = None;
         Ok(())
     }

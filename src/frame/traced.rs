@@ -3,6 +3,8 @@
 use std::{ops::Range, sync::atomic::AtomicBool};
 
 use super::{Stage, resources};
+use glam::Vec3;
+
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
     lights::Lights,
@@ -214,7 +216,7 @@ impl TracedFrame {
             .as_ref()
             .is_some_and(|(shot, before)| *shot == now && before == lights);
         if !is_same {
-            self.lights.set(gpu, lights);
+            self.lights.set(gpu, lights, Vec3::ONE);
             self.shown = Some((now, lights.clone()));
         }
         !is_same

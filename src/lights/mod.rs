@@ -6,12 +6,14 @@
 
 pub mod change;
 pub mod emitters;
+pub mod gain;
 pub mod lamp;
 pub mod motion;
 pub mod sky;
 pub mod table;
 
 pub use emitters::Emitters;
+pub use gain::CommonGain;
 pub use lamp::{LampRay, LampShape, LampState, evaluate};
 
 use crate::world::{LampPreset, Sky, World};

@@ -1,7 +1,7 @@
 //! The lights as bytes for the GPU: the uniform `Lights` of `shaders/scene/lights.wesl`.
 
 use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::lamp::MIN_SPOT_EDGE;
 use super::{LampShape, LampState, Lights};
@@ -47,18 +47,19 @@ crate::shared! {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuLightsHeader {
     pub sky: GpuSky,
+    /// See [`super::CommonGain`].
+    pub gain: [f32; 3],
     pub lamp_count: u32,
-    pub _pad: [u32; 3],
 }
 
 /// Bytes of the uniform, the same for every world.
 pub const BYTES: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_of::<GpuLamp>();
 
 impl Lights {
-    /// The uniform's content: [`BYTES`] bytes, unused lamps zero.
+    /// The uniform's content: [`BYTES`] bytes, unused lamps zero. `gain` is the factor of [`super::CommonGain`].
     ///
     /// Panics beyond [`CAPACITY`] lamps, which a checked world cannot have.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub fn to_bytes(&self, gain: Vec3) -> Vec<u8> {
         assert!(
             self.lamps.len() <= CAPACITY,
             "a checked world has at most {MAX_LAMPS} lamps and a sun"
@@ -70,8 +71,8 @@ impl Lights {
                 ground: self.sky.ground.to_array(),
                 ..GpuSky::default()
             },
+            gain: gain.to_array(),
             lamp_count: self.lamps.len() as u32,
-            ..GpuLightsHeader::default()
         };
         let lamps: Vec<GpuLamp> = self.lamps.iter().map(GpuLamp::from).collect();
         let mut bytes = Vec::with_capacity(BYTES);

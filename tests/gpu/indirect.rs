@@ -242,7 +242,7 @@ fn light_dies_out_without_a_source() {
     stage.update(30);
     let before = mean(&stage.picture(View::Indirect, 0.0));
     assert!(before > 0.1, "{before}");
-    stage.lights.set(&stage.gpu, &dark());
+    stage.lights.set(&stage.gpu, &dark(), Vec3::ONE);
     let mut last = before;
     for _ in 0..4 {
         stage.update(20);

@@ -1,5 +1,7 @@
 //! Lamps, sun and sky on the GPU.
 
+use glam::Vec3;
+
 use crate::{
     gpu::Gpu,
     lights::{self, Lights},
@@ -23,9 +25,10 @@ impl GpuLights {
         }
     }
 
-    /// What the next frames are lit by.
-    pub fn set(&self, gpu: &Gpu, lights: &Lights) {
-        gpu.queue.write_buffer(&self.buffer, 0, &lights.to_bytes());
+    /// What the next frames are lit by. `gain` is the factor by which pictures are brighter ([`lights::CommonGain`]).
+    pub fn set(&self, gpu: &Gpu, lights: &Lights, gain: Vec3) {
+        let bytes = lights.to_bytes(gain);
+        gpu.queue.write_buffer(&self.buffer, 0, &bytes);
     }
 
     /// What the shaders bind by name.

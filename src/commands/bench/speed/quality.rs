@@ -121,7 +121,7 @@ impl Judging<'_> {
     }
 
     /// The source's figures of error: the sum over RGB of the absolute difference of the displayed pictures.
-    /// `mode` is [`ViewMode::Direct`] for light without any probes.
+    /// `view` is [`View::Direct`] for light without any probes.
     ///
     /// # Errors
     /// See [`quality`](Self::quality).
