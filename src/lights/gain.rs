@@ -113,11 +113,11 @@ mod tests {
     #[test]
     fn several_lamps_share_a_gain_or_have_none() {
         let mut gain = CommonGain::default();
-        let first = dark(lights(&[[8.0; 3], [2.0; 3]]));
+        let first = lights(&[[8.0; 3], [2.0; 3]]);
         gain.split(&first, false);
-        let alike = dark(lights(&[[4.0; 3], [1.0; 3]]));
+        let alike = lights(&[[4.0; 3], [1.0; 3]]);
         assert_eq!(gain.split(&alike, false), (first, Vec3::splat(0.5)));
-        let apart = dark(lights(&[[4.0; 3], [2.0; 3]]));
+        let apart = lights(&[[4.0; 3], [2.0; 3]]);
         assert_eq!(gain.split(&apart, false), (apart.clone(), Vec3::ONE));
         // The lights of now have become the reference.
         assert_eq!(gain.split(&apart, false), (apart, Vec3::ONE));
@@ -125,8 +125,8 @@ mod tests {
 
     #[test]
     fn sources_of_constant_power_end_it() {
-        let first = dark(lights(&[[8.0; 3]]));
-        let now = dark(lights(&[[4.0; 3]]));
+        let first = lights(&[[8.0; 3]]);
+        let now = lights(&[[4.0; 3]]);
         let mut gain = CommonGain::default();
         gain.split(&first, true);
         assert_eq!(gain.split(&now, true), (now.clone(), Vec3::ONE));
@@ -142,7 +142,7 @@ mod tests {
     fn a_lamp_that_was_dark_begins_again_when_it_shines() {
         let mut gain = CommonGain::default();
         for power in [0.0, 1e-3, 8.0] {
-            let now = dark(lights(&[[power; 3]]));
+            let now = lights(&[[power; 3]]);
             let (kept, factor) = gain.split(&now, false);
             assert_eq!((kept, factor), (now, Vec3::ONE), "{power}");
         }

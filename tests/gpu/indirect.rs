@@ -91,7 +91,7 @@ impl Stage {
         let voxels = GpuVoxels::upload(&gpu, voxels, ORIGIN).expect("fits");
         let materials = GpuMaterials::upload(&gpu, &MaterialSet::bake(materials, 1)).expect("fits");
         let on_gpu = GpuLights::new(&gpu);
-        on_gpu.set(&gpu, lights);
+        on_gpu.set(&gpu, lights, Vec3::ONE);
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let mut resources = voxels.resources().to_vec();
         resources.extend(materials.resources());
