@@ -25,7 +25,7 @@ use passes::{Passes, Placement};
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
-    lights::{CommonGain, Lights},
+    lights::{CommonGain, Lights, RestingLamps},
     measure::picture::Picture,
     parameters::ProbeParameters,
     passes::{
@@ -70,6 +70,7 @@ pub struct Frame {
     view: wgpu::Buffer,
     lights: GpuLights,
     gain: CommonGain,
+    resting: RestingLamps,
     /// Of the last frame, at their reference intensities.
     lights_before: Option<Lights>,
     field: ProbeField,
@@ -101,6 +102,7 @@ impl Frame {
             view,
             lights,
             gain: CommonGain::default(),
+            resting: RestingLamps::default(),
             lights_before: None,
             field,
             faces,
@@ -123,20 +125,23 @@ impl Frame {
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         let emits = !self.stage.emitters.known.groups.is_empty();
         let (lights, gain) = self.gain.split(lights, emits);
-        self.lights.set(gpu, &lights, gain);
         let light_change = match &self.lights_before {
             Some(before) => lights.change_since(before),
             None => 0.0,
         };
-        self.lights_before = Some(lights);
         if self
             .field
             .follow(shot.camera.position, u64::from(self.frames))
         {
             self.frames = 0;
+            self.resting.forget();
             self.field.changes.forget_edits();
             self.faces.forget(&mut recorder.encoder);
         }
+        // Frames of the surface cache are numbered from 1.
+        let still_since = self.resting.follow(&lights, self.frames + 1);
+        self.lights.set(gpu, &lights, gain, &still_since);
+        self.lights_before = Some(lights);
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(shot.seed), u64::from(self.frames));
@@ -232,6 +237,7 @@ impl Frame {
         self.frames = 0;
         // Probes without a history know of no change.
         self.gain = CommonGain::default();
+        self.resting.forget();
         self.lights_before = None;
         Ok(())
     }

@@ -90,14 +90,16 @@ impl Passes {
         });
         let probe_light = self.blend_probes(recorder, active, probe_rays);
         let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
-        let radiance = self.shade(recorder, surfaces, probe_light, face_light, shot);
+        let light = (probe_light, face_light);
+        let radiance = self.shade(recorder, surfaces, light, shot);
         self.tonemap(recorder, radiance);
     }
 
     /// A picture of another view by the light of the last frame.
     pub fn record_picture(&self, recorder: &mut Recorder<'_>, shot: &Shot) {
         let surfaces = self.trace_camera(recorder);
-        let radiance = self.shade(recorder, surfaces, ProbeLight, FaceLight, shot);
+        let light = (ProbeLight, FaceLight);
+        let radiance = self.shade(recorder, surfaces, light, shot);
         self.tonemap(recorder, radiance);
     }
 }
@@ -195,8 +197,7 @@ impl Passes {
         &self,
         recorder: &mut Recorder<'_>,
         _: Surfaces,
-        _: ProbeLight,
-        _: FaceLight,
+        _: (ProbeLight, FaceLight),
         shot: &Shot,
     ) -> Radiance {
         self.inspect.record(recorder, &self.shade, shot.view);
@@ -229,7 +230,7 @@ struct Surfaces;
 struct SeenFaces;
 struct ListedFaces;
 struct FaceRays;
-/// Irradiance of each quadrant of the listed faces.
+/// Of the listed faces: irradiance of each quadrant, and which lamps the face sees wholly or not at all.
 struct FaceLight;
 /// Linear HDR radiance of each pixel.
 struct Radiance;

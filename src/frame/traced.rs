@@ -216,7 +216,7 @@ impl TracedFrame {
             .as_ref()
             .is_some_and(|(shot, before)| *shot == now && before == lights);
         if !is_same {
-            self.lights.set(gpu, lights, Vec3::ONE);
+            self.lights.set(gpu, lights, Vec3::ONE, &[]);
             self.shown = Some((now, lights.clone()));
         }
         !is_same

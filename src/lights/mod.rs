@@ -9,12 +9,14 @@ pub mod emitters;
 pub mod gain;
 pub mod lamp;
 pub mod motion;
+pub mod rest;
 pub mod sky;
 pub mod table;
 
 pub use emitters::Emitters;
 pub use gain::CommonGain;
 pub use lamp::{LampRay, LampShape, LampState, evaluate};
+pub use rest::RestingLamps;
 
 use crate::world::{LampPreset, Sky, World};
 

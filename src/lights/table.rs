@@ -1,5 +1,7 @@
 //! The lights as bytes for the GPU: the uniform `Lights` of `shaders/scene/lights.wesl`.
 
+use std::iter;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 
@@ -28,7 +30,9 @@ crate::shared! {
         /// The spot's edge: clamp(cos · spot_scale + spot_offset); 0 and 1 for lamps that are no spots.
         pub spot_scale: f32,
         pub spot_offset: f32,
-        pub _pad: [f32; 3],
+        /// The first frame of the lamp's present place, direction and shape ([`super::RestingLamps`]).
+        pub still_since: u32,
+        pub _pad: [f32; 2],
     }
 
     /// `Sky` in `shaders/scene/lights.wesl`.
@@ -58,8 +62,10 @@ pub const BYTES: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_of::<Gpu
 impl Lights {
     /// The uniform's content: [`BYTES`] bytes, unused lamps zero. `gain` is the factor of [`super::CommonGain`].
     ///
+    /// `still_since` is what [`super::RestingLamps`] says of each lamp; lamps without a number never rest.
+    ///
     /// Panics beyond [`CAPACITY`] lamps, which a checked world cannot have.
-    pub fn to_bytes(&self, gain: Vec3) -> Vec<u8> {
+    pub fn to_bytes(&self, gain: Vec3, still_since: &[u32]) -> Vec<u8> {
         assert!(
             self.lamps.len() <= CAPACITY,
             "a checked world has at most {MAX_LAMPS} lamps and a sun"
@@ -74,7 +80,16 @@ impl Lights {
             gain: gain.to_array(),
             lamp_count: self.lamps.len() as u32,
         };
-        let lamps: Vec<GpuLamp> = self.lamps.iter().map(GpuLamp::from).collect();
+        let since = still_since
+            .iter()
+            .copied()
+            .chain(iter::repeat(u32::MAX / 2));
+        let lamps: Vec<GpuLamp> = (self.lamps.iter().zip(since))
+            .map(|(lamp, still_since)| GpuLamp {
+                still_since,
+                ..GpuLamp::from(lamp)
+            })
+            .collect();
         let mut bytes = Vec::with_capacity(BYTES);
         bytes.extend_from_slice(bytemuck::bytes_of(&header));
         bytes.extend_from_slice(bytemuck::cast_slice(&lamps));

@@ -50,6 +50,8 @@ pub struct Changes {
     shown_first: Option<EditBox>,
     /// The newest edits, and the first frame that shows them.
     latest: Option<(EditBox, u32)>,
+    /// The first frame that showed the edits before those.
+    before_latest: Option<u32>,
 }
 
 impl Changes {
@@ -78,6 +80,7 @@ impl Changes {
         let faded = self.alert * ALERT_KEPT;
         self.shown_first = self.pending.take();
         if let Some(edit) = self.shown_first {
+            self.before_latest = self.latest.map(|(_, frame)| frame);
             self.latest = Some((edit, frame));
         }
         let sure = f32::from(u8::from(self.shown_first.is_some()));
@@ -98,6 +101,7 @@ impl Changes {
     pub fn forget_edits(&mut self) {
         self.edits.clear();
         self.latest = None;
+        self.before_latest = None;
     }
 
     /// The edits that this frame is the first to show.
@@ -129,6 +133,11 @@ impl Changes {
     /// At most [`EDITS`].
     pub fn edits(&self) -> &[EditSphere] {
         &self.edits
+    }
+
+    /// The first frame that showed the edits before the newest ones.
+    pub fn edit_before(&self) -> Option<u32> {
+        self.before_latest
     }
 
     /// Takes the two edits together whose common sphere is smallest.

@@ -91,7 +91,7 @@ impl Stage {
         let voxels = GpuVoxels::upload(&gpu, voxels, ORIGIN).expect("fits");
         let materials = GpuMaterials::upload(&gpu, &MaterialSet::bake(materials, 1)).expect("fits");
         let on_gpu = GpuLights::new(&gpu);
-        on_gpu.set(&gpu, lights, Vec3::ONE);
+        on_gpu.set(&gpu, lights, Vec3::ONE, &[]);
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let mut resources = voxels.resources().to_vec();
         resources.extend(materials.resources());
@@ -242,7 +242,7 @@ fn light_dies_out_without_a_source() {
     stage.update(30);
     let before = mean(&stage.picture(View::Indirect, 0.0));
     assert!(before > 0.1, "{before}");
-    stage.lights.set(&stage.gpu, &dark(), Vec3::ONE);
+    stage.lights.set(&stage.gpu, &dark(), Vec3::ONE, &[]);
     let mut last = before;
     for _ in 0..4 {
         stage.update(20);

@@ -29,7 +29,11 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
         "probes",
         &["gather", "incident_light", "requests"],
     ),
-    ("view", "surface_cache", &["query", "footprint"]),
+    (
+        "view",
+        "surface_cache",
+        &["query", "footprint", "lamp_visibility"],
+    ),
     // Views of the probes themselves read more of them than their light.
     (
         "view",
@@ -51,7 +55,11 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
         "probes",
         &["active_list", "field", "update_schedule"],
     ),
-    ("bench", "surface_cache", &["rays", "table"]),
+    (
+        "bench",
+        "surface_cache",
+        &["rays", "table", "lamp_visibility"],
+    ),
 ];
 
 /// Paths that a shader imports, as `["probes", "gather"]`, with their lines.

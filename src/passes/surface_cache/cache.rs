@@ -170,6 +170,7 @@ impl SurfaceCache {
             alert,
             stillness: changes.stillness(),
             changed_frame,
+            edited_before: changes.edit_before().map_or(0, |shown_in| shown_in + 1),
             ..Default::default()
         };
         gpu.queue

@@ -29,11 +29,13 @@ crate::shared! {
         pub stillness: f32,
         /// The last frame in which light was not still: what was known before it is out of date.
         pub changed_frame: u32,
-        pub _pad: [u32; 2],
+        /// The frame of the edit before that of `edited_frame`; 0: none yet.
+        pub edited_before: u32,
+        pub _pad: u32,
     }
 
     /// Words of an entry of the table.
-    pub(super) const ENTRY_WORDS: u32 = 12;
+    pub(super) const ENTRY_WORDS: u32 = 20;
 
     /// Rays of a quadrant of a face in a batch; those of a batch lie one quadrant after the other.
     pub(super) const QUADRANT_RAYS: u32 = 8;
@@ -96,7 +98,6 @@ crate::shared! {
         pub key: u32,
         /// Number of the first of each quadrant.
         pub first_ray: u32,
-        pub _pad: u32,
     }
 
     /// A quadrant of a face.

@@ -135,6 +135,8 @@ fn lamps_light_the_same_on_both_sides() {
             lamps: lamps(),
             sky: SKY,
         },
+        Vec3::ONE,
+        &[],
     );
     let places: Vec<(DVec3, DVec3)> = (0..2000).map(scattered).collect();
     let inputs: Vec<[[f32; 4]; 2]> = places.iter().map(|&(p, n)| [vec4(p), vec4(n)]).collect();
@@ -166,6 +168,8 @@ fn the_sky_is_the_same_on_both_sides() {
             lamps: Vec::new(),
             sky: SKY,
         },
+        Vec3::ONE,
+        &[],
     );
     let directions: Vec<DVec3> = (0..2000).map(|index| scattered(index).1).collect();
     let inputs: Vec<[[f32; 4]; 1]> = directions.iter().map(|&d| [vec4(d)]).collect();
