@@ -90,6 +90,7 @@ impl AtlasLayout {
     /// A roughly square layout within textures of `extent`² texels and `layers` layers. Without
     /// `distances` there are no distance maps.
     ///
+    /// # Errors
     /// [`ProbeError::Atlas`] if the maps do not fit.
     pub fn new(
         slots: u32,

@@ -25,6 +25,7 @@ pub struct Volume {
 impl Volume {
     /// A moving volume lies around the origin until the first call of `follow`.
     ///
+    /// # Errors
     /// [`ProbeError`] for counts of 0, or below [`LEAST_COUNT`] in nested and moving volumes; for too
     /// many probes or levels; for numbers that are not finite, and for extents beyond ±[`FARTHEST`].
     pub fn new(spec: &LayoutSpec) -> Result<Self, ProbeError> {
