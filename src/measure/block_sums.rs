@@ -229,7 +229,7 @@ mod tests {
     fn blocks_out_of_order_are_refused() {
         let mut sums = part(0..3);
         assert!(!sums.clone().join(part(4..5)), "block 3 is missing");
-        assert!(!sums.clone().join(part(2..5)), "block 2 would be added twice");
+        assert!(!sums.clone().join(part(2..5)), "block 2 is repeated");
         let of = |blocks: Range<u32>, pixels| Node {
             blocks,
             rgb: vec![[0.0; 3]; pixels],

@@ -43,7 +43,7 @@ pub struct World {
     pub voxel_m: f32,
     /// Seeds the noise fields, scatters and flickers that name no seed of their own.
     pub seed: u32,
-    /// Negative inside solid matter.
+    /// Negative inside the solid.
     pub shape: Sdf,
     /// Referred to by index from [`Sdf`] and [`materials::Condition`].
     pub noises: Vec<NoiseField>,

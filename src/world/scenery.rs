@@ -58,7 +58,7 @@ pub enum LampKind {
 /// How a lamp changes with world time t (seconds).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// Adds radius · (cos(rate·t + phase), 0, sin(rate·t + phase)) with a radius per axis (y uses sin).
+    /// Adds radius · (cos a, sin a, sin a) per axis, with a = rate·t + phase.
     Orbit { radius: Vec3, rate: f32, phase: f32 },
     /// Adds amplitude · sin(rate·t + phase).
     Bob {
