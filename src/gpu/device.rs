@@ -35,7 +35,7 @@ pub struct Gpu {
     /// Workgroups of a first dispatch, while the time of the work is unknown: see
     /// [`super::Recorder::run`].
     pub first_groups: u32,
-    /// The first row of each dispatch (see `dispatch_chunks`).
+    /// The table of first rows (see `dispatch_chunks`).
     pub(super) first_rows: wgpu::Buffer,
     pub(super) chunk_arguments: dispatch_chunks::ChunkArguments,
     /// Kernels compiled so far, so that a resize need not compile again.

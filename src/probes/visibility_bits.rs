@@ -80,9 +80,9 @@ impl VisibilityBits {
     /// `None` if visibility is not exact, or if the cages of any level are too large (more than 20
     /// voxels along an axis).
     ///
-    /// In a volume of one level, probes have back-side probes behind the faces that they do not see, if
-    /// probes may leave the lattice. In a volume of several levels, the coarser levels cover what the
-    /// finer ones miss.
+    /// In a volume of one level, each probe has a back-side probe for the surfaces that it does not see, if
+    /// probes may leave the lattice. In a volume of several levels, the coarser levels cover what the finer
+    /// ones miss.
     pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
         let is_requested = match parameters.visibility {
             Visibility::Exact => true,

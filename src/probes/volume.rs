@@ -315,7 +315,7 @@ mod tests {
             let positions: HashSet<_> = (0..volume.level_slots())
                 .map(|slot| volume.position(slot).to_array().map(f32::to_bits))
                 .collect();
-            assert_eq!(positions.len(), 120, "told apart at {eye}");
+            assert_eq!(positions.len(), 120, "positions coincide at {eye}");
         }
         volume.follow(Vec3::new(30.0, 40.0, 50.0));
         let before = volume.clone();

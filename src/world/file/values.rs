@@ -188,7 +188,7 @@ impl Source {
             return Err(self.at(leaf, format!("the name of this {what} is empty"), help));
         }
         if taken.len() >= MAX_NAMES {
-            let help = "names must be told apart one by one: use fewer";
+            let help = "names are compared one by one: use fewer";
             return Err(self.at(
                 leaf,
                 format!("there are more than {MAX_NAMES} {what}s"),
