@@ -20,8 +20,8 @@ fn main() {
     println!("cargo:rustc-env=GROTTO_COMMIT={}", commit());
 }
 
-/// The short hash of the commit that is checked out, with `+changes` where sources differ from it; `unknown`
-/// where there is no repository, as in a package.
+/// The short hash of the checked-out commit, with `+changes` if sources differ from it; `unknown`
+/// outside a repository, as in a package.
 fn commit() -> String {
     for path in ["src", "Cargo.toml", "Cargo.lock", ".git/HEAD", ".git/index"] {
         if Path::new(path).exists() {
@@ -44,7 +44,7 @@ fn commit() -> String {
     }
 }
 
-/// Names of the shader modules under `folder`, as `march/march` for `shaders/march/march.wesl`.
+/// Names of the shader modules under `folder`, such as `march/march` for `shaders/march/march.wesl`.
 fn collect(folder: &Path, prefix: &str, names: &mut Vec<String>) {
     println!("cargo:rerun-if-changed={}", folder.display());
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {

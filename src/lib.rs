@@ -1,14 +1,14 @@
 //! grotto renders procedural voxel worlds with real-time global illumination.
 //!
-//! The map, and who may import whom (held by `tests/house/`):
+//! The module map: who may import whom (checked by `tests/house/`):
 //!
 //! ```text
 //! world ← lights, probes ← reference
 //! world, lights, probes, gpu ← passes ← frame ← commands, app
 //! ```
 //!
-//! `parameters` and `shared` (what shaders know too) are leaves that everyone may read. `measure` sees pictures, never
-//! a world.
+//! `parameters` and `shared` (facts that shaders know too) are leaves that every module may import.
+//! `measure` sees pictures, never a world.
 
 pub mod app;
 pub mod commands;

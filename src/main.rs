@@ -20,13 +20,14 @@ fn main() -> ExitCode {
             eprintln!("{failure}");
             ExitCode::from(failure.exit_code())
         }
-        // The hook has said what happened.
+        // The panic hook has printed the message.
         Err(_) => ExitCode::from(commands::EXIT_FAULT),
     }
 }
 
-/// Mesa's layer that puts the desktop's GPU first asks a Wayland compositor for it. Without a session there is
-/// none, and its library complains on stderr as if something were wrong. grotto ranks the adapters itself.
+/// Mesa's device-select layer, which ranks the desktop's GPU first, asks a Wayland compositor for that
+/// GPU. Without a session there is no compositor, and its library prints errors to stderr. grotto ranks
+/// the adapters itself.
 fn silence_device_select() {
     let is_set = |name| env::var_os(name).is_some();
     let is_wanted =

@@ -1,10 +1,12 @@
-//! What Rust and the shaders both know: constants, numbered choices, and structs of buffers.
+//! Declarations that Rust and the shaders share: constants, numbered choices, and structs of buffers.
 //!
-//! Each is declared once, in Rust, by the module that it belongs to, with [`shared!`](crate::shared!). The shader's
-//! side is generated: `shared! { in probes; … }` adds to the shader module `package::generated::probes`, which every
-//! [`ShaderLibrary`](crate::gpu::ShaderLibrary) holds. Facts that only shaders know are declared in `shaders/`.
+//! Each is declared once, in Rust, by the module that owns it, with [`shared!`](crate::shared!). The
+//! shader's side is generated: `shared! { in probes; … }` adds to the shader module
+//! `package::generated::probes`, which every [`ShaderLibrary`](crate::gpu::ShaderLibrary) contains.
+//! Facts that only shaders know are declared in `shaders/`.
 //!
-//! A leaf: worlds, lights and probes declare what they own here too, and know no GPU.
+//! This module is a leaf: worlds, lights and probes declare their shared items here too, and know no
+//! GPU.
 
 use std::{collections::BTreeMap, fmt::Write as _};
 
@@ -13,22 +15,22 @@ use glam::{DMat3, DVec3};
 #[doc(hidden)]
 pub use inventory;
 
-/// A declaration that shaders share.
+/// A declaration shared with shaders.
 pub struct Declaration {
     /// Name of the generated module.
     pub module: &'static str,
-    /// As shaders spell it.
+    /// Its name in shaders.
     pub name: &'static str,
-    /// As WGSL.
+    /// Its WGSL text.
     pub text: fn() -> String,
-    /// Of a struct.
+    /// Layout of a struct.
     pub layout: Option<fn() -> Layout>,
 }
 
-/// How Rust lays a shared struct out.
+/// Memory layout of a shared struct in Rust.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// Offset of each member by name; padding left out.
+    /// Offset of each member by name, without padding.
     pub members: BTreeMap<String, usize>,
     /// Bytes from one array element to the next.
     pub stride: usize,
@@ -36,7 +38,7 @@ pub struct Layout {
 
 inventory::collect!(Declaration);
 
-/// Every declaration, sorted by module and name: the linker's order tells nothing.
+/// Every declaration, sorted by module and name, because the linker's order is arbitrary.
 pub fn declarations() -> Vec<&'static Declaration> {
     let mut all: Vec<_> = inventory::iter::<Declaration>.into_iter().collect();
     all.sort_by_key(|declaration| (declaration.module, declaration.name));
@@ -55,24 +57,24 @@ pub fn modules() -> BTreeMap<&'static str, String> {
     modules
 }
 
-/// A type that a shader has too.
+/// A type with a counterpart in WGSL.
 pub trait ShaderType {
-    /// As WGSL spells it.
+    /// Its WGSL name.
     fn name() -> String;
 
-    /// Of `count` of them in a row.
+    /// WGSL name of an array of `count` elements.
     fn array(count: usize) -> String {
         format!("array<{}, {count}>", Self::name())
     }
 }
 
-/// A value that a shader's constant can have.
+/// A value for a constant in WGSL.
 pub trait ShaderValue: ShaderType {
-    /// As WGSL spells it.
+    /// Its WGSL literal.
     fn literal(&self) -> String;
 }
 
-/// Scalars, of which two to four are a vector.
+/// Scalars, and their vectors of two to four.
 macro_rules! scalar {
     ($($rust:ty, $wgsl:literal, $suffix:literal, $value:ident => $literal:expr;)*) => {
         $(impl ShaderType for $rust {
@@ -99,11 +101,11 @@ macro_rules! scalar {
 
 // Floats are written with the fewest digits that give the same bits back.
 scalar! {
-    // In bits where it is large.
+    // Large values in hexadecimal.
     u32, "u32", "u", value => if value > 0xffff { format!("{value:#x}u") } else { format!("{value}u") };
     i32, "i32", "i", value => format!("{value}i");
     f32, "f32", "f", value => format!("{value:?}");
-    // What the CPU knows with more digits.
+    // Constants that the CPU needs with more digits.
     f64, "f32", "f", value => format!("{:?}", value as f32);
     u64, "u32", "u", value => format!("{value}u");
     usize, "u32", "u", value => format!("{value}u");
@@ -195,7 +197,7 @@ pub fn layout(members: &[(&str, usize)], stride: usize) -> Layout {
     }
 }
 
-/// WGSL leaves such room by itself.
+/// WGSL inserts such padding itself.
 fn is_padding(member: &str) -> bool {
     member.starts_with('_')
 }
@@ -205,7 +207,7 @@ fn comment(indent: &str, docs: &[&str]) -> String {
     lines.map(|line| format!("{indent}//{line}\n")).collect()
 }
 
-/// Declares constants, choices and structs that shaders share. Documentation goes along.
+/// Declares constants, choices and structs that Rust and shaders share. Doc comments are copied too.
 ///
 /// ```text
 /// shared! {
@@ -271,7 +273,7 @@ macro_rules! shared {
         $($rest:tt)*
     ) => {
         $crate::shared! { @declare $module, stringify!($prefix), None, || {
-            // Every variant is there, or this does not compile.
+            // Every variant is listed, or this does not compile.
             let value = |choice: $name| match choice { $($name::$variant => choice as u32),* };
             $crate::shared::choices(
                 stringify!($prefix),
@@ -400,7 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_and_types_go_along() {
+    fn comments_and_types_are_generated_too() {
         let text = &modules()["test_of_shared"];
         for part in [
             "// The first line.\n// The second.\nconst LARGE: u32 = 0x80000000u;\n",

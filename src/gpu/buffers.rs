@@ -1,16 +1,17 @@
-//! Buffers and textures, checked against the adapter's limits before they are made, and read back.
+//! Buffers and textures, checked against the adapter's limits before they are created, and their
+//! readback.
 
 use std::sync::mpsc;
 
 use super::{Gpu, GpuError};
 
-/// Data that a shader reads as it lies in memory.
+/// Data that shaders read with the memory layout that it has in Rust.
 pub trait Structured: bytemuck::Pod {}
 impl<T: bytemuck::Pod> Structured for T {}
 
 impl Gpu {
-    /// A storage buffer of `bytes` (at least 16, rounded up to 16), zeroed, that can be copied from
-    /// and to, and hold indirect dispatches.
+    /// A storage buffer of `bytes` (at least 16, rounded up to a multiple of 16), zeroed. It can be
+    /// copied from and to, and can hold the arguments of indirect dispatches.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] before anything is allocated.
@@ -41,7 +42,7 @@ impl Gpu {
 
     /// A uniform buffer with this value.
     pub fn uniform_buffer<T: Structured>(&self, label: &str, value: &T) -> wgpu::Buffer {
-        // Written through the queue: a buffer that is mapped when it is made panics on a lost device.
+        // Written through the queue: a buffer that is mapped at creation panics on a lost device.
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: size_of::<T>() as u64,
@@ -53,7 +54,7 @@ impl Gpu {
         buffer
     }
 
-    /// A texture of width, height and layers that shaders store to and sample, zeroed, that can be
+    /// A texture of width, height and layers, zeroed, that shaders store to and sample, and that can be
     /// copied from.
     ///
     /// # Errors
@@ -108,7 +109,7 @@ impl Gpu {
         }))
     }
 
-    /// Refuses what the adapter cannot hold in one binding.
+    /// Refuses a size that the adapter cannot hold in one binding.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`].
@@ -136,7 +137,7 @@ impl Gpu {
     /// Copies a buffer back and waits for it.
     ///
     /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
+    /// [`GpuError::Device`] if the device is lost.
     pub fn read_buffer<T: Structured>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
         self.read_buffer_range(buffer, 0, buffer.size())
     }
@@ -144,7 +145,7 @@ impl Gpu {
     /// Copies `bytes` from `offset` (both multiples of 4) and waits for them.
     ///
     /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
+    /// [`GpuError::Device`] if the device is lost.
     pub fn read_buffer_range<T: Structured>(
         &self,
         buffer: &wgpu::Buffer,
@@ -163,10 +164,10 @@ impl Gpu {
         self.map(&staging)
     }
 
-    /// Reads a 2D texture as rows of `T`, one `T` a texel.
+    /// Reads a 2D texture as rows of `T`, one `T` per texel.
     ///
     /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
+    /// [`GpuError::Device`] if the device is lost.
     pub fn read_texture<T: Structured>(&self, texture: &wgpu::Texture) -> Result<Vec<T>, GpuError> {
         let (width, height) = (texture.width(), texture.height());
         let row = width as u64 * size_of::<T>() as u64;
@@ -206,7 +207,7 @@ impl Gpu {
         let fault = |message: String| GpuError::Device(message);
         let (sender, receiver) = mpsc::channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver is gone only when the caller is.
+            // The receiver is gone only if the caller is.
             let _ = sender.send(result);
         });
         self.wait()?;

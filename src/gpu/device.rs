@@ -1,4 +1,4 @@
-//! Choosing an adapter and opening a device with what it offers.
+//! Chooses an adapter and opens a device with the features that the adapter offers.
 
 use std::{
     collections::HashMap,
@@ -13,9 +13,9 @@ use super::{
 /// Whether shader modules get the run-time checks that wgpu adds (bounds, loop counters, division).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum ShaderChecks {
-    /// For tests: an index out of range reads zero instead of anything.
+    /// For tests: an index out of range reads zero instead of arbitrary data.
     Checked,
-    /// Measured 3–5 % faster when marching; the default.
+    /// Measured 3–5 % faster in marching; the default.
     #[default]
     Unchecked,
 }
@@ -32,18 +32,19 @@ pub struct Gpu {
     pub features: wgpu::Features,
     pub checks: ShaderChecks,
     pub shaders: Arc<ShaderLibrary>,
-    /// Workgroups that a dispatch takes of work whose time is not known yet: see [`super::Recorder::run`].
+    /// Workgroups of a first dispatch, while the time of the work is unknown: see
+    /// [`super::Recorder::run`].
     pub first_groups: u32,
-    /// Where dispatches begin (`slices` knows).
+    /// The table of first rows (see `dispatch_chunks`).
     pub(super) first_rows: wgpu::Buffer,
     pub(super) chunk_arguments: dispatch_chunks::ChunkArguments,
-    /// What has been compiled so far, so that a resize need not compile again.
+    /// Kernels compiled so far, so that a resize need not compile again.
     pub(super) kernels: Arc<Mutex<HashMap<u64, Kernel>>>,
-    /// How fast each kernel is here, by [`super::KernelSpec`].
+    /// The measured speed of each kernel on this device, by [`super::KernelSpec`].
     pub(super) chunk_times: Arc<Mutex<HashMap<u64, Arc<ChunkTime>>>>,
 }
 
-/// An adapter in words, as `--json` and `grotto info` print it.
+/// Description of an adapter, as `--json` and `grotto info` print it.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct AdapterSummary {
     pub name: String,
@@ -94,7 +95,8 @@ impl AdapterSummary {
         }
     }
 
-    /// A CPU pretending to be a GPU: its timings never go into tables of GPU figures.
+    /// Whether the adapter is a CPU that emulates a GPU: its timings never go into tables of GPU
+    /// figures.
     pub fn is_software(&self) -> bool {
         self.kind == "software"
     }
@@ -106,22 +108,23 @@ const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::SUBGROUP)
     .union(wgpu::Features::SHADER_F16);
 
-/// Workgroups of a first dispatch: some milliseconds on the slowest integrated GPU, and tens of them where a
-/// CPU does the work. There each dispatch has a price, so that fewer would cost more than they spare.
+/// Workgroups of a first dispatch: a few milliseconds on the slowest integrated GPU, tens of
+/// milliseconds on a software adapter. There each dispatch has a fixed cost, so that fewer workgroups
+/// would cost more than they save.
 const FIRST_GROUPS: u32 = 512;
 
-/// An adapter with all that decides whether and how grotto runs on it.
+/// An adapter with everything that decides whether and how grotto runs on it.
 #[derive(Clone, Debug)]
 pub struct AdapterReport {
     pub summary: AdapterSummary,
     pub limits: wgpu::Limits,
-    /// Those of the optional features that it offers.
+    /// The optional features that the adapter offers.
     pub features: wgpu::Features,
-    /// Whether every pass fits its limits.
+    /// Whether every pass fits the adapter's limits.
     pub usable: bool,
 }
 
-/// Every adapter of this machine, best first: the first usable one runs when none is named.
+/// Every adapter of this machine, best first: without a name the first usable one runs.
 pub fn adapters() -> Vec<AdapterReport> {
     let mut found = pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()));
     found.sort_by_key(slowness);
@@ -141,7 +144,7 @@ fn is_usable(adapter: &wgpu::Adapter) -> bool {
     adapter.limits().max_storage_buffers_per_shader_stage >= 12
 }
 
-/// Ranks adapters: the lowest is the fastest.
+/// Ranks adapters: the lowest rank is the fastest.
 fn slowness(adapter: &wgpu::Adapter) -> (u8, bool) {
     let info = adapter.get_info();
     let kind = match info.device_type {
@@ -154,11 +157,11 @@ fn slowness(adapter: &wgpu::Adapter) -> (u8, bool) {
     (kind, info.backend == wgpu::Backend::Gl)
 }
 
-/// Vulkan, Metal and Direct3D 12, or what `WGPU_BACKEND` asks for: OpenGL lacks what the passes
-/// are tested with.
+/// Vulkan, Metal and Direct3D 12, or what `WGPU_BACKEND` names. OpenGL lacks features with which the
+/// passes are tested.
 pub fn instance() -> wgpu::Instance {
-    // Each indirect dispatch would wait for one more that checks its size; our own kernels write those sizes,
-    // within the limits.
+    // wgpu would validate the size of each indirect dispatch with one more dispatch; our own kernels
+    // write those sizes within the limits.
     let unneeded = wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL;
     wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends: wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY),
@@ -170,16 +173,16 @@ pub fn instance() -> wgpu::Instance {
 }
 
 impl Gpu {
-    /// Opens the adapter whose name contains `name` (case-insensitive), or the fastest one. `name#2` is the second of those,
-    /// where a machine has several of a kind.
+    /// Opens the adapter whose name contains `name` (case-insensitive), or the fastest one. `name#2` is
+    /// the second match, for machines that have several adapters of a kind.
     ///
     /// # Errors
-    /// [`GpuError::NoAdapter`] without any, [`GpuError::AdapterNotFound`] when none matches.
+    /// [`GpuError::NoAdapter`] without any, [`GpuError::AdapterNotFound`] if none matches.
     pub fn open(name: Option<&str>, checks: ShaderChecks) -> Result<Self, GpuError> {
         Self::open_with(instance(), name, None, checks)
     }
 
-    /// As [`Gpu::open`], for an instance whose adapter must be able to present to `surface`.
+    /// Like [`Gpu::open`], for an instance whose adapter must be able to present to `surface`.
     ///
     /// # Errors
     /// As [`Gpu::open`].
@@ -231,11 +234,11 @@ impl Gpu {
         })
     }
 
-    /// A new device of the same adapter, in place of one that is lost: nothing that was made with the old one
-    /// works with it. `surface` is what it must be able to present to.
+    /// A new device of the same adapter that replaces a lost one: nothing made with the old device
+    /// works with the new one. The new device must be able to present to `surface`.
     ///
     /// # Errors
-    /// As [`Gpu::open`]; [`GpuError::AdapterNotFound`] when the adapter itself has gone.
+    /// Those of [`Gpu::open`]; [`GpuError::AdapterNotFound`] if the adapter itself is gone.
     pub fn reopened(&self, surface: Option<&wgpu::Surface<'_>>) -> Result<Self, GpuError> {
         let name = Some(self.summary.name.as_str());
         let opened = Self::open_with(self.instance.clone(), name, surface, self.checks)?;
@@ -246,7 +249,7 @@ impl Gpu {
         })
     }
 
-    /// The same device with other shaders; nothing that was compiled before is taken over.
+    /// The same device with other shaders; nothing compiled before is reused.
     pub fn with_shaders(&self, shaders: ShaderLibrary) -> Self {
         Self {
             shaders: Arc::new(shaders),
@@ -259,7 +262,7 @@ impl Gpu {
     /// Blocks until everything submitted so far is done.
     ///
     /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
+    /// [`GpuError::Device`] if the device is lost.
     pub fn wait(&self) -> Result<(), GpuError> {
         self.device
             .poll(wgpu::PollType::wait_indefinitely())
@@ -267,10 +270,10 @@ impl Gpu {
             .map_err(|error| GpuError::Device(error.to_string()))
     }
 
-    /// Blocks until this submission is done; later ones may go on.
+    /// Blocks until this submission is done; later ones may continue.
     ///
     /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
+    /// [`GpuError::Device`] if the device is lost.
     pub fn wait_for(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
         let until = wgpu::PollType::Wait {
             submission_index: Some(submission),
@@ -283,7 +286,8 @@ impl Gpu {
     }
 }
 
-/// Splits `H200#2` into what the name contains, in lower case, and which of those it is, counted from 0.
+/// Splits `H200#2` into the part that the name must contain, in lower case, and the index among the
+/// matches, counted from 0.
 fn numbered(name: &str) -> (String, usize) {
     let split = name
         .rsplit_once('#')
@@ -347,7 +351,7 @@ mod tests {
         assert_eq!(numbered("H200"), ("h200".to_owned(), 0));
         assert_eq!(numbered("H200#1"), ("h200".to_owned(), 0));
         assert_eq!(numbered("H200#3"), ("h200".to_owned(), 2));
-        // These are parts of names.
+        // Here `#` is part of the name.
         assert_eq!(numbered("card #0"), ("card #0".to_owned(), 0));
         assert_eq!(numbered("a#b"), ("a#b".to_owned(), 0));
     }

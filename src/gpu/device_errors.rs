@@ -1,10 +1,10 @@
-//! Hears of a GPU that fails on its own, rather than in answer to a call.
+//! Watches for GPU errors that no call returns.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{Gpu, GpuError};
 
-/// The first fault of a device: it was lost, or an error reached nobody else.
+/// The first error of a device: it was lost, or an error that no other handler caught.
 pub struct DeviceErrors {
     heard: Arc<Mutex<Heard>>,
     device: wgpu::Device,
@@ -17,7 +17,7 @@ struct Heard {
 }
 
 impl DeviceErrors {
-    /// Listens to the device of `gpu` from now on.
+    /// Watches the device of `gpu` from now on.
     pub fn watch(gpu: &Gpu) -> Self {
         let device_errors = Arc::new(Mutex::new(Heard::default()));
         let heard = device_errors.clone();
@@ -45,14 +45,14 @@ impl DeviceErrors {
         }
     }
 
-    /// What failed first, if anything did.
+    /// The first error, if any.
     pub fn first(&self) -> Option<GpuError> {
         self.heard().first.clone().map(GpuError::Device)
     }
 
-    /// Whether the device is lost: another one can take its place ([`Gpu::reopened`]).
+    /// Whether the device is lost: a new one can replace it ([`Gpu::reopened`]).
     pub fn is_lost(&self) -> bool {
-        // A loss is told by polling alone, which a lost device may refuse.
+        // Only polling reports a loss, and a lost device may refuse to poll.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.heard().lost
     }
@@ -68,12 +68,12 @@ mod tests {
     use crate::gpu::ShaderChecks;
 
     #[test]
-    fn a_lost_device_is_heard_of() {
+    fn a_lost_device_is_reported() {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need an adapter");
         let device_errors = DeviceErrors::watch(&gpu);
         assert!(device_errors.first().is_none() && !device_errors.is_lost());
         gpu.device.destroy();
-        // Waiting for a device that is gone may itself be refused.
+        // Waiting for a lost device may itself fail.
         let _ = gpu.wait();
         let message = device_errors.first().expect("it is gone").to_string();
         assert!(message.contains("the device was lost"), "{message}");

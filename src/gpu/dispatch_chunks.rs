@@ -1,11 +1,11 @@
-//! Long work goes out in several dispatches, so that none holds the GPU for long: a window stays
-//! alive, and no watchdog takes the device away.
+//! Splits long work into several dispatches (chunks), so that none holds the GPU for long: a window
+//! stays responsive, and no watchdog resets the device.
 //!
-//! Work is a rectangle of workgroups, and a dispatch takes some of its rows. How many is learned from
-//! the time that they took: a fast GPU gets all of them at once from its third frame on. A device learns it for
-//! each kernel, whoever binds it and however frames are timed (`learner`). Shaders
-//! that can be sent so add `first_row` (`shaders/frame/chunk.wesl`) to their row; it lies in a table
-//! that the device is opened with, and a dynamic offset chooses it.
+//! Work is a rectangle of workgroups, and each dispatch takes some of its rows. How many is learned
+//! from the measured time of earlier dispatches: a fast GPU gets all rows at once from its third frame
+//! on. A device learns the time of each kernel, whichever bindings it has and however frames are timed
+//! (`learner`). Shaders that can be split add `first_row` (`shaders/frame/chunk.wesl`) to their row.
+//! `first_row` lies in a table that is created with the device, and a dynamic offset selects its entry.
 
 use std::{
     ops::Range,
@@ -14,31 +14,32 @@ use std::{
 
 use wgpu::util::DeviceExt as _;
 
-/// Name of the binding that says where a dispatch begins.
+/// Name of the binding that holds the first row of a dispatch.
 pub(super) const FIRST_ROW: &str = "first_row";
 /// Bytes from one entry of the table to the next: the alignment that every device supports.
 pub(super) const STRIDE: u32 = 256;
-/// Most rows of a rectangle: those of the highest picture, in tiles of eight pixels.
+/// Most rows of a rectangle: those of the tallest picture, in tiles of eight pixels.
 pub(super) const MOST_ROWS: u32 = 4096;
 
-/// Milliseconds that a dispatch should take. None may take 50; rows differ, and so do frames.
+/// Milliseconds that a dispatch should take. None may take 50; the rest is a margin, because rows and
+/// frames differ.
 const AIM_MS: f64 = 20.0;
-/// Nothing takes no time at all: a clock that stands still says that there is room.
+/// Least time that counts: where the clock shows no time at all, there is room for more.
 const LEAST_MS: f64 = 1e-6;
-/// Share of a group's time that stays known after a faster one: what was seen of the sky says little
-/// about the rest of a picture.
+/// Share of the known time per workgroup that is kept after a faster dispatch: rows that show only sky
+/// say little about the rest of a picture.
 const KEPT_OF_SLOWER: f64 = 0.85;
-/// After a slower one.
+/// The same after a slower dispatch.
 const KEPT_OF_FASTER: f64 = 0.5;
-/// How many times as many rows as the last dispatch the next one takes at most.
+/// The next dispatch takes at most this many times the rows of the last one.
 const MOST_GROWTH: u32 = 4;
-/// Least width of a [`rectangle`]: its row is the least that a dispatch can take.
+/// Least width of a [`rectangle`]: one row is the least that a dispatch can take.
 const LEAST_WIDTH: u32 = 8;
-/// Rows of a [`rectangle`], give or take.
+/// Approximate number of rows of a [`rectangle`].
 const ROWS: u32 = 2048;
 
-/// At least `groups` workgroups as width and rows, for shaders that count through them row by row
-/// and leave out what is too many.
+/// At least `groups` workgroups as width and rows, for shaders that number them row by row and skip the
+/// surplus.
 pub fn rectangle(groups: u32) -> [u32; 2] {
     let width = groups.div_ceil(ROWS).max(LEAST_WIDTH);
     [width, groups.div_ceil(width)]
@@ -58,8 +59,8 @@ pub(super) fn table(device: &wgpu::Device) -> wgpu::Buffer {
     })
 }
 
-/// The workgroups of a slice of an indirect dispatch, made on the GPU, which alone knows how many columns
-/// there are. One slice after another uses the same words.
+/// Arguments of one chunk of an indirect dispatch. The GPU writes them, because only it knows the
+/// number of columns. Successive chunks reuse the same words.
 #[derive(Clone, Debug)]
 pub(super) struct ChunkArguments {
     rows: wgpu::Buffer,
@@ -80,7 +81,8 @@ impl ChunkArguments {
         }
     }
 
-    /// As many columns as the dispatch at a byte of a buffer has, and less than [`MOST_ROWS`] rows.
+    /// Writes the columns of the dispatch at a byte offset of a buffer, and `rows` rows, fewer than
+    /// [`MOST_ROWS`].
     pub(super) fn write(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -89,7 +91,7 @@ impl ChunkArguments {
     ) {
         let word = size_of::<u32>() as u64;
         encoder.copy_buffer_to_buffer(whole, offset, &self.words, 0, word);
-        // The table's entry of a row holds its number.
+        // The table's entry of a row holds the number of the row.
         let entry = u64::from(rows) * u64::from(STRIDE);
         encoder.copy_buffer_to_buffer(&self.rows, entry, &self.words, word, word);
     }
@@ -99,27 +101,29 @@ impl ChunkArguments {
     }
 }
 
-/// Runs of a kernel after which its pace is learned again where nobody times its passes.
+/// Runs of a kernel after which its chunk time is learned again, where its passes are not timed
+/// otherwise.
 const RUNS_BETWEEN: u32 = 256;
 
-/// What is known of the time that a kernel's workgroups take on a device.
+/// The learned time of a kernel's workgroups on a device.
 #[derive(Debug, Default)]
 pub(super) struct ChunkTime {
-    /// Bits of an f64; 0 while nothing is known.
+    /// Bits of an f64; 0 while no time is known.
     ms_a_group: AtomicU64,
     begun: AtomicBool,
-    /// Runs since it last learned.
+    /// Runs since the last measurement.
     runs: AtomicU32,
 }
 
 impl ChunkTime {
-    /// Whether a run that nobody times should be timed for the pace alone.
+    /// Whether a run that is not timed otherwise should be timed for the chunk time alone.
     pub(super) fn is_due(&self) -> bool {
         let is_known = self.ms_a_group.load(Ordering::Relaxed) > 0;
         !is_known || self.runs.load(Ordering::Relaxed) >= RUNS_BETWEEN
     }
 
-    /// N workgroups took this many milliseconds. The first time says nothing: drivers compile before they begin.
+    /// Records that `groups` workgroups took `ms` milliseconds. The first measurement is ignored:
+    /// drivers compile before they begin.
     pub(super) fn learn(&self, groups: u32, ms: f64) {
         if !self.begun.swap(true, Ordering::Relaxed) {
             return;
@@ -139,8 +143,8 @@ impl ChunkTime {
         self.ms_a_group.store(next.to_bits(), Ordering::Relaxed);
     }
 
-    /// How many rows of `width` workgroups the next dispatch may take; `unknown` workgroups as long
-    /// as no time is known.
+    /// How many rows of `width` workgroups the next dispatch may take; rows of `unknown` workgroups
+    /// while no time is known.
     fn rows(&self, width: u32, unknown: u32) -> u32 {
         let ms = f64::from_bits(self.ms_a_group.load(Ordering::Relaxed)) * f64::from(width);
         let rows = if ms > 0.0 {
@@ -152,7 +156,7 @@ impl ChunkTime {
     }
 }
 
-/// The rows of one dispatch after another. What a dispatch teaches its pace counts for the next.
+/// The rows of successive dispatches. The measured time of each dispatch sets the size of the next.
 pub(super) struct DispatchChunks<'a> {
     chunk_time: &'a ChunkTime,
     width: u32,
@@ -187,7 +191,7 @@ impl Iterator for DispatchChunks<'_> {
             .last
             .map_or(u32::MAX, |last| last.saturating_mul(MOST_GROWTH));
         let allowed = self.chunk_time.rows(self.width, self.unknown).min(most);
-        // Equal shares of what is left: a last dispatch of a row or two would be a waste.
+        // Equal shares of the remaining rows: a last dispatch of a row or two would be a waste.
         let left = self.rows - self.next;
         let count = left.div_ceil(left.div_ceil(allowed));
         let first = self.next;
@@ -205,7 +209,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn slices_take_every_row_once_and_none_for_too_long(
+        fn chunks_take_every_row_once_and_none_too_long(
             width in 1u32..300,
             rows in 0u32..=MOST_ROWS,
             ms_a_row in 1e-6f64..19.0,
@@ -222,7 +226,7 @@ mod tests {
                     None => prop_assert!(count <= (unknown / width).max(1)),
                     Some(last) => {
                         prop_assert!(count <= last * MOST_GROWTH);
-                        // The first dispatch's time is not believed.
+                        // The first dispatch's time is ignored.
                         let known = index > 1;
                         prop_assert!(!known || f64::from(count) * ms_a_row <= AIM_MS);
                         prop_assert!(known || count <= (unknown / width).max(1));
@@ -245,14 +249,15 @@ mod tests {
     }
 
     #[test]
-    fn what_is_fast_goes_out_at_once_and_slow_rows_are_remembered() {
+    fn fast_work_is_one_dispatch_and_slow_rows_are_remembered() {
         let chunk_time = ChunkTime::default();
         let all = 240 * 135;
         chunk_time.learn(240, 900.0);
         chunk_time.learn(all, 2.0);
         let mut at_once = DispatchChunks::new(&chunk_time, [240, 135], 512);
         assert_eq!((at_once.next(), at_once.next()), (Some(0..135), None));
-        // One slow frame: half of it at a time, until faster ones have been seen for a while.
+        // After one slow frame the work is split in half, until several faster frames have been
+        // measured.
         chunk_time.learn(all, 60.0);
         assert_eq!(DispatchChunks::new(&chunk_time, [240, 135], 512).count(), 2);
         chunk_time.learn(all, 2.0);

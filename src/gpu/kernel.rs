@@ -1,5 +1,5 @@
-//! A compute pipeline whose resources are bound by name: the group and binding numbers are the
-//! shader's business alone.
+//! A compute pipeline whose resources are bound by name: group and binding numbers stay inside the
+//! shader.
 
 use std::{
     hash::{DefaultHasher, Hash as _, Hasher as _},
@@ -15,23 +15,23 @@ use super::{
     shader::base_name,
 };
 
-/// Which shader, with which constants.
+/// A shader with the values of its constants.
 #[derive(Clone, Copy, Default)]
 pub struct KernelSpec<'a> {
-    /// As `view/shade`, which is its label in timings and captures too.
+    /// For example `view/shade`, which is also the label in timings and captures.
     pub shader: &'a str,
     /// Entry point; `main` when empty.
     pub entry: &'a str,
-    /// Values of `override` declarations, by their name in their own module.
+    /// Values of `override` declarations, by the names in their own modules.
     pub overrides: &'a [(&'a str, f64)],
-    /// The same, of which the shader may lack some.
+    /// Further values, which the shader may lack.
     pub offered: &'a [(&'a str, f64)],
-    /// Modules made for this kernel, imported as `package::generated::NAME`.
+    /// Modules generated for this kernel, imported as `package::generated::NAME`.
     pub generated: &'a [(&'a str, &'a str)],
 }
 
 impl KernelSpec<'_> {
-    /// What tells one kernel of a device from another.
+    /// Distinguishes the kernels of a device.
     fn key(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         (self.shader, self.entry, self.generated).hash(&mut hasher);
@@ -46,27 +46,27 @@ impl KernelSpec<'_> {
 #[derive(Clone)]
 pub struct Kernel {
     pub label: String,
-    /// Of its [`KernelSpec`].
+    /// Key of its [`KernelSpec`].
     key: u64,
     pipeline: wgpu::ComputePipeline,
     groups: Arc<[Group]>,
     pub workgroup_size: [u32; 3],
 }
 
-/// The resources of a [`Kernel`], ready to be set, and how fast it is on this device.
+/// The resources of a [`Kernel`], ready to be set, and its chunk time on this device.
 pub struct Bindings {
     groups: Vec<Option<wgpu::BindGroup>>,
     pub(super) chunk_time: Arc<ChunkTime>,
 }
 
 impl Kernel {
-    /// Composes, compiles and reflects, or takes what the device has compiled before.
+    /// Composes, compiles and reflects the shader, or reuses the device's compiled kernel.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] when the shader does not compile.
+    /// [`GpuError::Shader`] if the shader does not compile.
     ///
     /// # Panics
-    /// When an override is named that the shader does not have: that is a fault of the caller.
+    /// If the shader lacks a named override: that is a caller's bug.
     pub fn new(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
         let key = spec.key();
         let cache = || gpu.kernels.lock().expect("nobody panics holding it");
@@ -133,11 +133,11 @@ impl Kernel {
         })
     }
 
-    /// Binds every resource of the shader by its name; names that the shader does not use are
-    /// ignored, so that passes may offer a common set. Where dispatches begin need not be given.
+    /// Binds every resource of the shader by its name. Names that the shader does not use are ignored,
+    /// so that passes may offer a common set. The table of first rows need not be given.
     ///
     /// # Panics
-    /// When a resource of the shader is not among `resources`: that is a fault of the caller.
+    /// If a resource of the shader is not among `resources`: that is a caller's bug.
     pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource<'_>)]) -> Bindings {
         let first_row = (
             FIRST_ROW,
@@ -157,7 +157,7 @@ impl Kernel {
                         .iter()
                         .chain([&first_row])
                         .find(|(known, _)| known == name)
-                        .unwrap_or_else(|| panic!("`{}` is not given `{name}`", self.label))
+                        .unwrap_or_else(|| panic!("`{}` lacks the resource `{name}`", self.label))
                         .1
                         .clone(),
                 })
@@ -190,10 +190,10 @@ impl Kernel {
         pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
     }
 
-    /// Dispatches some rows of `width` workgroups of work that has more.
+    /// Dispatches some of the rows of work that is `width` workgroups wide.
     ///
     /// # Panics
-    /// When the shader takes no account of its first row: that is a fault of the caller.
+    /// If the shader does not use its first row: that is a caller's bug.
     pub(super) fn dispatch_rows(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
@@ -203,14 +203,14 @@ impl Kernel {
     ) {
         assert!(
             self.groups.iter().any(Group::has_first_row),
-            "`{}` cannot go out in parts: it uses no `{FIRST_ROW}`",
+            "`{}` cannot be split: it does not use `{FIRST_ROW}`",
             self.label
         );
         self.set(pass, bindings, rows.start);
         pass.dispatch_workgroups(width, rows.end - rows.start, 1);
     }
 
-    /// Columns and rows of the workgroups that a picture takes, one thread a pixel.
+    /// Columns and rows of workgroups for a picture, one thread per pixel.
     pub fn groups_of(&self, size: [u32; 2]) -> [u32; 2] {
         std::array::from_fn(|axis| size[axis].div_ceil(self.workgroup_size[axis]))
     }
@@ -226,7 +226,7 @@ impl Kernel {
         self.dispatch(pass, bindings, groups);
     }
 
-    /// Dispatches as many workgroups as three u32 at `offset` of `buffer` say, from a row on.
+    /// Dispatches as many workgroups as the three u32 at `offset` of `buffer`, starting at a row.
     pub fn dispatch_indirect(
         &self,
         pass: &mut wgpu::ComputePass<'_>,

@@ -1,21 +1,22 @@
-//! Times of passes for their [`Pace`] alone: what a frame that nobody times pass by pass still learns.
+//! Times passes for their [`ChunkTime`] alone, in frames whose passes are not timed one by one.
 
 use std::sync::Arc;
 
 use super::{Gpu, dispatch_chunks::ChunkTime};
 
-/// Passes of one submission that are timed so.
+/// Most passes of one submission that are timed this way.
 const MOST_PASSES: u32 = 64;
 
-/// Stamps of the passes of one submission.
+/// Timestamps of the passes of one submission.
 pub(super) struct Learner {
     stamps: wgpu::QuerySet,
-    /// What learns of each pair of stamps, and how many workgroups ran between them.
+    /// For each pair of timestamps: the chunk time that learns from it, and the workgroups between
+    /// them.
     learning: Vec<(Arc<ChunkTime>, u32)>,
 }
 
 impl Learner {
-    /// `None` where the adapter has no stamps of its own time.
+    /// `None` if the adapter has no timestamps.
     pub(super) fn new(device: &wgpu::Device) -> Option<Self> {
         if !device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
             return None;
@@ -31,7 +32,8 @@ impl Learner {
         })
     }
 
-    /// What a compute pass of `groups` workgroups is to be begun with; `None` when there is no room for more.
+    /// The timestamp writes with which a compute pass of `groups` workgroups begins; `None` if no room
+    /// is left.
     pub(super) fn stamps(
         &mut self,
         chunk_time: &Arc<ChunkTime>,
@@ -49,7 +51,7 @@ impl Learner {
         })
     }
 
-    /// Submits `encoder`; the paces learn when the work is done and the device is polled.
+    /// Submits `encoder`; the chunk times learn when the work is done and the device is polled.
     pub(super) fn submit(
         self,
         gpu: &Gpu,

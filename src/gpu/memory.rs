@@ -1,8 +1,8 @@
-//! What memory is left for what is about to be made.
+//! Checks that enough memory is left before resources are created.
 
 use super::{Gpu, GpuError};
 
-/// Bytes of main memory that can be had: `MemAvailable` of Linux. `None` on systems that do not say.
+/// Available main memory in bytes: `MemAvailable` of Linux. `None` on systems that do not report it.
 pub fn available_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text
@@ -13,8 +13,8 @@ pub fn available_memory() -> Option<u64> {
 }
 
 impl Gpu {
-    /// Refuses what a software adapter would have to take from main memory that is not there. GPUs do
-    /// not say what they have left: see [`Gpu::making`].
+    /// Refuses sizes that a software adapter cannot get from main memory. GPUs do not report how much
+    /// memory is left: see [`Gpu::making`].
     ///
     /// # Errors
     /// [`GpuError::TooLarge`].
@@ -32,10 +32,10 @@ impl Gpu {
         }
     }
 
-    /// Makes resources of so many bytes together.
+    /// Creates resources of `bytes` bytes in total.
     ///
     /// # Errors
-    /// [`GpuError::OutOfMemory`] when the adapter has not got them; and those of `make`.
+    /// [`GpuError::OutOfMemory`] if the adapter lacks the memory; and those of `make`.
     pub fn making<T, E: From<GpuError>>(
         &self,
         what: &str,

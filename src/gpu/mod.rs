@@ -1,6 +1,5 @@
-//! The GPU as the passes see it: a device with its limits, shaders composed and bound by name,
-//! buffers that are checked against the limits before they are made, and timings by label.
-//! Knows no world.
+//! The GPU as the passes see it: a device with its limits, shaders composed and bound by name, buffers
+//! that are checked against the limits before they are created, and timings by label. Knows no world.
 
 mod buffers;
 mod device;
@@ -26,7 +25,7 @@ pub use recorder::Recorder;
 pub use shader::{Composed, ShaderLibrary};
 pub use timing::{PassTimes, Timing};
 
-/// What can go wrong between the program and the GPU.
+/// Errors between the program and the GPU.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
     #[error(
@@ -49,7 +48,7 @@ pub enum GpuError {
         remedy: &'static str,
     },
     #[error(
-        "{what} needs {bytes} bytes, and adapter `{adapter}` has not that much memory left. Choose a \
+        "{what} needs {bytes} bytes, but adapter `{adapter}` has less memory left. Choose a \
          smaller layout or world, or close other programs."
     )]
     OutOfMemory {

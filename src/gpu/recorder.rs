@@ -1,4 +1,4 @@
-//! Records passes into one submission, and has them timed.
+//! Records passes into one submission and has them timed.
 
 use std::{mem, ops::Range, sync::Arc, time::Instant};
 
@@ -17,33 +17,33 @@ pub struct Recorder<'a> {
     device: wgpu::Device,
     queue: wgpu::Queue,
     timing: Option<&'a mut Timing>,
-    /// Open from the first pass to the last, where these are not timed one by one.
+    /// Open from the first pass to the last if passes are not timed one by one.
     whole: Option<GpuProfilerQuery>,
-    /// The pass that those recorded [`together`](Self::together) share.
+    /// The pass that [`concurrent`](Self::concurrent) passes share.
     shared: Option<wgpu::ComputePass<'static>>,
     first_groups: u32,
     arguments: ChunkArguments,
-    /// A CPU does the work: it writes its timestamps when it gets round to it.
+    /// Whether a CPU does the work: it writes timestamps late, not when a pass runs.
     is_software: bool,
-    /// Times the passes whose pace nobody else learns.
+    /// Times the passes whose chunk time is not learned otherwise.
     learner: Option<Learner>,
     dispatches: u32,
 }
 
-/// How the pace of a kernel learns of a pass.
+/// How the chunk time of a kernel learns from a pass.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Learning {
-    /// Not now.
+    /// Not at all.
     Not,
     /// From the times of this recorder's [`Timing`].
     Timed,
-    /// From two stamps of the GPU.
+    /// From two timestamps of the GPU.
     Stamped,
     /// By waiting for the pass.
     Waiting,
 }
 
-/// What tells when a pass begins and ends.
+/// How the start and end of a pass are timed.
 enum Stamps<'a> {
     None,
     Query(&'a GpuProfilerQuery),
@@ -67,8 +67,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Times the frame as a whole, where the adapter's clock can: stamps between the passes take time of
-    /// their own.
+    /// Times the frame as a whole if the adapter's clock can: timestamps between the passes take time
+    /// themselves.
     pub fn new_whole(gpu: &Gpu, timing: &'a mut Timing) -> Self {
         let mut recorder = Self::new(gpu, Some(timing));
         if gpu
@@ -82,10 +82,10 @@ impl<'a> Recorder<'a> {
         recorder
     }
 
-    /// A compute pass under the kernel's label: columns and rows of workgroups, in as many dispatches
-    /// as it takes that none of them holds the GPU for long (one, on a GPU that is fast enough). The
-    /// shader adds `first_row` of `shaders/frame/chunk.wesl` to its row; what it writes must not depend
-    /// on the order of its workgroups.
+    /// A compute pass under the kernel's label: columns and rows of workgroups, in enough dispatches
+    /// that none of them holds the GPU for long (one, on a fast GPU). The shader adds `first_row` of
+    /// `shaders/frame/chunk.wesl` to its row; its output must not depend on the order of its
+    /// workgroups.
     ///
     /// # Panics
     /// With more than 4096 rows.
@@ -93,8 +93,8 @@ impl<'a> Recorder<'a> {
         self.run_rows(kernel, bindings, groups, None);
     }
 
-    /// The same for work of which the GPU says how much there is: columns and rows in three u32 at
-    /// `offset` of `buffer`, with as many rows as `most` and at most its columns.
+    /// The same for work whose size the GPU knows: columns and rows in three u32 at `offset` of
+    /// `buffer`, with exactly the rows of `most` and at most its columns.
     ///
     /// # Panics
     /// With more than 4096 rows.
@@ -119,7 +119,7 @@ impl<'a> Recorder<'a> {
         let (label, chunk_time) = (&*kernel.label, &bindings.chunk_time);
         let learning = self.learning(chunk_time);
         if matches!(learning, Learning::Stamped | Learning::Waiting) {
-            // What runs side by side has no time of its own.
+            // Concurrent passes have no times of their own.
             self.shared = None;
         }
         let dispatch_chunks = DispatchChunks::new(chunk_time, [width, rows], self.first_groups);
@@ -157,13 +157,13 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Whether the times of all passes are found by waiting for each.
+    /// Whether passes are timed by waiting for each.
     fn waits(&self) -> bool {
         let clock = self.timing.as_ref().map(|timing| &timing.clock);
         matches!(clock, Some(Clock::Wall { .. }))
     }
 
-    /// How a pass that is to run next teaches its kernel's pace.
+    /// How the next pass teaches its kernel's chunk time.
     fn learning(&mut self, chunk_time: &ChunkTime) -> Learning {
         match self.timing.as_ref().map(|timing| &timing.clock) {
             Some(Clock::Wall { .. }) => Learning::Waiting,
@@ -180,13 +180,14 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// How many dispatches [`run`](Self::run) and [`run_indirect`](Self::run_indirect) have made so far.
+    /// Number of dispatches that [`run`](Self::run) and [`run_indirect`](Self::run_indirect) have made
+    /// so far.
     pub fn dispatches(&self) -> u32 {
         self.dispatches
     }
 
-    /// Passes that the GPU may run side by side, where they are not timed one by one. A pass that writes a resource
-    /// bound by another still waits for it.
+    /// Passes that the GPU may run concurrently if passes are not timed one by one. A pass that writes
+    /// a resource bound by another still waits for it.
     pub fn concurrent<T>(&mut self, record: impl FnOnce(&mut Self) -> T) -> T {
         let one_by_one = match self.timing.as_ref().map(|timing| &timing.clock) {
             Some(Clock::Gpu { .. }) => self.whole.is_none(),
@@ -202,8 +203,8 @@ impl<'a> Recorder<'a> {
         written
     }
 
-    /// A slice of work of which the GPU says how many columns it has; milliseconds, where they are known
-    /// at once.
+    /// One chunk of work whose number of columns the GPU knows. Returns its milliseconds if they are
+    /// known at once.
     fn run_some_rows(
         &mut self,
         kernel: &Kernel,
@@ -246,7 +247,7 @@ impl<'a> Recorder<'a> {
         });
     }
 
-    /// Milliseconds, where they are known at once.
+    /// Returns the milliseconds if they are known at once.
     fn compute_timed(
         &mut self,
         label: &str,
@@ -262,7 +263,7 @@ impl<'a> Recorder<'a> {
         })
     }
 
-    /// A render pass under this label that draws on black over all of `target`.
+    /// A render pass under this label that clears all of `target` to black and draws on it.
     pub fn render(
         &mut self,
         label: &str,
@@ -292,8 +293,9 @@ impl<'a> Recorder<'a> {
         });
     }
 
-    /// Times what `record` records into the encoder; where that is by waiting, the milliseconds are known
-    /// at once. `learner` is what learns of it otherwise, and of how many workgroups.
+    /// Times the commands that `record` adds to the encoder; if the time is found by waiting, returns
+    /// the milliseconds at once. Otherwise the chunk time in `learner` learns later, with its number of
+    /// workgroups.
     fn pass(
         &mut self,
         label: &str,
@@ -333,8 +335,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Milliseconds from the submission of what `record` records to its end. All before it is submitted, and waited
-    /// for, first.
+    /// Milliseconds from the submission of the commands of `record` to their end. Earlier work is
+    /// submitted and waited for first.
     fn wait_for(&mut self, record: impl FnOnce(&mut wgpu::CommandEncoder, Stamps<'_>)) -> f64 {
         self.flush();
         let start = Instant::now();
@@ -343,7 +345,7 @@ impl<'a> Recorder<'a> {
         start.elapsed().as_secs_f64() * 1e3
     }
 
-    /// Submits what is recorded so far, and waits. A device that is lost here is still lost, and said to be, at the
+    /// Submits everything recorded so far, and waits. A device that is lost here is reported at the
     /// next wait that returns a result.
     fn flush(&mut self) {
         let next = self.device.create_command_encoder(&Default::default());
@@ -355,7 +357,7 @@ impl<'a> Recorder<'a> {
     /// Submits the work; its times come from [`Timing::next_frame`] when it is done.
     ///
     /// # Errors
-    /// [`GpuError::Device`] when timestamps were left open.
+    /// [`GpuError::Device`] if timestamps were left open.
     pub fn submit(mut self, gpu: &Gpu) -> Result<wgpu::SubmissionIndex, GpuError> {
         let mut clock = self.timing.map(|timing| &mut timing.clock);
         match &mut clock {

@@ -1,4 +1,4 @@
-//! What a shader binds, read from its declarations.
+//! The bindings of a shader, read from its declarations.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// Whether one of its resources says where a dispatch begins.
+    /// Whether one of its resources holds the first row of a dispatch.
     pub(super) fn has_first_row(&self) -> bool {
         self.slots.iter().any(|(_, name)| name == FIRST_ROW)
     }

@@ -1,4 +1,4 @@
-//! Shader composition. The only file that knows that it is done by WESL.
+//! Shader composition. The only file that knows that WESL does it.
 
 use std::{borrow::Cow, collections::BTreeMap, fs, path::Path};
 
@@ -12,26 +12,26 @@ use crate::shared;
 
 const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// The text of every shader module, by its name (`view/shade`): what the binary carries, or a
-/// folder as it was at one moment. The generated ones (`generated/probes`, see [`crate::shared!`]) are the binary's own
-/// either way.
+/// The text of every shader module, by its name (`view/shade`): embedded in the binary, or read from a
+/// folder at one moment. The generated modules (`generated/probes`, see [`crate::shared!`]) always come
+/// from the binary.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShaderLibrary {
     modules: BTreeMap<String, Cow<'static, str>>,
 }
 
-/// A whole shader: plain WGSL, and the naga module that it parses to.
+/// A complete shader: plain WGSL, and the naga module parsed from it.
 pub struct Composed {
     pub name: String,
     pub wgsl: String,
     pub module: naga::Module,
     pub info: naga::valid::ModuleInfo,
-    /// The names of the modules that it is made of, sorted; those made at run time among them.
+    /// Sorted names of the modules that it contains, including those generated at run time.
     pub sources: Vec<String>,
 }
 
 impl ShaderLibrary {
-    /// What the binary carries.
+    /// The modules embedded in the binary.
     pub fn embedded() -> Self {
         let modules = EMBEDDED
             .iter()
@@ -39,10 +39,10 @@ impl ShaderLibrary {
         Self::with_generated(modules.collect())
     }
 
-    /// What lies in `folder` now. Later edits do not show: what is read here stays one whole.
+    /// The current content of `folder`. Later edits do not show: the library stays consistent.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] for a file that cannot be read, and a folder without any shader.
+    /// [`GpuError::Shader`] for a file that cannot be read, and for a folder without any shader.
     pub fn from_folder(folder: &Path) -> Result<Self, GpuError> {
         let mut modules = BTreeMap::new();
         read_modules(folder, "", &mut modules)?;
@@ -61,12 +61,12 @@ impl ShaderLibrary {
         Self { modules }
     }
 
-    /// The names of all modules, as `view/shade`.
+    /// The names of all modules, such as `view/shade`.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.modules.keys().map(String::as_str)
     }
 
-    /// The names of modules that only one of both has, or that read otherwise in the other.
+    /// The names of modules that only one of the two libraries has, or whose texts differ.
     pub fn differences<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = &'a str> {
         let changed = self
             .names()
@@ -82,11 +82,11 @@ impl ShaderLibrary {
         self.modules.get(name).map(|text| &**text)
     }
 
-    /// Resolves the imports of module `name` (`view/shade`). `generated` adds modules that are
-    /// made for one kernel, imported as `package::generated::NAME`. The same modules give the same bytes.
+    /// Resolves the imports of module `name` (`view/shade`). `generated` adds modules that are made for
+    /// one kernel, imported as `package::generated::NAME`. The same modules give the same bytes.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] with the place, for a missing module, a syntax error, a type error.
+    /// [`GpuError::Shader`] with its position, for a missing module, a syntax error or a type error.
     pub fn compose(&self, name: &str, generated: &[(&str, &str)]) -> Result<Composed, GpuError> {
         let fault = |message: String| GpuError::Shader {
             name: name.to_owned(),
@@ -128,8 +128,9 @@ impl ShaderLibrary {
     }
 }
 
-/// Sorts declarations by their modules, and keeps the order within a module. WESL 0.4.0 visits the entry points
-/// of a shader, and so the modules that they import, in the order of a hash map: another one in each run.
+/// Sorts declarations by their modules, and keeps the order within a module. WESL 0.4.0 visits the
+/// entry points of a shader, and so the modules that they import, in the order of a hash map, which
+/// differs in each run.
 fn put_in_order(shader: &mut TranslationUnit) {
     shader
         .global_directives
@@ -139,7 +140,8 @@ fn put_in_order(shader: &mut TranslationUnit) {
         .sort_by_cached_key(|declaration| place(declaration.node()));
 }
 
-/// The module of a declaration; its own text where it has no name that tells.
+/// The module of a declaration, as a sort key; without a name that contains the module, the
+/// declaration's own text.
 fn place(declaration: &GlobalDeclaration) -> (String, String) {
     let named = match declaration {
         GlobalDeclaration::Declaration(Declaration { ident, .. })
@@ -150,12 +152,12 @@ fn place(declaration: &GlobalDeclaration) -> (String, String) {
             return (String::new(), declaration.to_string());
         }
     };
-    // Names of the shader's own module are as the source has them.
+    // The shader's own module keeps the names of its source.
     let module = named.split_once("__").map_or("", |(_, module)| module);
     (module.to_owned(), String::new())
 }
 
-/// A text without the escape sequences that colour it in a terminal (ECMA-48: ESC [ … letter).
+/// A text without its terminal colour codes (ECMA-48: ESC [ … letter).
 fn without_colours(text: &str) -> String {
     let mut parts = text.split("\x1b[");
     let mut plain = parts.next().unwrap_or_default().to_owned();
@@ -219,7 +221,7 @@ impl Resolver for LibraryResolver<'_> {
 }
 
 /// `march::march` of module `march/march` becomes `march__march_march`: readable in captures, and
-/// [`base_name`] gives back what the source says.
+/// [`base_name`] recovers the name in the source.
 struct ReadableMangler;
 
 impl Mangler for ReadableMangler {
@@ -238,7 +240,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_folder_that_was_embedded_reads_the_same() {
+    fn the_folder_equals_the_embedded_library() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
         let read = ShaderLibrary::from_folder(&folder).expect("the repository's own shaders");
         assert_eq!(read, ShaderLibrary::embedded());
@@ -265,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edit_and_a_removal_are_told_apart_from_the_rest() {
+    fn an_edit_and_a_removal_are_differences() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let write = |name: &str, text: &str| {
             let path = folder.path().join(name);

@@ -1,4 +1,4 @@
-//! Times of passes by label: from the GPU's own clock, or the wall's where the GPU is a CPU.
+//! Times of passes by label: from the GPU's own clock, or from the wall clock on software adapters.
 
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -9,8 +9,8 @@ use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
 
 use super::{Gpu, GpuError, dispatch_chunks::ChunkTime};
 
-/// Milliseconds of each pass in one frame, by label, in the order of the alphabet (none where the frame was
-/// timed as a whole), and the span from the first one's start to the last one's end.
+/// Milliseconds of each pass in one frame by label, in alphabetical order (empty if the frame was timed
+/// as a whole), and the time from the first pass's start to the last pass's end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PassTimes {
     pub passes_ms: BTreeMap<String, f64>,
@@ -23,15 +23,15 @@ pub(super) const WHOLE: &str = "";
 /// Collects the times of passes over frames.
 pub struct Timing {
     pub(super) clock: Clock,
-    /// What learns from the time of a pass, by its label, and of how many workgroups.
+    /// By the label of a pass: the chunk time that learns from its time, and its number of workgroups.
     pub(super) learning: BTreeMap<String, (Arc<ChunkTime>, u32)>,
 }
 
 pub(super) enum Clock {
     /// Timestamps, which never stall a frame.
     Gpu { profiler: GpuProfiler, period: f32 },
-    /// A software adapter writes its timestamps when it gets round to it, not when the pass ran. It
-    /// loses nothing by doing one pass after the other, so each is submitted and waited for.
+    /// A software adapter writes its timestamps late, not when the pass ran. It loses nothing by
+    /// running one pass after the other, so each is submitted and waited for.
     Wall {
         current: PassTimes,
         finished: VecDeque<PassTimes>,
@@ -42,7 +42,7 @@ pub(super) enum Clock {
 
 impl Timing {
     /// # Errors
-    /// [`GpuError::Device`] when the profiler refuses its settings.
+    /// [`GpuError::Device`] if the profiler refuses its settings.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let clock = if gpu.summary.is_software() {
             Clock::Wall {

@@ -4,15 +4,15 @@ use glam::DVec3;
 
 use super::{LampShape, LampState, Lights};
 
-/// A lamp that moves so far (voxels) lights another scene.
+/// A lamp that moves this far (voxels) counts as a full change.
 const FAR_M: f64 = 4.0;
-/// A lamp that turns by so much (radians) does, too.
+/// So does a lamp that turns by this angle (radians).
 const WIDE_RAD: f64 = 0.5;
 
 impl Lights {
-    /// The greatest change of any lamp or of the sky since `before`, relative to the brighter of both:
-    /// 0 for none, 1 when a lamp was switched or lights another place. Lamps that flicker or wander
-    /// change by a few hundredths a frame.
+    /// The greatest change of any lamp or of the sky since `before`, relative to the brighter of the
+    /// two moments: 0 for none, 1 when a lamp was switched or moved far away. Lamps that flicker or
+    /// wander change by a few hundredths per frame.
     pub fn change_since(&self, before: &Self) -> f32 {
         if self.lamps.len() != before.lamps.len() {
             return 1.0;
@@ -46,7 +46,7 @@ impl LampState {
                 self.position_ws.distance(before.position_ws) / FAR_M
             }
         };
-        // For small angles the chord is the angle.
+        // For small angles the chord is close to the angle.
         let turn = self.direction_ws.distance(before.direction_ws) / WIDE_RAD;
         let cone = match (self.shape, before.shape) {
             (
@@ -70,7 +70,7 @@ impl LampState {
     }
 }
 
-/// The greatest difference of a channel, in shares of the brightest channel of both.
+/// The greatest difference of any channel, relative to the brightest channel of both colours.
 fn relative(now: DVec3, before: DVec3) -> f64 {
     let most = now.max_element().max(before.max_element());
     if most <= 0.0 {
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_does_not_change() {
+    fn unchanged_lights_do_not_change() {
         let still = lights(&[lamp([1.0, 2.0, 3.0], 100.0), lamp([0.0; 3], 0.0)]);
         assert_eq!(still.change_since(&still.clone()), 0.0);
         let moved_in_the_dark = lights(&[lamp([1.0, 2.0, 3.0], 100.0), lamp([9.0; 3], 0.0)]);
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn a_switched_or_carried_lamp_changes_everything() {
+    fn a_switched_or_moved_lamp_is_a_full_change() {
         let on = lights(&[lamp([0.0; 3], 100.0)]);
         for other in [
             lights(&[]),

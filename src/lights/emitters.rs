@@ -1,4 +1,4 @@
-//! The faces of emissive voxels that light can leave, as a list to choose from at random.
+//! The exposed faces of emissive voxels, as a list from which shaders pick at random.
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::world::Material;
 use crate::world::voxels::{CELL, Cell, Voxels};
 
-/// The way that each face looks: −x, +x, −y, +y, −z, +z.
+/// The normal of each facing: −x, +x, −y, +y, −z, +z.
 const NORMALS: [IVec3; FACINGS] = [
     IVec3::NEG_X,
     IVec3::X,
@@ -19,32 +19,32 @@ const NORMALS: [IVec3; FACINGS] = [
 crate::shared! {
     in lights;
 
-    /// Ways that faces look, numbered −x, +x, −y, +y, −z, +z.
+    /// Directions in which faces can look, numbered −x, +x, −y, +y, −z, +z.
     pub const FACINGS: usize = 6;
 
-    /// Faces that look the same way.
+    /// Faces that look in the same direction.
     pub struct GpuFacing as Facing {
-        /// Of all faces that look this way together.
+        /// Sum over all faces that look in this direction.
         pub weight: f32,
-        /// Of its groups, and one past the last.
+        /// Range of its groups: the first, and one past the last.
         pub first: u32,
         pub end: u32,
     }
 
-    /// Faces that look the same way, of one material.
+    /// Faces of one material that look in the same direction.
     pub struct GpuEmitterGroup as EmitterGroup {
-        /// Into [`Emitters::faces`].
+        /// Index into [`Emitters::faces`].
         pub first: u32,
         pub count: u32,
         /// 1-based.
         pub material: u32,
-        /// Of all its faces together.
+        /// Sum over all faces of the group.
         pub weight: f32,
     }
 }
 
-/// Every face of an emissive voxel that air touches, by the way that it looks and by material. The
-/// weight of a face is the sum of the channels of the radiance that it emits; each is one voxel edge
+/// Every face of an emissive voxel that borders on air, grouped by direction and material. The weight
+/// of a face is the sum of the channels of the radiance that it emits; each face is one voxel edge
 /// wide.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Emitters {
@@ -52,18 +52,19 @@ pub struct Emitters {
     pub groups: Vec<GpuEmitterGroup>,
     /// Index of each face's voxel in the grid's extent (powers of two): x, then y, then z.
     pub faces: Vec<u32>,
-    /// Weight of a face of each material; none where no material shines.
+    /// Weight of a face of each material; empty if no material emits.
     weights: Vec<f64>,
-    /// Facing, material and voxel of each face in one number, so that sorting groups them; ascending.
+    /// Facing, material and voxel of each face, packed into one number so that sorting groups the
+    /// faces; ascending.
     sorted: Vec<u64>,
 }
 
-/// log2 of the places of a material and of a facing in these numbers.
+/// Positions of the material and of the facing in these numbers, in bits.
 const MATERIAL_BIT: u32 = 32;
 const FACING_BIT: u32 = 40;
 
 impl Emitters {
-    /// Finds them, in parallel. The same voxels give the same list.
+    /// Finds the exposed emissive faces, in parallel. The same voxels give the same list.
     pub fn find(voxels: &Voxels, materials: &[Material]) -> Self {
         let weights: Vec<f64> = materials
             .iter()
@@ -78,8 +79,8 @@ impl Emitters {
         Self::grouped(sorted, weights)
     }
 
-    /// The list after an edit that may have changed the voxels of a box (both ends inclusive); `None` where it
-    /// is as before.
+    /// The list after an edit that may have changed the voxels of a box (both ends inclusive); `None`
+    /// if the list did not change.
     pub fn after(&self, voxels: &Voxels, (low, high): (UVec3, UVec3)) -> Option<Self> {
         if self.weights.is_empty() {
             return None;
@@ -99,7 +100,7 @@ impl Emitters {
             .filter(|face| !is_old(face))
             .collect();
         sorted.extend(found);
-        // What was sorted is one run: this merges the others into it.
+        // The old entries are one sorted run: this merges the new ones into it.
         sorted.sort();
         (sorted != self.sorted).then(|| Self::grouped(sorted, self.weights.clone()))
     }
@@ -134,17 +135,17 @@ impl Emitters {
         }
     }
 
-    /// Whether there is a material that shines, so that edits may lengthen the list.
+    /// Whether any material emits, so that edits may lengthen the list.
     pub fn may_grow(&self) -> bool {
         !self.weights.is_empty()
     }
 
-    /// Size of the storage buffer `emitters` with room for so many groups.
+    /// Size of the storage buffer `emitters` with room for `groups` groups.
     pub fn bytes(groups: usize) -> u64 {
         (6 * size_of::<GpuFacing>() + groups * size_of::<GpuEmitterGroup>()) as u64
     }
 
-    /// The storage buffer `emitters`: the facings, then the groups (room for one at least).
+    /// The storage buffer `emitters`: the facings, then the groups (room for at least one).
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = bytemuck::cast_slice(&self.facings).to_vec();
         if self.groups.is_empty() {
@@ -155,7 +156,8 @@ impl Emitters {
     }
 }
 
-/// Faces as [`Emitters::sorted`] has them, of a box of cells (both ends inclusive), in no order.
+/// The exposed emissive faces of a box of cells (both ends inclusive), in the form of
+/// [`Emitters::sorted`], unordered.
 fn found_in(voxels: &Voxels, weights: &[f64], low: UVec3, high: UVec3) -> Vec<u64> {
     let emits = |material: u8| material != 0 && weights[usize::from(material) - 1] > 0.0;
     let shifts = shifts(voxels);
@@ -176,7 +178,7 @@ fn found_in(voxels: &Voxels, weights: &[f64], low: UVec3, high: UVec3) -> Vec<u6
         .collect()
 }
 
-/// Bits of the index of a voxel that are its x, and its y.
+/// Numbers of bits that x, y and z take in the index of a voxel.
 fn shifts(voxels: &Voxels) -> UVec3 {
     voxels.cells().map(|n| (n * CELL).trailing_zeros())
 }
@@ -217,7 +219,7 @@ fn exposed<'a>(
     })
 }
 
-/// Whether stone fills every neighbour of a cell, so that none of its voxels meets air.
+/// Whether solid voxels fill every neighbour of a cell, so that none of its voxels borders on air.
 fn is_buried(voxels: &Voxels, cell: UVec3) -> bool {
     NORMALS.iter().all(|facing| {
         let neighbour = cell.as_ivec3() + facing;
@@ -248,7 +250,7 @@ mod tests {
         }
     }
 
-    /// Stone in a pattern without order, whole cells of one material, and air.
+    /// Solid voxels in an irregular pattern, whole cells of one material, and air.
     fn scattered(voxel: UVec3) -> u8 {
         if voxel.cmplt(UVec3::splat(24)).all() && voxel.x >= 8 {
             return 2;
@@ -272,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn every_face_that_a_look_at_each_voxel_finds_is_in_the_list_once() {
+    fn the_list_holds_each_face_of_a_scan_of_all_voxels_once() {
         let size = UVec3::new(30, 37, 26);
         let voxels = voxels(size);
         let materials = [Vec3::ZERO, Vec3::new(1.0, 0.5, 0.0), Vec3::splat(0.25)].map(material);
@@ -312,13 +314,14 @@ mod tests {
     }
 
     #[test]
-    fn an_edit_leaves_the_list_of_its_voxels() {
+    fn an_edited_list_equals_a_new_list() {
         let mut voxels = voxels(UVec3::new(30, 37, 26));
         let materials = [Vec3::ZERO, Vec3::new(1.0, 0.5, 0.0), Vec3::splat(0.25)].map(material);
         let mut emitters = Emitters::find(&voxels, &materials);
         let mut same = 0;
         assert!(emitters.faces.len() > 1000);
-        // Holes, stone that hides, stone that shines, at the edge of the world and across cells.
+        // Holes, solid boxes that hide emitters, boxes that emit, at the edge of the world and across
+        // cells.
         for (low, high, material) in [
             ([3, 4, 5], [3, 4, 5], 0),
             ([6, 6, 6], [17, 9, 8], 1),
@@ -342,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dark_world_has_none() {
+    fn a_dark_world_has_no_emitters() {
         let emitters = Emitters::find(&voxels(UVec3::splat(20)), &[Vec3::ZERO; 3].map(material));
         assert_eq!(emitters, Emitters::default());
         assert_eq!(

@@ -1,4 +1,4 @@
-//! What a lamp is at one moment, and the light that it sends to a point.
+//! A lamp at one moment, and the light that it sends to a point.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::motion::{self, Moment};
 use crate::world::{Lamp, LampKind, LampPreset, Sun};
 
-/// Distances below this count as this, whatever the lamp's radius (voxels): keeps 1/d² finite.
+/// Smaller distances count as this one, whatever the lamp's radius (voxels): keeps 1/d² finite.
 pub const MIN_RADIUS: f64 = 0.01;
 
 /// Narrowest edge of a spot, as a difference of cosines: keeps its ramp finite.
@@ -24,7 +24,7 @@ pub struct LampState {
     /// Linear RGB. Point and spot: radiant intensity W/(4π) per steradian. Directional: irradiance
     /// on a facing surface.
     pub intensity: DVec3,
-    /// Distances below it count as it. At least [`MIN_RADIUS`].
+    /// Smaller distances count as this one. At least [`MIN_RADIUS`].
     pub radius: f64,
 }
 
@@ -39,7 +39,8 @@ pub enum LampShape {
     Directional,
 }
 
-/// What a point has to know of a lamp: where to send the shadow ray, and what arrives if it is free.
+/// What shading a point needs from a lamp: where to send the shadow ray, and what arrives if it is
+/// unblocked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LampRay {
     /// Unit vector from the point towards the lamp (zero at the lamp itself).
@@ -50,8 +51,8 @@ pub struct LampRay {
     pub irradiance: DVec3,
 }
 
-/// The lamps of a preset at world time `time_s` (s), in the file's order. `seed` is the world's; it
-/// gives every flicker its own noise.
+/// The lamps of a preset at world time `time_s` (s), in the order of the file. `seed` is the world's
+/// seed; every lamp derives its own flicker noise from it.
 pub fn evaluate(preset: &LampPreset, time_s: f64, seed: u32) -> Vec<LampState> {
     let lamps = preset.lamps.iter().enumerate();
     lamps
@@ -60,7 +61,7 @@ pub fn evaluate(preset: &LampPreset, time_s: f64, seed: u32) -> Vec<LampState> {
 }
 
 impl LampState {
-    /// One lamp at a moment; `seed` is this lamp's own.
+    /// One lamp at one moment; `seed` belongs to this lamp alone.
     fn at(lamp: &Lamp, time_s: f64, seed: u32) -> Self {
         let still = Moment {
             position_ws: lamp.position.as_dvec3(),
@@ -321,7 +322,7 @@ mod tests {
     }
 
     proptest! {
-        /// A second lamp can only add, and adds exactly itself.
+        /// A second lamp adds exactly its own light.
         #[test]
         fn lamps_add_up(x in -20.0..20.0f64, y in -20.0..20.0f64, z in -20.0..20.0f64) {
             let point = DVec3::new(x, y, z);

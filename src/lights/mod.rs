@@ -1,8 +1,8 @@
 //! Lamps, sun and sky as the shaders and the reference see them. Knows no GPU.
 //!
-//! Lamps move with world time. [`evaluate`] is the one owner of that motion: it runs once a frame on
-//! the CPU in f64, [`table`] uploads what it gives, and the CPU path tracer reads the very same
-//! values. Lamps are summed: adding one never darkens anything.
+//! Lamps move with world time. [`evaluate`] is the one owner of that motion: it runs once per frame on
+//! the CPU in f64, [`table`] uploads its result, and the CPU path tracer reads the same values. Lamps
+//! are summed: adding one never darkens anything.
 
 pub mod change;
 pub mod emitters;
@@ -20,10 +20,10 @@ pub use rest::RestingLamps;
 
 use crate::world::{LampPreset, Sky, World};
 
-/// Everything that lights a world at one moment, but for what its voxels emit.
+/// Everything that lights a world at one moment, except the emission of its voxels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lights {
-    /// The lamps of the preset, in the file's order, then the sun if the world has one.
+    /// The lamps of the preset, in the order of the file, then the sun if the world has one.
     pub lamps: Vec<LampState>,
     pub sky: Sky,
 }

@@ -1,4 +1,4 @@
-//! How lamps change with world time: pure functions of t, in f64 so that hours do not coarsen them.
+//! How lamps change with world time: pure functions of t, in f64 so that they stay precise after hours.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use crate::world::Motion;
 use crate::world::materials::hash::hash;
 
-/// What motions act upon.
+/// The properties of a lamp that motions change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     pub position_ws: DVec3,
@@ -17,14 +17,14 @@ pub struct Moment {
     pub gain: f64,
 }
 
-/// Applies motions in order. `seed` distinguishes this lamp's flicker from others'.
+/// Applies motions in order. `seed` gives this lamp a flicker of its own.
 pub fn apply(motions: &[Motion], start: Moment, time_s: f64, seed: u32) -> Moment {
     motions
         .iter()
         .fold(start, |now, motion| step(motion, now, time_s, seed))
 }
 
-/// The seed of one lamp among a preset's.
+/// The seed of one lamp of a preset.
 pub fn lamp_seed(world_seed: u32, index: u32) -> u32 {
     hash(world_seed ^ hash(index))
 }
@@ -88,12 +88,12 @@ fn value_noise(t: f64, seed: u32) -> f64 {
 #[derive(Clone, Debug)]
 pub struct ClosedPath {
     points: Vec<DVec3>,
-    /// Length up to the end of each chord; [`CHORDS`] chords a segment.
+    /// Arc length up to the end of each chord; [`CHORDS`] chords per segment.
     lengths: Vec<f64>,
 }
 
-/// Chords by which one segment's length is measured. Within a chord the speed varies: where a path turns
-/// sharply, by a twentieth.
+/// Chords that measure the length of one segment. The speed varies within a chord: by a twentieth where
+/// a path turns sharply.
 const CHORDS: usize = 64;
 
 impl ClosedPath {
@@ -111,12 +111,12 @@ impl ClosedPath {
         Some(Self { points, lengths })
     }
 
-    /// Length of one round.
+    /// Length of one lap.
     pub fn length(&self) -> f64 {
         self.lengths.last().copied().unwrap_or(0.0)
     }
 
-    /// The place after a walk of `distance` from the first point; any real number.
+    /// The place after travelling `distance` from the first point; any real number.
     pub fn at(&self, distance: f64) -> DVec3 {
         let length = self.length();
         if length <= 0.0 {
@@ -137,7 +137,7 @@ impl ClosedPath {
     }
 }
 
-/// The spline at parameter s: point i at s = i, closed.
+/// The closed spline at parameter s: point i is at s = i.
 fn spline(points: &[DVec3], s: f64) -> DVec3 {
     let count = points.len();
     let segment = s.floor();
@@ -153,9 +153,9 @@ fn spline(points: &[DVec3], s: f64) -> DVec3 {
 /// Luminance weights of linear Rec. 709.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// Turns the hue of a linear colour by so many turns, in Oklab (Ottosson 2020): the lightness that
-/// is seen stays about the same. What falls out of Rec. 709 is clipped, and the luminance (Y) is put
-/// back exactly.
+/// Turns the hue of a linear colour by `turns` full turns in Oklab (Ottosson 2020), so that the
+/// perceived lightness stays about the same. Values outside Rec. 709 are clipped, and the luminance (Y)
+/// is restored exactly.
 fn turn_hue(colour: DVec3, turns: f64) -> DVec3 {
     let luminance = colour.dot(LUMINANCE);
     if luminance <= 0.0 {
@@ -353,7 +353,7 @@ mod tests {
             prop_assert!(turned.cmpge(DVec3::ZERO).all() && turned.is_finite());
         }
 
-        /// No motion jumps: over a millisecond nothing moves farther than its speed allows.
+        /// No motion jumps: within a millisecond nothing moves farther than its speed allows.
         #[test]
         fn motions_are_continuous(time_s in 0.0..1e4f64) {
             let points = vec![Vec3::ZERO, Vec3::X * 9.0, Vec3::new(3.0, 4.0, 5.0), Vec3::Y * 2.0];

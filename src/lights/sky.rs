@@ -1,4 +1,4 @@
-//! The sky: a gradient by the height of a direction.
+//! The sky: a gradient by the elevation of a direction.
 
 use glam::DVec3;
 
@@ -14,7 +14,8 @@ crate::shared! {
 /// Radiance (linear RGB) that arrives along a ray which left the world in this unit direction.
 ///
 /// Above the horizon the colour turns from horizon to zenith as 1 − (1 − y)³, so that the pale rim
-/// keeps low, as in a clear sky; below it turns smoothly into the ground. Continuous everywhere.
+/// stays low, as in a clear sky; below the horizon it turns smoothly into the ground. Continuous
+/// everywhere.
 pub fn radiance(sky: &Sky, direction_ws: DVec3) -> DVec3 {
     let y = direction_ws.y;
     let horizon = sky.horizon.as_dvec3();

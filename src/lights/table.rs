@@ -16,18 +16,19 @@ crate::shared! {
     pub const CAPACITY as LAMPS: usize = MAX_LAMPS + 1;
 
     /// One lamp: `Lamp` in `shaders/scene/lights.wesl`. The spot's edge is folded into a ramp,
-    /// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are no spots.
+    /// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are not spots.
     pub struct GpuLamp as Lamp {
         pub position_ws: [f32; 3],
-        /// Distances below it count as it.
+        /// Smaller distances count as this one.
         pub radius: f32,
         /// Unit vector along which the light goes.
         pub direction_ws: [f32; 3],
-        /// 1 for lamps without place and falloff, else 0.
+        /// 1 for lamps without position and falloff, else 0.
         pub directional: u32,
         /// Radiant intensity (linear RGB, W/sr).
         pub intensity: [f32; 3],
-        /// The spot's edge: clamp(cos · spot_scale + spot_offset); 0 and 1 for lamps that are no spots.
+        /// The spot's edge: clamp(cos · spot_scale + spot_offset); 0 and 1 for lamps that are not
+        /// spots.
         pub spot_scale: f32,
         pub spot_offset: f32,
         /// The first frame of the lamp's present place, direction and shape ([`super::RestingLamps`]).
@@ -46,7 +47,7 @@ crate::shared! {
     }
 }
 
-/// What stands before the lamps: the start of `Lights` in `shaders/scene/lights.wesl`.
+/// The fields before the lamps: the start of `Lights` in `shaders/scene/lights.wesl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuLightsHeader {
@@ -56,7 +57,7 @@ pub struct GpuLightsHeader {
     pub lamp_count: u32,
 }
 
-/// Bytes of the uniform, the same for every world.
+/// Size of the uniform in bytes, the same for every world.
 pub const BYTES: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_of::<GpuLamp>();
 
 impl Lights {

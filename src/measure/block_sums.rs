@@ -1,9 +1,10 @@
-//! Sums of pictures that do not depend on who adds which part.
+//! Sums of pictures that do not depend on which process adds which part.
 //!
-//! Addition of floating-point numbers depends on its order. So the order is that of a binary tree over all
-//! blocks, as in pairwise summation (Higham 1993): a node is the sum of its left half and its right half. A
-//! part holds the largest nodes that lie within it, at most two of each size, and whoever joins the parts adds
-//! the nodes above them. Rounding errors grow with the logarithm of the number of blocks.
+//! Addition of floating-point numbers depends on its order. The order here is therefore that of a
+//! binary tree over all blocks, as in pairwise summation (Higham 1993): a node is the sum of its left
+//! half and its right half. A part holds the largest nodes that lie within it, at most two of each
+//! size; joining the parts adds the nodes above them. Rounding errors grow with the logarithm of the
+//! number of blocks.
 
 use std::ops::Range;
 
@@ -12,7 +13,8 @@ use super::picture::Picture;
 /// The sum of consecutive blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// Blocks, counted from 0: a power of two of them, from a multiple of their number on.
+    /// Blocks, counted from 0. Their number is a power of two, and the first is a multiple of that
+    /// number.
     pub blocks: Range<u32>,
     pub rgb: Vec<[f32; 3]>,
 }
@@ -20,14 +22,14 @@ pub struct Node {
 /// Sums of a run of blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockSums {
-    /// The blocks that are added.
+    /// The blocks that have been added.
     blocks: Range<u32>,
     /// From left to right.
     nodes: Vec<Node>,
 }
 
 impl BlockSums {
-    /// No block yet; `first` will be the first.
+    /// No block yet; the first one will be number `first`.
     pub fn new(first: u32) -> Self {
         Self {
             blocks: first..first,
@@ -35,7 +37,7 @@ impl BlockSums {
         }
     }
 
-    /// The blocks that are added.
+    /// The blocks that have been added.
     pub fn blocks(&self) -> Range<u32> {
         self.blocks.clone()
     }
@@ -45,21 +47,21 @@ impl BlockSums {
         &self.nodes
     }
 
-    /// Adds the block that comes next.
+    /// Adds the next block.
     ///
     /// # Panics
-    /// For a picture of another size: that is a fault of the caller.
+    /// For a picture of another size: that is a caller's bug.
     pub fn push(&mut self, rgb: Vec<[f32; 3]>) {
         let next = self.blocks.end;
         let added = self.push_node(Node {
             blocks: next..next + 1,
             rgb,
         });
-        assert!(added, "a single block fits behind every other");
+        assert!(added, "a single block can follow any block");
     }
 
-    /// Adds a node that begins at the block that comes next. Says whether it does, is a node of the tree, and has
-    /// the size of the others.
+    /// Adds a node that begins at the next block. Returns false, and adds nothing, if it begins
+    /// elsewhere, is not a node of the tree, or has another picture size.
     #[must_use]
     pub fn push_node(&mut self, node: Node) -> bool {
         let Range { start, end } = node.blocks;
@@ -84,7 +86,7 @@ impl BlockSums {
         true
     }
 
-    /// Adds the blocks of a part that begins where this ends. Says whether it does.
+    /// Adds the blocks of a part that begins where this one ends. Returns false if it begins elsewhere.
     #[must_use]
     pub fn join(&mut self, part: Self) -> bool {
         part.blocks.start == self.blocks.end
@@ -106,7 +108,7 @@ impl BlockSums {
         total
     }
 
-    /// `certain` and the mean of `samples` samples, of which these are the sums.
+    /// `certain` plus the mean of `samples` samples, whose sums these are.
     pub fn mean(&self, certain: &Picture, samples: u32) -> Picture {
         let total = self.total(certain.rgb.len());
         let count = f64::from(samples.max(1));
@@ -121,7 +123,7 @@ impl BlockSums {
 }
 
 impl Node {
-    /// Whether both are the halves of one node, and this is the left one.
+    /// Whether both are halves of one node, and `self` is the left one.
     fn is_left_of(&self, right: &Self) -> bool {
         self.blocks.len() == right.blocks.len()
             && self.blocks.end == right.blocks.start
@@ -169,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_however_cut_make_the_same_bits() {
+    fn any_division_into_parts_gives_the_same_bits() {
         let mut orders_differ = false;
         for all in 1..=70 {
             let whole = part(0..all);
@@ -202,11 +204,11 @@ mod tests {
                 .collect::<Vec<_>>();
             orders_differ |= tree != in_order;
         }
-        assert!(orders_differ, "these blocks prove nothing");
+        assert!(orders_differ, "the order of these blocks does not matter");
     }
 
     #[test]
-    fn few_nodes_hold_many_blocks_and_the_mean_is_that_of_all() {
+    fn few_nodes_hold_many_blocks_and_the_mean_covers_all() {
         assert_eq!(part(0..64).nodes().len(), 1);
         assert_eq!(part(1..63).nodes().len(), 10);
         let mut sums = BlockSums::new(0);
@@ -224,15 +226,15 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_follow_is_refused() {
+    fn blocks_out_of_order_are_refused() {
         let mut sums = part(0..3);
         assert!(!sums.clone().join(part(4..5)), "block 3 is missing");
-        assert!(!sums.clone().join(part(2..5)), "block 2 is there twice");
+        assert!(!sums.clone().join(part(2..5)), "block 2 is repeated");
         let of = |blocks: Range<u32>, pixels| Node {
             blocks,
             rgb: vec![[0.0; 3]; pixels],
         };
-        assert!(!sums.push_node(of(3..5, 4)), "no node of the tree");
+        assert!(!sums.push_node(of(3..5, 4)), "not a node of the tree");
         assert!(!sums.push_node(of(3..3, 4)), "none at all");
         assert!(!sums.push_node(of(3..4, 5)), "another size");
         assert!(sums.push_node(of(3..4, 4)));

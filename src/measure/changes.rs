@@ -8,7 +8,8 @@ use super::{
     tonemap::luminance,
 };
 
-/// Changes in [0, 1]: of luminance as shares of the greater of the two, or of what is displayed as shares of white.
+/// Changes in [0, 1]: of luminance, relative to the greater of the two values; or of display values,
+/// relative to white.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Changes {
     pub median: f64,
@@ -16,26 +17,26 @@ pub struct Changes {
     /// 999 of 1000 changes are at most this.
     pub p999: f64,
     pub max: f64,
-    /// How many were measured.
+    /// Number of measured changes.
     pub count: u64,
 }
 
-/// Collects changes, however many.
+/// Collects any number of changes.
 #[derive(Clone, Debug)]
 pub struct ChangeMeter {
     scale: Scale,
     max: f64,
-    /// By size, in steps of 1/[`STEPS`].
+    /// Histogram of change sizes, in steps of 1/[`STEPS`].
     counts: Vec<u64>,
 }
 
-/// What a change is a share of.
+/// The value that a change is relative to.
 #[derive(Clone, Copy, Debug)]
 enum Scale {
-    /// Of the brighter of the two luminances. Pixels that are darker than the floor before and after are left
-    /// out: they show no surface, or one too dark to tell.
+    /// The brighter of the two luminances. Pixels that are darker than the floor in both pictures are
+    /// left out: they show no surface, or a surface too dark to measure.
     Brighter { floor: f64 },
-    /// Of white: the greatest change of a channel.
+    /// White: the change is the greatest change of a channel.
     White,
 }
 
@@ -65,7 +66,7 @@ impl ChangeMeter {
         Self::with(Scale::Brighter { floor })
     }
 
-    /// For pictures as they are displayed, in [0, 1]: what an eye sees of a change.
+    /// For display values in [0, 1]: the visible size of a change.
     pub fn of_display() -> Self {
         Self::with(Scale::White)
     }
@@ -93,7 +94,7 @@ impl ChangeMeter {
         Ok(())
     }
 
-    /// What was seen so far.
+    /// The changes collected so far.
     pub fn result(&self) -> Changes {
         let count = self.counts.iter().sum();
         let quantile = |share: f64| {
@@ -115,7 +116,7 @@ impl ChangeMeter {
     }
 }
 
-/// Mean luminance of the pixels that are not black; 0 when all are.
+/// Mean luminance of the pixels that are not black; 0 if all are black.
 pub fn mean_lit(picture: &Picture) -> f64 {
     let lit: Vec<f64> = picture
         .rgb
@@ -139,11 +140,11 @@ mod tests {
     }
 
     #[test]
-    fn changes_are_shares_of_the_brighter_and_what_is_dark_is_left_out() {
+    fn changes_are_relative_to_the_brighter_and_dark_pixels_are_left_out() {
         let mut meter = ChangeMeter::new(0.1);
         let mut before = vec![1.0; 2000];
         let mut after = vec![1.01; 2000];
-        // Three that pop, one black and one dark pixel.
+        // Three pixels that jump, one black and one dark pixel.
         after[..3].fill(2.0);
         (before[3], after[3]) = (0.0, 0.0);
         (before[4], after[4]) = (0.02, 0.08);
@@ -161,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn changes_of_what_is_displayed_are_shares_of_white() {
+    fn changes_of_display_values_are_relative_to_white() {
         let picture = |rgb: [f32; 3]| Picture {
             width: 1,
             height: 1,
@@ -178,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_of_what_is_lit_knows_no_sky() {
+    fn the_mean_of_lit_pixels_ignores_the_sky() {
         assert!((mean_lit(&grey(&[0.0, 2.0, 4.0])) - 3.0).abs() < 1e-6);
         assert_eq!(mean_lit(&grey(&[0.0])), 0.0);
         assert_eq!(ChangeMeter::new(0.0).result(), Changes::default());

@@ -12,7 +12,7 @@ use super::{
     tonemap::{linear_from_srgb, tone_mapped},
 };
 
-/// One picture as light and as a display shows it.
+/// One picture, as light and as display values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
     /// Linear Rec. 709.
@@ -22,7 +22,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// Light, tone-mapped at this exposure. Rounded to 8 bits, as a PNG of it would be.
+    /// From light, tone-mapped at this exposure and rounded to 8 bits, as its PNG would be.
     pub fn from_linear(linear: Picture, exposure_ev: f32) -> Self {
         let mut display = tone_mapped(&linear, exposure_ev);
         for value in display.rgb.iter_mut().flatten() {
@@ -31,7 +31,7 @@ impl Shown {
         Self { linear, display }
     }
 
-    /// What a display shows; its light is that of the display, sRGB-decoded.
+    /// From display values; the light is their sRGB decoding.
     pub fn from_display(display: Picture) -> Self {
         let decode = |value: f32| linear_from_srgb(f64::from(value)) as f32;
         let linear = Picture {
@@ -41,7 +41,7 @@ impl Shown {
         Self { linear, display }
     }
 
-    /// By what the numbers of a file mean.
+    /// Chooses by the encoding of the file's numbers.
     pub fn from_file(picture: Picture, encoding: Encoding, exposure_ev: f32) -> Self {
         match encoding {
             Encoding::Display => Self::from_display(picture),
@@ -65,8 +65,8 @@ pub struct AbsoluteSummary {
     pub max: f64,
 }
 
-/// Every metric of a pair, as `--json` gives it. What is not finite (light against black) is `null`
-/// there.
+/// Every metric of a pair, as `--json` prints it. Values that are not finite (light against black) are
+/// `null` there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     pub flip: FlipSummary,
@@ -77,12 +77,12 @@ pub struct Comparison {
     pub energy_ratio: f64,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// How many of them were measured.
+    /// Number of measured pixels.
     pub pixels: u64,
 }
 
-/// Measures the selected pixels, and gives FLIP of every pixel with them. FLIP blurs: it sees the
-/// whole picture, whatever is selected of its result.
+/// Measures the selected pixels, and also returns FLIP of every pixel. FLIP blurs, so it always runs on
+/// the whole picture, whatever is then selected from its result.
 ///
 /// # Errors
 /// [`MetricError`] for pictures of different sizes, without pixels, or not finite.
@@ -91,7 +91,7 @@ pub fn compare(
     reference: &Shown,
     selection: &Selection,
 ) -> Result<(Comparison, Vec<f32>), MetricError> {
-    // Before pixels are picked out, so that a message can name the pixel.
+    // Checked before the selection, so that a message can name the pixel.
     metrics::comparable(&picture.linear, &reference.linear)?;
     let map = flip(
         &picture.display,
@@ -122,7 +122,7 @@ pub fn compare(
 }
 
 impl Comparison {
-    /// The names that gates know, and what they say of each.
+    /// The names of metrics that gates accept, with a description of each.
     pub const METRICS: [(&'static str, &'static str); 8] = [
         ("flip.mean", "mean FLIP"),
         ("flip.p99", "99th percentile of FLIP"),
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn planted_faults_show_in_every_metric_that_should_see_them() {
+    fn planted_faults_show_in_every_metric_that_should_detect_them() {
         let darkened = against(|p| p.rgb.iter_mut().flatten().for_each(|v| *v *= 0.9));
         assert!((darkened.energy_ratio - 0.9).abs() < 1e-6);
         let shifted = against(|p| p.rgb.rotate_right(1));
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_selection_leaves_out_what_it_does_not_mark() {
+    fn a_selection_leaves_out_unmarked_pixels() {
         let mut faulty = scene();
         faulty.rgb[0] = [4.0; 3];
         let shown = |picture: &Picture| Shown::from_linear(picture.clone(), 0.0);
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn a_png_of_a_picture_shows_what_the_picture_does() {
+    fn a_png_compares_like_its_picture() {
         let linear = Shown::from_linear(scene(), 1.0);
         let png = Shown::from_display(linear.display.clone());
         let pair = compare(&png, &linear, &Selection::ALL).expect("comparable");

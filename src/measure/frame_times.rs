@@ -1,19 +1,19 @@
-//! What frame times say: middle, tails, and how sure the middle is.
+//! Statistics of frame times: median, tails, and a confidence interval.
 
 use serde::{Deserialize, Serialize};
 
 use super::statistics::{MeanEstimate, median, quantile};
 
-/// A frame that takes more than this many medians is a stutter (CapFrameX's threshold, of the median in
-/// place of the mean, which stutters move).
+/// A frame that takes more than this many medians is a stutter (CapFrameX's threshold, but of the
+/// median instead of the mean, because stutters move the mean).
 const STUTTER: f64 = 2.5;
-/// The share of frames or of time that the lows are about.
+/// The share of frames, or of time, that the lows describe.
 const LOW: f64 = 0.01;
 
-/// Milliseconds of frames, in figures.
+/// Statistics of frame times in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameStatistics {
-    /// Frames that the figures are of.
+    /// Number of frames.
     pub count: u32,
     pub median: f64,
     pub mean: f64,
@@ -21,13 +21,14 @@ pub struct FrameStatistics {
     pub p99: f64,
     pub p999: f64,
     pub worst: f64,
-    /// Frames per second over the slowest hundredth of the frames: their number over the time that they took.
+    /// Frames per second over the slowest hundredth of the frames: their number divided by their total
+    /// time.
     pub low1_fps: f64,
-    /// The rate below which a hundredth of the *time* was spent: slow frames weigh by how long they took.
+    /// The frame rate of the slowest hundredth of the *time*: slow frames weigh by their duration.
     pub low1_integral_fps: f64,
     /// Frames that took more than 2.5 medians.
     pub stutters: u32,
-    /// Share of the time that was spent in those.
+    /// Share of the time that was spent in stutters.
     pub stutter_share: f64,
 }
 
@@ -50,7 +51,7 @@ impl FrameStatistics {
             low1_integral_fps: low_integral_fps(frames_ms)?,
             stutters: slow.clone().count() as u32,
             stutter_share: if total > 0.0 {
-                // Not `sum`: that of nothing is −0.
+                // Not `sum`: an empty sum is −0.
                 slow.fold(0.0, |so_far, ms| so_far + ms) / total
             } else {
                 0.0
@@ -64,8 +65,8 @@ impl FrameStatistics {
     }
 }
 
-/// Counts time, not frames: the slowest frames until a hundredth of all the time is theirs; the rate of the last of
-/// them.
+/// Counts time, not frames: takes the slowest frames until they fill a hundredth of all the time, and
+/// returns the rate of the last of them.
 fn low_integral_fps(frames_ms: &[f64]) -> Option<f64> {
     let mut slowest_first = frames_ms.to_vec();
     slowest_first.sort_by(|a, b| b.total_cmp(a));
@@ -78,11 +79,12 @@ fn low_integral_fps(frames_ms: &[f64]) -> Option<f64> {
     reached.map(|ms| 1e3 / ms)
 }
 
-/// An interval that holds the true value in 95 of 100 cases, from values that do not depend on each other.
+/// An interval that holds the true value in 95 of 100 cases, from independent values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     pub mean: f64,
-    /// Half of its width, in the unit of the mean. `None` for fewer than two values, which say nothing of it.
+    /// Half of its width, in the unit of the mean. `None` for fewer than two values, which have no
+    /// interval.
     pub half_width: Option<f64>,
 }
 
@@ -97,20 +99,21 @@ impl Interval {
         })
     }
 
-    /// Half of its width that so many values would give, if they are spread as these `values` are, as a share of the mean.
+    /// The half width to expect from `more` values with the spread of these `values` values, relative
+    /// to the mean.
     pub fn relative_after(&self, values: usize, more: usize) -> f64 {
         let shrunk = (values as f64 / more as f64).sqrt();
         self.relative() * shrunk * student_t(more) / student_t(values)
     }
 
-    /// Half of its width as a share of the mean; infinite where it is not known.
+    /// Half width relative to the mean; infinite if unknown.
     pub fn relative(&self) -> f64 {
         self.half_width
             .map_or(f64::INFINITY, |half| half / self.mean.abs())
     }
 }
 
-/// The factor of the standard error for 95 %, two-sided, of so many values (Student 1908).
+/// The factor of the standard error for a two-sided 95 % interval of `values` values (Student 1908).
 pub fn student_t(values: usize) -> f64 {
     /// For 1, 2, … degrees of freedom.
     const T: [f64; 30] = [

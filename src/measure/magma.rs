@@ -3,8 +3,8 @@
 
 use super::picture::Picture;
 
-/// Display values (sRGB-encoded, in [0, 1]) for a value in [0, 1]; what lies outside is clamped, NaN
-/// is black.
+/// Display values (sRGB-encoded, in [0, 1]) for a value in [0, 1]. Values outside are clamped; NaN is
+/// black.
 pub fn magma(value: f32) -> [f32; 3] {
     let index = (value.clamp(0.0, 1.0) * 255.0).round() as usize;
     let [_, r, g, b] = COLOURS[index].to_be_bytes();
@@ -14,13 +14,13 @@ pub fn magma(value: f32) -> [f32; 3] {
 /// A picture of values in [0, 1], row by row.
 ///
 /// # Panics
-/// When there are not width · height values.
+/// Unless there are width · height values.
 pub fn heat_map(size: [u32; 2], values: &[f32]) -> Picture {
     let [width, height] = size;
     assert_eq!(
         values.len(),
         width as usize * height as usize,
-        "one value a pixel"
+        "one value per pixel"
     );
     Picture {
         width,
@@ -29,7 +29,7 @@ pub fn heat_map(size: [u32; 2], values: &[f32]) -> Picture {
     }
 }
 
-/// 0xrr_ggbb of 256 even steps.
+/// 256 even steps as 0xrr_ggbb.
 #[rustfmt::skip]
 const COLOURS: [u32; 256] = [
     0x00_0004, 0x01_0005, 0x01_0106, 0x01_0108, 0x02_0109, 0x02_020b, 0x02_020d, 0x03_030f,

@@ -30,8 +30,8 @@ pub struct AbsoluteSum {
     pub max: f64,
 }
 
-/// Sum over RGB of the absolute difference: mean and maximum over the pixels. In [0, 3] when both
-/// pictures are tone-mapped to [0, 1], which is what it is meant for.
+/// Sum over RGB of the absolute difference: mean and maximum over the pixels. In [0, 3] for pictures
+/// tone-mapped to [0, 1], which this metric is meant for.
 pub fn absolute_sum(a: &Picture, b: &Picture) -> Result<AbsoluteSum, MetricError> {
     comparable(a, b)?;
     let (mut sum, mut max) = (0.0, 0.0f64);
@@ -46,7 +46,7 @@ pub fn absolute_sum(a: &Picture, b: &Picture) -> Result<AbsoluteSum, MetricError
     })
 }
 
-/// Keeps the relative error of nearly black values bounded.
+/// Bounds the relative error of nearly black values.
 const RELATIVE_FLOOR: f64 = 1e-2;
 
 /// Relative mean squared error against a reference: mean over pixels and channels of
@@ -63,8 +63,8 @@ pub fn relative_mse(picture: &Picture, reference: &Picture) -> Result<f64, Metri
     Ok(sum / (3 * picture.rgb.len()) as f64)
 }
 
-/// Total of all channels of the picture over that of the reference; 1 where light is neither lost
-/// nor made. For linear pictures. 1 for two black pictures, infinite for light against black.
+/// Sum of all channels of the picture divided by that of the reference; 1 if light is neither lost nor
+/// created. For linear pictures. 1 for two black pictures, infinite for light against black.
 pub fn energy_ratio(picture: &Picture, reference: &Picture) -> Result<f64, MetricError> {
     comparable(picture, reference)?;
     let (value, truth) = (total(picture), total(reference));
@@ -130,7 +130,7 @@ mod tests {
         }
     }
 
-    /// Not symmetric in any way, so that every planted fault changes it.
+    /// Asymmetric in every way, so that every planted fault changes it.
     fn scene() -> Picture {
         let mut picture = Picture::new(4, 3);
         for (index, rgb) in picture.rgb.iter_mut().enumerate() {

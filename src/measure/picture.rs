@@ -1,7 +1,7 @@
-//! The picture that renderers give and metrics read.
+//! The pictures that renderers produce and metrics read.
 
-/// Linear Rec. 709 radiance or display values in [0, 1]: whoever makes it says which.
-/// Row by row from the top left; `rgb.len()` = width · height.
+/// Linear Rec. 709 radiance or display values in [0, 1]: the producer states which. Row by row from the
+/// top left; `rgb.len()` = width · height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     pub width: u32,

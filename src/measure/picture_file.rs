@@ -1,7 +1,7 @@
-//! Pictures as files: PNG for the eye (8 bits, sRGB), OpenEXR for measuring (32-bit float, linear).
+//! Pictures as files: PNG for viewing (8 bits, sRGB), OpenEXR for measuring (32-bit float, linear).
 //!
-//! Files are written under a temporary name and renamed when complete: nothing half-written is ever
-//! left, and an old picture survives a failure.
+//! Files are written under a temporary name and renamed when complete: no incomplete file ever remains,
+//! and an old picture survives a failure.
 
 use std::ffi::OsStr;
 use std::io::{Cursor, Write as _};
@@ -37,17 +37,17 @@ pub enum PictureError {
 /// The formats that pictures are stored in, named by the file's extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// Display values, 8 bits a channel.
+    /// Display values, 8 bits per channel.
     Png,
     /// Linear radiance, 32-bit float.
     Exr,
 }
 
 impl PictureFormat {
-    /// The format that a path asks for.
+    /// The format that a path's extension names.
     ///
     /// # Errors
-    /// [`PictureError::UnknownExtension`], which lists what there is.
+    /// [`PictureError::UnknownExtension`], which lists the formats.
     pub fn of(path: &Path) -> Result<Self, PictureError> {
         let extension = path
             .extension()
@@ -61,7 +61,7 @@ impl PictureFormat {
     }
 }
 
-/// What the numbers of a picture that was read mean.
+/// Meaning of the numbers of a picture that was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// sRGB-encoded, in [0, 1].
@@ -70,10 +70,10 @@ pub enum Encoding {
     Linear,
 }
 
-/// Tries whether a picture could be written here, and leaves no trace: for asking before long work.
+/// Checks, before long work, whether a picture can be written here. Leaves no trace.
 ///
 /// # Errors
-/// As [`write()`], as far as can be known before.
+/// Those of [`write()`], as far as they can be foreseen.
 pub fn check_writable(path: &Path) -> Result<PictureFormat, PictureError> {
     let format = PictureFormat::of(path)?;
     whole_file::open(path)?
@@ -94,11 +94,11 @@ pub fn write(path: &Path, linear: &Picture, exposure_ev: f32) -> Result<(), Pict
     }
 }
 
-/// Writes display values (sRGB-encoded, in [0, 1]; what lies outside is clamped, NaN is black) with
-/// 8 bits a channel.
+/// Writes display values (sRGB-encoded, in [0, 1]; values outside are clamped, NaN is black) with 8
+/// bits per channel.
 ///
 /// # Errors
-/// As [`write()`].
+/// Those of [`write()`].
 pub fn write_png(path: &Path, display: &Picture) -> Result<(), PictureError> {
     let file = encoded_png(display).map_err(|error| unstorable(path, display, error))?;
     save(path, &file)
@@ -124,7 +124,7 @@ fn encoded_png(display: &Picture) -> Result<Vec<u8>, image::ImageError> {
 /// Writes a picture with its full range.
 ///
 /// # Errors
-/// As [`write()`].
+/// Those of [`write()`].
 pub fn write_exr(path: &Path, linear: &Picture) -> Result<(), PictureError> {
     let width = linear.width as usize;
     let pixel = |at: exr::math::Vec2<usize>| {
@@ -146,10 +146,10 @@ pub fn write_exr(path: &Path, linear: &Picture) -> Result<(), PictureError> {
     save(path, file.get_ref())
 }
 
-/// Reads a PNG or an EXR and says what its numbers mean. Transparency is ignored.
+/// Reads a PNG or an EXR, with the meaning of its numbers. Transparency is ignored.
 ///
 /// # Errors
-/// [`PictureError`] for an unknown extension, a missing file, and what is not a picture.
+/// [`PictureError`] for an unknown extension, a missing file, and a file that is not a picture.
 pub fn read(path: &Path) -> Result<(Picture, Encoding), PictureError> {
     let format = PictureFormat::of(path)?;
     let bytes = std::fs::read(path).map_err(|reason| FileError::reading(path, reason))?;
@@ -170,7 +170,7 @@ fn decode_png(path: &Path, bytes: &[u8]) -> Result<Picture, PictureError> {
     })
 }
 
-/// Most pixels of a picture that is read: a header alone must not make us allocate more.
+/// Most pixels of a picture that is read: a header alone must not cause a larger allocation.
 const MOST_PIXELS: usize = 1 << 28;
 
 fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Picture, PictureError> {
@@ -201,7 +201,7 @@ fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Picture, PictureError> {
     Ok(decoded.layer_data.channel_data.pixels)
 }
 
-/// The nearest of 256 values; casting sends NaN to 0.
+/// The nearest of 256 values; the cast sends NaN to 0.
 pub(super) fn quantised(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_cannot_be_written_are_refused_when_asked() {
+    fn a_check_refuses_places_that_cannot_be_written() {
         let folder = tempdir().expect("a temporary folder");
         let missing = folder.path().join("no/such/a.png");
         assert!(matches!(
@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn asking_leaves_no_trace_and_harms_no_picture() {
+    fn a_check_leaves_no_trace_and_keeps_an_old_picture() {
         let folder = tempdir().expect("a temporary folder");
         let path = folder.path().join("a.png");
         write(&path, &gradient(), 0.0).expect("writable");
@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_is_said_to_be_none() {
+    fn a_file_that_is_not_a_picture_is_refused() {
         let folder = tempdir().expect("a temporary folder");
         for name in ["a.png", "a.exr"] {
             let path = folder.path().join(name);
@@ -364,7 +364,7 @@ mod tests {
     }
 
     proptest! {
-        /// What 8 bits can hold comes back exactly.
+        /// 8-bit values survive a round trip exactly.
         #[test]
         fn a_png_of_bytes_comes_back(bytes in proptest::collection::vec(any::<[u8; 3]>(), 12)) {
             let rgb = bytes.iter().map(|pixel| pixel.map(|value| f32::from(value) / 255.0)).collect();

@@ -7,31 +7,31 @@ use super::{
     picture::Picture,
 };
 
-/// Frames from a change until this share of it is seen, the first frame that shows any of it being
-/// frame 1; `None` when the frames that were watched were too few.
+/// Frames from a change until a share of it is visible; the first frame that shows any of the change is
+/// frame 1. `None` if the watched frames were too few.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Response {
     pub to_90: Option<u32>,
     pub to_99: Option<u32>,
-    /// Frames that were watched.
+    /// Number of watched frames.
     pub watched: u32,
 }
 
-/// Within the tolerance for so many frames is arrived: passing through on the way is not.
+/// Frames that progress must stay within the tolerance: passing through does not count.
 const HOLD: usize = 8;
-/// A change of less than this share of the light is none that could be followed.
+/// A change of less than this share of the light is too small to follow.
 const LEAST_CHANGE: f64 = 0.005;
 
 /// How a series of pictures goes from `before` to its settled value, the mean of its last quarter.
-/// `None` when the light hardly changes (by less than half a percent of it), or no picture follows.
+/// `None` if the light hardly changes (by less than half a percent), or no picture follows.
 ///
-/// Progress is the part of the change that has happened, summed over pixels and channels: with
-/// settled value e and start b, Σ sign(e − b)·(value − b) / Σ |e − b|. It is linear in the pictures,
-/// so that noise which averages out over pixels averages out of it. A share of 90 % is reached when
-/// progress is within 10 % of 1 and stays so for eight frames.
+/// Progress is the part of the change that has happened, summed over pixels and channels: with settled
+/// value e and start b, Σ sign(e − b)·(value − b) / Σ |e − b|. It is linear in the pictures, so that
+/// noise which averages out over pixels averages out of it. A share of 90 % is reached when progress is
+/// within 10 % of 1 and stays there for eight frames.
 ///
 /// # Errors
-/// [`MetricError`] for pictures of different sizes, or not finite. They are linear light.
+/// [`MetricError`] for pictures of different sizes, or not finite. The pictures are linear light.
 pub fn response(before: &Picture, after: &[Picture]) -> Result<Option<Response>, MetricError> {
     for picture in after {
         comparable(picture, before)?;
@@ -60,7 +60,7 @@ pub fn response(before: &Picture, after: &[Picture]) -> Result<Option<Response>,
     }))
 }
 
-/// The first frame (counted from 1) at which progress has come to this share, to stay.
+/// The first frame (counted from 1) at which progress reaches this share and stays there.
 fn reached(progress: &[f64], share: f64) -> Option<u32> {
     let within = |value: &f64| (1.0 - value).abs() <= 1.0 - share + 1e-9;
     let frame = progress
@@ -103,15 +103,15 @@ mod tests {
     }
 
     #[test]
-    fn a_running_mean_takes_the_frames_that_its_hysteresis_says() {
-        // After n frames 1 − 0.9ⁿ is there: 90 % after 21.9, 99 % after 43.7.
+    fn a_running_mean_takes_the_frames_that_its_hysteresis_predicts() {
+        // After n frames progress is 1 − 0.9ⁿ: 90 % after 21.9 frames, 99 % after 43.7.
         let response = of((1..400).map(|n| 1.0 - 0.9f64.powi(n))).expect("a change");
         assert_eq!((response.to_90, response.to_99), (Some(22), Some(44)));
         assert_eq!(response.watched, 399);
     }
 
     #[test]
-    fn what_is_there_at_once_takes_one_frame() {
+    fn an_immediate_change_takes_one_frame() {
         let response = of([1.0; 40]).expect("a change");
         assert_eq!((response.to_90, response.to_99), (Some(1), Some(1)));
     }
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn light_that_never_settles_is_said_to_be_unsettled() {
+    fn light_that_never_settles_is_reported_as_unsettled() {
         let swinging = (0..80).map(|n| if n % 2 == 0 { 0.5 } else { 1.5 });
         let response = of(swinging).expect("a change");
         assert_eq!((response.to_90, response.to_99), (None, None));

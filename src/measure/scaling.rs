@@ -1,19 +1,19 @@
-//! How a quantity grows with another: power laws, and which points are best.
+//! How one quantity grows with another: power laws, and Pareto-optimal points.
 
 /// y = factor · x^exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
     pub factor: f64,
     pub exponent: f64,
-    /// Share of the variance of log y that the law explains; 1 where y is the same everywhere.
+    /// Share of the variance of log y that the law explains; 1 if all y are equal.
     pub r_squared: f64,
-    /// Points that it was fitted to.
+    /// Number of fitted points.
     pub points: usize,
 }
 
 impl PowerLaw {
-    /// Least squares on the logarithms. Points with a coordinate that is not above 0 are left out: no power law
-    /// passes through them. `None` for fewer than three different x.
+    /// Least squares on the logarithms. Points with a coordinate of 0 or less are left out: no power
+    /// law passes through them. `None` for fewer than three different x.
     pub fn fit(points: &[(f64, f64)]) -> Option<Self> {
         let usable = |value: f64| value > 0.0 && value.is_finite();
         let logs: Vec<(f64, f64)> = points
@@ -65,7 +65,8 @@ impl PowerLaw {
     }
 }
 
-/// The indices of the points that no other beats in both coordinates: large `gain` at small `cost`. By rising cost.
+/// Indices of the points that no other point beats in both coordinates: large `gain` at small `cost`.
+/// Sorted by rising cost.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len())
         .filter(|&index| points[index].0.is_finite() && points[index].1.is_finite())
@@ -117,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn the_front_holds_what_nothing_beats() {
+    fn the_front_holds_the_unbeaten_points() {
         let points = [
             (0.10, 100.0),
             (0.05, 50.0),

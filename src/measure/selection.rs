@@ -1,10 +1,10 @@
-//! Which pixels of a picture are measured: all, a rectangle, or what a mask marks.
+//! Which pixels of a picture are measured: all, a rectangle, or those that a mask marks.
 
 use thiserror::Error;
 
 use super::picture::Picture;
 
-/// Why a selection is none.
+/// Why a selection is invalid.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SelectionError {
     #[error(
@@ -55,7 +55,7 @@ impl Selection {
         })
     }
 
-    /// The pixels of which the mask has a channel above one half.
+    /// The pixels for which a channel of the mask is above one half.
     ///
     /// # Errors
     /// [`SelectionError`] for a mask of another size, and for one that marks no pixel.
@@ -64,8 +64,8 @@ impl Selection {
         Self::marked(size, mask, marked)?.ok_or(SelectionError::MaskEmpty)
     }
 
-    /// The pixels whose red channel in the mask lies between two values, both included: of a picture
-    /// of depth, those at some distance.
+    /// The pixels whose red channel in the mask lies between two values, both included: with a depth
+    /// picture as mask, the pixels at some distance.
     ///
     /// # Errors
     /// [`SelectionError`] for a mask of another size, and for one that marks no pixel.
@@ -74,7 +74,7 @@ impl Selection {
         Self::marked(size, mask, marked)?.ok_or(SelectionError::BandEmpty { band })
     }
 
-    /// `None` when no pixel is marked.
+    /// `None` if no pixel is marked.
     fn marked(
         size: [u32; 2],
         mask: &Picture,
@@ -99,7 +99,7 @@ impl Selection {
         self.chosen.as_ref().is_none_or(|chosen| chosen[index])
     }
 
-    /// What is measured of values that belong to pixels, in their order.
+    /// The values of the measured pixels, in order.
     pub fn of<T: Copy>(&self, values: &[T]) -> Vec<T> {
         let indexed = values.iter().enumerate();
         indexed
@@ -107,7 +107,7 @@ impl Selection {
             .collect()
     }
 
-    /// The measured pixels in a row: for metrics that do not ask where a pixel lies.
+    /// The measured pixels in one row: for metrics that ignore the position of a pixel.
     pub fn of_picture(&self, picture: &Picture) -> Picture {
         let rgb = self.of(&picture.rgb);
         Picture {
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_band_takes_what_lies_in_it() {
+    fn a_band_selects_the_pixels_within_it() {
         let picture = counting(4, 1);
         let chosen = Selection::band([4, 1], &picture, [1.0, 2.0]).expect("marks two");
         assert_eq!(chosen.of(&[10, 11, 12, 13]), [11, 12]);

@@ -7,8 +7,8 @@ use super::{
     picture::Picture,
 };
 
-/// Change of a pixel between consecutive frames: the sum over RGB of the absolute difference of
-/// display values, in [0, 3].
+/// Change of a pixel between consecutive frames: the sum over RGB of the absolute difference of display
+/// values, in [0, 3].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stability {
     pub mean: f64,
@@ -16,7 +16,7 @@ pub struct Stability {
     pub p99: f64,
     /// The greatest change of any pixel between any two frames.
     pub max: f64,
-    /// Pictures that were seen, one more than changes of each pixel.
+    /// Number of pictures, one more than the changes of each pixel.
     pub frames: u32,
 }
 
@@ -27,11 +27,11 @@ pub struct StabilityMeter {
     frames: u32,
     sum: f64,
     max: f64,
-    /// Changes by their size in steps of 1/255: exact for pictures of 8 bits a channel.
+    /// Histogram of changes in steps of 1/255: exact for pictures of 8 bits per channel.
     counts: Vec<u64>,
 }
 
-/// Steps of a channel of 8 bits.
+/// Steps of an 8-bit channel.
 const STEPS: f64 = 255.0;
 
 impl StabilityMeter {
@@ -63,7 +63,7 @@ impl StabilityMeter {
         Ok(())
     }
 
-    /// What was seen; `None` before the second picture.
+    /// The changes so far; `None` before the second picture.
     pub fn result(&self) -> Option<Stability> {
         let changes: u64 = self.counts.iter().sum();
         if changes == 0 {
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn still_pictures_do_not_change_and_one_alone_says_nothing() {
+    fn still_pictures_do_not_change_and_one_alone_has_no_result() {
         let still = measured(std::iter::repeat_n(flat(4, 0.3), 5)).expect("pairs");
         assert_eq!((still.mean, still.p99, still.max), (0.0, 0.0, 0.0));
         assert_eq!(measured([flat(4, 0.3)]), None);

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanEstimate {
     pub mean: f64,
-    /// Sample standard deviation / √n; infinite for fewer than two values, which say nothing of it.
+    /// Sample standard deviation / √n; infinite for fewer than two values, which cannot give one.
     pub standard_error: f64,
 }
 
@@ -36,11 +36,11 @@ impl MeanEstimate {
     }
 }
 
-/// The p-quantile, p in [0, 1], by linear interpolation between closest ranks (type 7 of
-/// Hyndman & Fan 1996). `None` for an empty sample.
+/// The p-quantile, p in [0, 1], by linear interpolation between closest ranks (type 7 of Hyndman & Fan
+/// 1996). `None` for an empty sample.
 ///
 /// # Panics
-/// When p lies outside [0, 1].
+/// If p lies outside [0, 1].
 pub fn quantile(values: &[f64], p: f64) -> Option<f64> {
     assert!(
         (0.0..=1.0).contains(&p),
@@ -51,7 +51,7 @@ pub fn quantile(values: &[f64], p: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let rank = p * last as f64;
     let (low, high) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
-    // Equal neighbours are returned as they are: infinity minus infinity would be NaN.
+    // Equal neighbours are returned unchanged: infinity minus infinity would be NaN.
     Some(if low == high {
         low
     } else {
@@ -70,7 +70,7 @@ pub fn p99(values: &[f64]) -> Option<f64> {
 }
 
 /// Frames per second over the slowest hundredth of the frames (at least one frame): their number
-/// divided by the time they took. `frame_ms` in milliseconds. `None` for an empty sample.
+/// divided by their total time. `frame_ms` in milliseconds. `None` for an empty sample.
 pub fn low1_fps(frame_ms: &[f64]) -> Option<f64> {
     let mut slowest_first = frame_ms.to_vec();
     slowest_first.sort_by(|a, b| b.total_cmp(a));
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn agreement_refuses_what_lies_outside_both_bounds() {
+    fn values_outside_both_bounds_do_not_agree() {
         let estimate = MeanEstimate {
             mean: 1.0,
             standard_error: 0.01,

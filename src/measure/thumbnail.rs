@@ -1,4 +1,4 @@
-//! Small pictures for pages: scaled down as the eye would see them from afar, and lossy.
+//! Small pictures for pages: reduced as the eye would see them from a distance, with lossy compression.
 
 use image::{
     ExtendedColorType, Rgb, Rgb32FImage, codecs::jpeg::JpegEncoder, imageops, imageops::FilterType,
@@ -10,11 +10,12 @@ use super::{
     tonemap::{linear_from_srgb, srgb_from_linear},
 };
 
-/// JPEG quality: enough that no block shows at the size of a thumbnail.
+/// JPEG quality: high enough that no block shows at the size of a thumbnail.
 const QUALITY: u8 = 72;
 
-/// A display picture (sRGB-encoded) that is at most so many pixels wide, averaged in linear light: dots of
-/// black and white become the grey that they look like from afar. Smaller ones stay as they are.
+/// A display picture (sRGB-encoded) at most `most_width` pixels wide, averaged in linear light: dots of
+/// black and white become the grey that they look like from a distance. Smaller pictures stay
+/// unchanged.
 pub fn reduced(display: &Picture, most_width: u32) -> Picture {
     if display.width <= most_width {
         return display.clone();
@@ -29,17 +30,17 @@ pub fn reduced(display: &Picture, most_width: u32) -> Picture {
     each(&averaged(&linear, most_width), srgb_from_linear)
 }
 
-/// Values in [0, 1], as those of a map of errors, averaged over so many columns at most; with the new
-/// width and height.
+/// Values in [0, 1], such as those of an error map, averaged to at most `most_width` columns; with the
+/// new width and height.
 ///
 /// # Panics
-/// When there are not width · height values.
+/// Unless there are width · height values.
 pub fn reduced_map(size: [u32; 2], values: &[f32], most_width: u32) -> ([u32; 2], Vec<f32>) {
     let [width, height] = size;
     assert_eq!(
         values.len(),
         width as usize * height as usize,
-        "one value a pixel"
+        "one value per pixel"
     );
     if width <= most_width {
         return (size, values.to_vec());
@@ -54,7 +55,7 @@ pub fn reduced_map(size: [u32; 2], values: &[f32], most_width: u32) -> ([u32; 2]
     ([small.width, small.height], values)
 }
 
-/// Of the same shape; every old pixel counts, by a tent over what becomes one pixel.
+/// Keeps the aspect ratio; every old pixel counts, with the weights of a tent around the new pixel.
 fn averaged(picture: &Picture, width: u32) -> Picture {
     let share = f64::from(width) / f64::from(picture.width);
     let height = ((f64::from(picture.height) * share).round() as u32).max(1);
@@ -72,7 +73,7 @@ fn averaged(picture: &Picture, width: u32) -> Picture {
 /// A display picture as JPEG.
 ///
 /// # Panics
-/// For a picture without pixels or wider or higher than 65535, which no JPEG can hold.
+/// For a picture without pixels, or wider or taller than 65535, which no JPEG can hold.
 pub fn jpeg(display: &Picture) -> Vec<u8> {
     let values = display.rgb.as_flattened().iter();
     let bytes: Vec<u8> = values.map(|&value| quantised(value)).collect();
@@ -92,7 +93,7 @@ pub fn jpeg(display: &Picture) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Ramps with a bright frame: what a shift or a mirror would move.
+    /// Ramps with a bright frame, which a shift or a mirror image would move.
     fn scene(width: u32, height: u32) -> Picture {
         let rgb = (0..width * height).map(|i| {
             let (x, y) = (i % width, i / width);

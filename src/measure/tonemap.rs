@@ -1,13 +1,12 @@
-//! From linear HDR to what a display shows: exposure, a filmic curve, the sRGB encoding. The GPU
-//! does the same in `shaders/color/tonemap.wesl`; a test holds the two together.
+//! From linear HDR to display values: exposure, a filmic curve, the sRGB encoding. The GPU does the
+//! same in `shaders/color/tonemap.wesl`; a test compares the two.
 //!
 //! The curve is AgX (Troy Sobotka 2022, <https://github.com/sobotka/AgX>): log2 encoding, a sigmoid
-//! about middle grey, between an inset and an outset of the primaries. It was chosen because
-//! coloured lamps are what these worlds are about: the inset lets a bright red or blue light pass
-//! through its own tints towards white, where per-channel curves (Reinhard, Hable, ACES fits) turn
-//! orange to yellow and blue to violet. The deviation: the sigmoid in closed form, not the
-//! published table, and a look (saturation and contrast) that gives back the depth which the base
-//! curve takes for a colourist to restore.
+//! about middle grey, between an inset and an outset of the primaries. It was chosen because these
+//! worlds feature coloured lamps: the inset lets a bright red or blue light pass through its own tints
+//! towards white, where per-channel curves (Reinhard, Hable, ACES fits) turn orange to yellow and blue
+//! to violet. Two deviations: the sigmoid is in closed form, not the published table; and a look
+//! (saturation and contrast) restores the depth that the base curve removes and leaves to a colourist.
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -30,7 +29,7 @@ pub fn tone_mapped(linear: &Picture, exposure_ev: f32) -> Picture {
 }
 
 /// Values that are not light, such as an albedo, as display values: sRGB-encoded and clamped, but
-/// neither exposed nor mapped.
+/// neither exposed nor tone-mapped.
 pub fn encoded(data: &Picture) -> Picture {
     let encode = |value: f32| srgb_from_linear(guarded(f64::from(value)).min(1.0)) as f32;
     Picture {
@@ -48,11 +47,11 @@ pub fn tone_map(light: DVec3) -> DVec3 {
 crate::shared! {
     in color;
 
-    /// Light above this counts as this: 16 stops above white, far beyond the end of the curve.
+    /// Brighter light counts as this: 16 stops above white, far beyond the end of the curve.
     const BRIGHTEST: f64 = 65504.0;
 
-    /// Stops below and above 1 between which the curve works: middle grey (0.18) with 10 stops below
-    /// it and 6.5 above.
+    /// The curve works between these stops relative to 1: from 10 stops below middle grey (0.18) to 6.5
+    /// above.
     const LOG2_MIN: f64 = -12.473_931_188_332_413;
     const LOG2_MAX: f64 = 4.026_068_811_667_588;
 
@@ -73,7 +72,7 @@ crate::shared! {
         DVec3::new(0.079_162_427, 0.079_162_427, 0.879_162_427),
     );
 
-    /// And back.
+    /// The inverse.
     use INSET.inverse() => OUTSET: DMat3;
 
     /// Where middle grey lies on the log2 scale, and the slope there; powers of toe and shoulder.
@@ -82,7 +81,7 @@ crate::shared! {
     const TOE: f64 = 3.0;
     const SHOULDER: f64 = 3.25;
 
-    /// How the curve bends below the pivot and above, so that it meets its corners.
+    /// Bends of the curve below and above the pivot, with which it meets its corners.
     use bend(PIVOT, TOE) => TOE_BEND: f64;
     use bend(1.0 - PIVOT, SHOULDER) => SHOULDER_BEND: f64;
 }
@@ -125,7 +124,7 @@ fn sigmoid(x: f64) -> f64 {
     value.clamp(0.0, 1.0)
 }
 
-/// `k` of [`sigmoid`], with this much room between the pivot and the corner.
+/// `k` of [`sigmoid`], for a distance `reach` between the pivot and the corner.
 fn bend(reach: f64, power: f64) -> f64 {
     ((SLOPE * reach / 0.5).powf(power) - 1.0) / reach.powf(power)
 }
@@ -201,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn light_that_is_no_number_is_black_and_infinite_light_white() {
+    fn nan_light_is_black_and_infinite_light_white() {
         let bad = Picture {
             width: 4,
             height: 1,

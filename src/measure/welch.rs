@@ -1,13 +1,13 @@
-//! Whether two samples differ: Welch's t-test, and many tests at once.
+//! Whether two samples differ: Welch's t-test, and the correction for many tests.
 
-/// Two-sided probability that two samples of equal means differ at least as much as these (Welch 1947). `None` for
-/// fewer than two values on a side.
+/// Two-sided probability that two samples with equal means differ at least as much as these (Welch
+/// 1947). `None` for fewer than two values in a sample.
 pub fn welch(a: &[f64], b: &[f64]) -> Option<f64> {
     let (a, b) = (Sample::of(a)?, Sample::of(b)?);
     let difference = b.mean - a.mean;
     let squared_error = a.squared_error + b.squared_error;
     if squared_error <= 0.0 {
-        // Without any spread every difference is one.
+        // Without any spread every difference is significant.
         return Some(if difference == 0.0 { 1.0 } else { 0.0 });
     }
     let t = difference / squared_error.sqrt();
@@ -19,7 +19,7 @@ pub fn welch(a: &[f64], b: &[f64]) -> Option<f64> {
 struct Sample {
     count: f64,
     mean: f64,
-    /// Of the standard error of the mean.
+    /// Squared standard error of the mean.
     squared_error: f64,
 }
 
@@ -36,7 +36,7 @@ impl Sample {
     }
 }
 
-/// Probability that |T| is at least |t|, for Student's t with so many degrees of freedom.
+/// Probability that |T| is at least |t|, for Student's t with `freedom` degrees of freedom.
 fn two_sided(t: f64, freedom: f64) -> f64 {
     incomplete_beta(freedom / (freedom + t * t), 0.5 * freedom, 0.5)
 }
@@ -46,7 +46,7 @@ fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     if x <= 0.0 || x >= 1.0 {
         return x.clamp(0.0, 1.0);
     }
-    // The fraction converges quickly on this side alone.
+    // The fraction converges quickly only on this side.
     if x > (a + 1.0) / (a + b + 2.0) {
         return 1.0 - incomplete_beta(1.0 - x, b, a);
     }
@@ -73,7 +73,8 @@ fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     front.exp() * fraction / a
 }
 
-/// Logarithm of the gamma function above 0: Stirling's series (DLMF 5.11.1), after the recurrence has made the argument large.
+/// Logarithm of the gamma function for positive arguments: Stirling's series (DLMF 5.11.1), after the
+/// recurrence has made the argument large.
 fn ln_gamma(x: f64) -> f64 {
     let (mut x, mut product) = (x, 1.0);
     while x < 12.0 {
@@ -86,8 +87,8 @@ fn ln_gamma(x: f64) -> f64 {
     (x - 0.5) * x.ln() - x + 0.5 * (2.0 * std::f64::consts::PI).ln() + series - product.ln()
 }
 
-/// Which of many tests found something, so that of those at most a share `rate` is expected to be chance (Benjamini &
-/// Hochberg 1995). `None` stands for a test that could not be made.
+/// Which of many tests are discoveries, such that at most a share `rate` of the discoveries is expected
+/// to be chance (Benjamini & Hochberg 1995). `None` stands for a test that could not be made.
 pub fn discoveries(probabilities: &[Option<f64>], rate: f64) -> Vec<bool> {
     let mut known: Vec<f64> = probabilities.iter().flatten().copied().collect();
     known.sort_by(f64::total_cmp);
@@ -120,7 +121,7 @@ mod tests {
             assert!((found / p - 1.0).abs() < 2e-3, "{t} {freedom}: {found}");
             assert_eq!(found, two_sided(-t, freedom));
         }
-        // One degree of freedom is Cauchy's distribution.
+        // With one degree of freedom it is Cauchy's distribution.
         let exact = 1.0 - 2.0 / std::f64::consts::PI * 3f64.atan();
         assert!((two_sided(3.0, 1.0) - exact).abs() < 1e-12);
     }
@@ -138,9 +139,10 @@ mod tests {
         assert_eq!(welch(&[1.0], &a), None);
     }
 
-    /// Welch's own degrees of freedom: a sample without spread gives those of the other.
+    /// Welch's degrees of freedom: a sample without spread contributes none, so those of the other
+    /// remain.
     #[test]
-    fn unequal_spreads_count_as_they_are() {
+    fn unequal_spreads_are_allowed() {
         let a = [1.0, 2.0, 3.0, 4.0, 5.0];
         let t = 3.0 / 0.5f64.sqrt();
         let p = welch(&a, &[6.0; 4]).expect("values");
@@ -148,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn many_tests_are_held_to_more() {
+    fn many_tests_need_stronger_evidence() {
         // The one of 20 that is below 0.05 by chance does not count, a clear one does.
         let mut all = vec![Some(0.5); 19];
         all.push(Some(0.04));

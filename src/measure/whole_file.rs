@@ -1,4 +1,4 @@
-//! Files that appear when they are complete, and what file systems refuse, in words.
+//! Files that appear only when they are complete, and file system errors in words.
 
 use std::{
     fs, io,
@@ -30,7 +30,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// What kept a file or a folder from being written.
+    /// The error that prevented writing a file or a folder.
     pub fn writing(path: &Path, reason: io::Error) -> Self {
         match reason.kind() {
             io::ErrorKind::NotFound => Self::NoFolder {
@@ -42,7 +42,7 @@ impl FileError {
         }
     }
 
-    /// What kept a file from being read.
+    /// The error that prevented reading a file.
     pub fn reading(path: &Path, reason: io::Error) -> Self {
         match reason.kind() {
             io::ErrorKind::NotFound => Self::NoFile(path.to_owned()),
@@ -54,7 +54,7 @@ impl FileError {
     fn of(path: &Path, reason: io::Error) -> Self {
         use io::ErrorKind as Kind;
         let named = path.to_owned();
-        // A folder cannot be made where a file stands.
+        // A folder cannot be created under a file.
         let file = || {
             path.ancestors()
                 .find(|part| part.exists() && !part.is_dir())
@@ -74,25 +74,26 @@ impl FileError {
         }
     }
 
-    /// Whether it is the machine's fault, not that of the name.
+    /// Whether the machine is at fault, not the given name.
     pub fn is_fault(&self) -> bool {
         matches!(self, Self::DiskFull(_) | Self::Io { .. })
     }
 }
 
-/// Characters that a file's name grows by until it is complete.
+/// Stands for the characters that a file's name gets until the file is complete.
 const GROWN: &str = ".........";
 
-/// A file that takes the place of an older one when it is committed; dropped, it leaves no trace.
+/// A file that replaces an older one when it is committed; if dropped, it leaves no trace.
 ///
 /// # Errors
-/// [`FileError`], as far as can be known before it is complete.
+/// [`FileError`], as far as errors can be known before the file is complete.
 pub fn open(path: &Path) -> Result<AtomicWriteFile, FileError> {
     if path.is_dir() {
         return Err(FileError::IsFolder(path.to_owned()));
     }
     let refused = |reason| FileError::writing(path, reason);
-    // A file without a name is opened under any name: one that is too long would be found only at its end.
+    // A file without a name is opened under any name: a name that is too long would be found only at
+    // the end.
     let mut longest = path.as_os_str().to_owned();
     longest.push(GROWN);
     match fs::symlink_metadata(longest) {
@@ -101,7 +102,7 @@ pub fn open(path: &Path) -> Result<AtomicWriteFile, FileError> {
     }
 }
 
-/// Makes a folder, and those that it lies in.
+/// Creates a folder and its parents.
 ///
 /// # Errors
 /// [`FileError`].

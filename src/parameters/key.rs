@@ -1,4 +1,4 @@
-//! One key of the table: found by name, read and written with its range checked.
+//! One key of the table: found by name, read, and written with a check of its range.
 
 use super::{KEYS, Kind, Parameters, Value, nearest, removed};
 
@@ -7,7 +7,7 @@ use super::{KEYS, Kind, Parameters, Value, nearest, removed};
 pub struct Key {
     /// `section.field`.
     pub name: &'static str,
-    /// One line: what it is, and what more and less of it cost.
+    /// One line: what it is, and what higher and lower values cost.
     pub doc: &'static str,
     pub kind: Kind,
     pub remake: Remake,
@@ -15,10 +15,10 @@ pub struct Key {
     pub(super) put: fn(&mut Parameters, Value),
 }
 
-/// What a change of a parameter makes anew, from nothing to everything.
+/// What must be rebuilt after a change of a parameter, in ascending order of cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Remake {
-    /// The next frame just reads it.
+    /// Nothing: the next frame reads the new value.
     Nothing,
     /// The probe field: its buffers depend on it.
     Probes,
@@ -26,7 +26,7 @@ pub enum Remake {
     World,
 }
 
-/// What is wrong with an assignment, and what would be right.
+/// What is wrong with an assignment, and what would be valid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ParameterError {
     #[error("`{0}` is not KEY=VALUE, as in `probes.rays=128`")]
@@ -39,7 +39,7 @@ pub enum ParameterError {
         name: String,
         near: Vec<&'static str>,
     },
-    #[error("`{name}` is no parameter any more: {instead}")]
+    #[error("`{name}` is no longer a parameter: {instead}")]
     RemovedKey { name: String, instead: &'static str },
     #[error("`{key}` takes {kind}, not `{text}`{}", instead.map_or(String::new(), |text| format!(": {text}")))]
     BadValue {
@@ -59,7 +59,8 @@ fn did_you_mean(near: &[&str]) -> String {
 
 impl Key {
     /// # Errors
-    /// [`ParameterError::UnknownKey`] with the nearest names; [`ParameterError::RemovedKey`] with what to write now.
+    /// [`ParameterError::UnknownKey`] with the nearest names; [`ParameterError::RemovedKey`] with its
+    /// replacement.
     pub fn find(name: &str) -> Result<&'static Self, ParameterError> {
         KEYS.iter().find(|key| key.name == name).ok_or_else(|| {
             if let Some(instead) = removed::instead_of(name) {
@@ -74,18 +75,18 @@ impl Key {
         })
     }
 
-    /// The value that `parameters` hold.
+    /// The value in `parameters`.
     pub fn get(&self, parameters: &Parameters) -> Value {
         (self.get)(parameters)
     }
 
-    /// The value of a user who sets nothing.
+    /// The default value.
     pub fn default(&self) -> Value {
         self.get(&Parameters::default())
     }
 
     /// # Errors
-    /// [`ParameterError::BadValue`] when the value is of another kind or out of range.
+    /// [`ParameterError::BadValue`] if the value is of another kind or out of range.
     pub fn set(&self, parameters: &mut Parameters, value: Value) -> Result<(), ParameterError> {
         if !self.kind.holds(&value) {
             return Err(self.refused(&value.to_string()));
@@ -94,7 +95,7 @@ impl Key {
         Ok(())
     }
 
-    /// Reads a value as people write it.
+    /// Parses a value as users write it.
     ///
     /// # Errors
     /// [`ParameterError::BadValue`].

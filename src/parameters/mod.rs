@@ -1,8 +1,8 @@
 //! Every tunable, declared once.
 //!
-//! The table below gives the typed structs with their defaults, and [`KEYS`]: what `--set`,
-//! `grotto info --keys` and the panel know of them. A key is `section.field`. The one line above a
-//! field is what people read, so it says what more and less of it cost.
+//! The table below gives the typed structs with their defaults, and [`KEYS`], which `--set`, `grotto
+//! info --keys` and the panel read. A key is `section.field`. Users read the one line above a field, so
+//! it says what higher and lower values cost.
 
 mod key;
 mod nearest;
@@ -17,8 +17,8 @@ pub use key::{Key, ParameterError, Remake};
 pub use nearest::nearest;
 pub use value::{Kind, Value};
 
-/// Declares the sections: per field one doc line, type, default, kind, and what a change makes anew. A section
-/// may have another one `within` it.
+/// Declares the sections: per field one doc line, type, default, kind, and what a change rebuilds. A
+/// section may have another one `within` it.
 macro_rules! parameters {
     ($(
         #[doc = $section_doc:literal]
@@ -40,7 +40,7 @@ macro_rules! parameters {
             )?
         }
     )+) => {
-        /// All tunables. `Default` gives what a user gets who sets nothing.
+        /// All tunables. `Default` gives the values of a user who sets nothing.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Parameters {
             $(#[doc = $section_doc] pub $section: $Section,)+
@@ -89,7 +89,7 @@ macro_rules! parameters {
     };
 }
 
-/// One entry of [`KEYS`]: its name, the path to its section, and what is said of it.
+/// One entry of [`KEYS`]: its name, the path to its section, and its description.
 macro_rules! key {
     (
         $prefix:ident.$name:ident, [$($path:ident).+], $field:ident, $doc:expr, $kind:expr, $remake:ident
@@ -147,90 +147,93 @@ macro_rules! choice {
 choice! {
     /// How a probe behind a wall loses its weight.
     Visibility {
-        /// By the mean and the variance of the distances that the probe saw (Majercik et al. 2019).
+        /// By the mean and the variance of the distances that the probe's rays measured (Majercik et
+        /// al. 2019).
         Chebyshev = "chebyshev",
-        /// By marching: kept for every voxel of air beside stone in the probe's cages.
+        /// By marching: one bit for every voxel of air that borders on a solid voxel in the probe's
+        /// cages.
         Exact = "exact",
-        /// Exact where there is one level of probes; nested levels by distances, which is truer there.
+        /// Exact for one level of probes; by distances for nested levels, where that is more accurate.
         Auto = "auto",
     }
 }
 
 choice! {
-    /// What becomes of a probe whose lattice point lies in stone.
+    /// What happens to a probe whose lattice point lies in a solid voxel.
     Relocation {
-        /// It is dead.
+        /// The probe is dead.
         Off = "off",
-        /// It moves to the nearest air, if that is near enough.
+        /// The probe moves to the nearest air, if that is near enough.
         Exact = "exact",
     }
 }
 
 choice! {
-    /// Whose algorithm lights the picture.
+    /// The algorithm that lights the picture.
     Method {
         /// Ours.
         Grotto = "grotto",
-        /// That of the published DDGI systems that grotto is compared with: probes alone, which guess from
-        /// distances what they see.
+        /// The algorithm of the published DDGI systems that grotto is compared with: probes alone,
+        /// which estimate visibility from distances.
         Source = "source",
     }
 }
 
 choice! {
-    /// What the probes of a cage weigh at a point under [`Method::Source`]: each has the ones before.
+    /// Weights of a cage's probes at a point under [`Method::Source`]. Each variant includes the
+    /// previous ones.
     SourceWeights {
-        /// By place on the lattice alone: walls hide nothing.
+        /// By position on the lattice alone: walls hide nothing.
         Trilinear = "trilinear",
-        /// And less, the farther a probe lies behind the surface.
+        /// Also reduced, the farther a probe lies behind the surface.
         Direction = "direction",
-        /// And by Chebyshev's bound on what the probe sees.
+        /// Also by Chebyshev's bound on the probe's visibility.
         Visibility = "visibility",
-        /// And small weights are crushed, because the eye is sensitive to faint light.
+        /// Small weights are reduced further, because the eye is sensitive to faint light.
         Perception = "perception",
-        /// And the corner of a moved probe moves along.
+        /// A moved probe also moves its corner of the cage.
         Adjusted = "adjusted",
     }
 }
 
 choice! {
-    /// What becomes of a probe in stone under [`Method::Source`].
+    /// What happens to a probe in a solid voxel under [`Method::Source`].
     SourceRelocation {
-        /// It is dead.
+        /// The probe is dead.
         Off = "off",
-        /// It walks along the axes until its rays do not begin in stone.
+        /// The probe walks along the axes until its rays start in air.
         Surface = "surface",
-        /// And until it is a voxel away from surfaces.
+        /// The probe also walks until it is a voxel away from surfaces.
         Clear = "clear",
     }
 }
 
 choice! {
-    /// What becomes of a distance that no cage asks for under [`Method::Source`].
+    /// What happens to a distance that is too long for any cage under [`Method::Source`].
     SourceDepth {
-        /// It counts as the longest: the mean says "far".
+        /// It counts as the longest possible distance: the mean says "far".
         Clamp = "clamp",
-        /// It is left out: the mean is that of what is near.
+        /// It is left out: the mean covers only near surfaces.
         Reject = "reject",
     }
 }
 
 choice! {
-    /// Whether probes sleep that no pixel asks for.
+    /// Whether probes that no pixel requests sleep.
     ProbeStates {
-        /// Every probe outside of stone is updated in every frame.
+        /// Every probe outside solid voxels is updated in every frame.
         Off = "off",
-        /// Those that nobody needs now are refreshed now and then.
+        /// Probes that nothing needs now are updated only occasionally.
         On = "on",
     }
 }
 
 choice! {
-    /// Whether what the camera sees looks for its light itself.
+    /// Whether visible surfaces trace rays for their own light.
     FinalGather {
-        /// The probes around it say what light it gets.
+        /// Surfaces take their light from the surrounding probes.
         Off = "off",
-        /// Rays from each face find it; the probes say what those rays see.
+        /// Rays from each face find its light; the probes light what those rays hit.
         On = "on",
     }
 }
@@ -324,8 +327,8 @@ parameters! {
 }
 
 impl ProbeParameters {
-    /// What a field of probes is made by: under [`Method::Source`] the probes alone light the picture, and guess
-    /// from distances what they see.
+    /// The parameters in effect: under [`Method::Source`] the probes alone light the picture, and
+    /// estimate visibility from distances.
     pub fn effective(&self) -> Cow<'_, Self> {
         match self.method {
             Method::Grotto => Cow::Borrowed(self),
@@ -353,7 +356,7 @@ impl Parameters {
         key.set(self, value)
     }
 
-    /// The most that must be made anew when these parameters give way to `next`.
+    /// The most that must be rebuilt when these parameters change to `next`.
     pub fn remake_for(&self, next: &Self) -> Remake {
         KEYS.iter()
             .filter(|key| key.get(self) != key.get(next))
@@ -439,7 +442,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_assignments_say_what_would_be_right() {
+    fn bad_assignments_say_what_would_be_valid() {
         for (assignment, parts) in [
             ("probes.rays", ["`probes.rays`", "KEY=VALUE"]),
             ("probes.ray=8", ["`probes.ray`", "`probes.rays`"]),
@@ -498,7 +501,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_names_the_most_that_must_be_made_anew() {
+    fn a_change_names_the_most_that_must_be_rebuilt() {
         let old = Parameters::default();
         let mut new = old.clone();
         assert_eq!(old.remake_for(&new), Remake::Nothing);

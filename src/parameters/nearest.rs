@@ -1,6 +1,6 @@
-//! "Did you mean": the known names nearest to a mistyped one.
+//! "Did you mean": the known names closest to a mistyped one.
 
-/// At most three of `known` that people may have meant by `wanted`, best first: within a quarter of
+/// At most three of `known` that the user may have meant by `wanted`, best first: within a quarter of
 /// the letters by edit distance, or one containing the other.
 pub fn nearest<'a>(wanted: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let wanted = wanted.to_lowercase();

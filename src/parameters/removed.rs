@@ -1,6 +1,6 @@
-//! Keys of earlier versions, and what to write now.
+//! Keys of earlier versions, and their replacements.
 
-/// Key, and what has taken its place.
+/// A removed key, and what replaces it.
 const REMOVED: [(&str, &str); 26] = [
     (
         "probes.asking",
@@ -46,15 +46,15 @@ const REMOVED: [(&str, &str); 26] = [
 ];
 
 const FIXED: &str = "its default is a constant now";
-const NO_GAIN: &str = "the final gather made it needless, so leave it out";
+const NO_GAIN: &str = "the final gather made it unnecessary, so leave it out";
 
-/// What to write in place of a key that is no more.
+/// What to write in place of a removed key.
 pub fn instead_of(name: &str) -> Option<&'static str> {
     let found = REMOVED.iter().find(|(removed, _)| *removed == name);
     found.map(|(_, instead)| *instead)
 }
 
-/// The same for a value: its key's others are still there.
+/// The same for a removed value of a key that still exists.
 pub fn instead_of_value(name: &str, value: &str) -> Option<&'static str> {
     match (name, value) {
         ("probes.relocation", "statistical") => {
@@ -73,7 +73,7 @@ mod tests {
     use crate::parameters::{KEYS, Parameters};
 
     #[test]
-    fn what_is_said_in_place_of_old_keys_is_a_key() {
+    fn replacements_of_old_keys_are_keys() {
         for (removed, instead) in REMOVED {
             assert!(KEYS.iter().all(|key| key.name != removed), "{removed}");
             for word in instead
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn old_keys_and_values_are_answered_with_what_to_write_now() {
+    fn old_keys_and_values_name_their_replacements() {
         for (assignment, expected) in [
             ("probes.weights=adjusted", "source.weights"),
             ("probes.crush=0.1", FIXED),

@@ -1,10 +1,10 @@
-//! Values of parameters: their kinds and ranges, how people write them, and the types behind them.
+//! Values of parameters: their kinds and ranges, their text form, and the types behind them.
 
 use std::fmt;
 
 use glam::{UVec3, Vec3};
 
-/// What a key takes. The panel builds its widgets from it.
+/// What a key accepts. The panel builds its widgets from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     Flag,
@@ -22,7 +22,7 @@ pub enum Kind {
     },
     /// A name that only the world can check.
     Name,
-    /// A number to draw from, or the file's.
+    /// A random seed, or the file's.
     Seed,
     /// Linear RGB, each channel from 0 to `max`, or the file's.
     Colour {
@@ -34,7 +34,7 @@ pub enum Kind {
     },
 }
 
-/// A value of any key. `None` stands for what the world file says.
+/// A value of any key. `None` stands for the value in the world file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     Flag(bool),
@@ -47,7 +47,7 @@ pub enum Value {
     Size(Option<UVec3>),
 }
 
-/// How people write "what the world file says".
+/// The word for "the value in the world file".
 const FILE: &str = "file";
 
 impl Kind {
@@ -74,7 +74,7 @@ impl Kind {
         }
     }
 
-    /// Reads what people write for this kind; the range is for [`Kind::holds`] to check.
+    /// Parses text for this kind; [`Kind::holds`] checks the range.
     pub(super) fn parse(&self, text: &str) -> Option<Value> {
         let unless_file = |text: &str| (text != FILE).then(|| text.to_owned());
         Some(match self {
@@ -117,7 +117,7 @@ impl Kind {
     }
 }
 
-/// A number without a row of zeros in front.
+/// A number without a row of leading zeros.
 fn plain(number: f32) -> String {
     if number != 0.0 && number.abs() < 1e-3 {
         format!("{number:e}")
@@ -148,7 +148,7 @@ fn size(text: &str) -> Option<UVec3> {
     <[u32; 3]>::try_from(edges).ok().map(UVec3::from_array)
 }
 
-/// A phrase that fits behind "takes".
+/// A phrase that fits after "takes".
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -171,7 +171,7 @@ impl fmt::Display for Kind {
     }
 }
 
-/// As people write it: what is printed can be read back.
+/// In the form that can be read back.
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,22 +1,22 @@
-//! How the maps of many probes share two textures, and what they cost.
+//! How the maps of many probes share two textures, and how much memory they take.
 
 use super::ProbeError;
 use crate::parameters::ProbeParameters;
 
 /// The maps of slot s lie in tile (s & (2^columns_log2 − 1), (s >> columns_log2) & (2^rows_log2 − 1))
-/// of layer s >> (columns_log2 + rows_log2), in both textures. A tile is as wide as its map and its
-/// border of one texel.
+/// of layer s >> (columns_log2 + rows_log2), in both textures. A tile holds a map and its border of one
+/// texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AtlasLayout {
     pub slots: u32,
     pub columns_log2: u32,
     pub rows_log2: u32,
-    /// Rows of tiles that exist: fewer than 2^rows_log2 where one layer is enough.
+    /// Allocated rows of tiles: fewer than 2^rows_log2 where one layer is enough.
     pub rows: u32,
     pub layers: u32,
     /// Texels along a map, without its border.
     pub irradiance_texels: u32,
-    /// 0 where no distances are kept.
+    /// 0 if no distances are stored.
     pub distance_texels: u32,
 }
 
@@ -27,15 +27,16 @@ const IRRADIANCE_HISTORY_BYTES: u64 = 16;
 const DISTANCE_HISTORY_BYTES: u64 = 8;
 /// Radiance and distance of one ray (f32).
 const RAY_BYTES: u64 = 16;
-/// Updates so far, the mean luminance, variability, and flags.
+/// Number of updates, mean luminance, variability, and flags.
 pub const STATE_BYTES: u64 = 16;
-/// Means by which changes are told from noise, and what they have in common.
+/// The means that tell changes from noise, and the values that they share.
 const VARIABILITY_BYTES: u64 = VARIABILITY_VECTORS * 16;
-/// Where it stands, and whether it gives light.
+/// Where the probe is, and whether it gives light.
 pub const PLACE_BYTES: u64 = 16;
-/// Irradiance along six axes (f16), and whether there is any.
+/// Irradiance along six axes (f16), and whether the probe gives any.
 const CUBE_BYTES: u64 = CUBE_VECTORS * 16;
-/// The list of the due and who asked when, twice (pass `surface_cache/trace` has its own), and how far it has walked.
+/// Per probe: an entry of the active list and the frames of the last requests by pixels and by rays
+/// (both twice: pass `surface_cache/trace` has its own), and the progress of its source walk.
 const PLAN_BYTES: u64 = 2 * 3 * 4 + 8;
 
 crate::shared! {
@@ -44,15 +45,15 @@ crate::shared! {
     /// Means that are watched for change: RGB, and direction times luminance.
     const VARIABILITY_MEANS: u64 = 6;
 
-    /// Vectors of a probe's trends: of each mean, and of its pulse.
+    /// Vectors that a probe's variability takes: one for each mean, and one for its pulse.
     const VARIABILITY_VECTORS: u64 = VARIABILITY_MEANS + 1;
 
-    /// Vectors of a packed cube, one for each axis: three halves low, three halves high, and a word that is 1.0
-    /// when the probe gives light at all.
+    /// Vectors of a packed cube, one for each axis: three halves low, three halves high, and a word
+    /// that is 1.0 if the probe gives any light.
     const CUBE_VECTORS: u64 = 3;
 }
 
-/// What a probe field takes on the GPU, in bytes.
+/// Memory of a probe field on the GPU, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProbeMemory {
     pub irradiance_atlas: u64,
@@ -64,7 +65,7 @@ pub struct ProbeMemory {
     pub trends: u64,
     pub places: u64,
     pub ambient_cubes: u64,
-    /// What probes see under exact visibility; not a matter of the atlas.
+    /// Visibility bits of the probes under exact visibility; not part of the atlas.
     pub visibility_bits: u64,
     pub update_schedule: u64,
 }
@@ -86,11 +87,11 @@ impl ProbeMemory {
 }
 
 impl AtlasLayout {
-    /// A layout that is about square, within textures of `extent`² texels and `layers` layers. Without
+    /// A roughly square layout within textures of `extent`² texels and `layers` layers. Without
     /// `distances` there are no distance maps.
     ///
     /// # Errors
-    /// [`ProbeError::Atlas`] when the maps do not fit.
+    /// [`ProbeError::Atlas`] if the maps do not fit.
     pub fn new(
         slots: u32,
         parameters: &ProbeParameters,
@@ -132,7 +133,8 @@ impl AtlasLayout {
         })
     }
 
-    /// Width, height and layers of a texture of maps this wide; of the least texture for 0.
+    /// Width, height and layers of the texture for maps of this width; of the smallest possible texture
+    /// for 0.
     pub fn texture_extent(&self, texels: u32) -> [u32; 3] {
         if texels == 0 {
             return [1; 3];
@@ -156,7 +158,7 @@ impl AtlasLayout {
         u64::from(self.slots) * CUBE_BYTES
     }
 
-    /// What it all takes with this many rays a probe.
+    /// All memory of the field with `rays` rays per probe.
     pub fn memory(&self, rays: u32) -> ProbeMemory {
         let slots = u64::from(self.slots);
         let texture = |texels: u32| {

@@ -1,25 +1,25 @@
-//! What probes are told of changes: lamps and voxels change on the CPU, so that they are known at once
-//! and without noise. Where their light arrives, and when, each probe finds out itself.
+//! What probes are told about changes: lamps and voxels change on the CPU, so these changes are known
+//! at once and without noise. Each probe finds out itself where and when their light arrives.
 
 use glam::{IVec3, Vec3};
 
 crate::shared! {
     in probes;
 
-    /// Edits that are told apart; more are taken together.
+    /// Edits that are tracked separately; further ones are merged.
     pub const EDITS: usize = 8;
 }
 
-/// Share of an alert that is left after a frame: bounces take their time, and sleeping probes look
-/// every tenth frame only.
+/// Share of an alert that remains after one frame: bounces take several frames, and sleeping probes
+/// update only every tenth frame.
 const ALERT_KEPT: f32 = 0.95;
-/// Alerts below this are none.
+/// Smaller alerts count as none.
 const LEAST_ALERT: f32 = 0.002;
-/// Frames without any change after which light is taken to be still, and those over which that becomes sure:
-/// probes settle until then.
+/// After this many frames without a change the light starts to count as still; it counts fully as still
+/// another STILLER_FRAMES later. Until then probes settle.
 const STILL_FRAMES: u32 = 64;
 const STILLER_FRAMES: u32 = 64;
-/// Frames after which an edit is forgotten: more than any history is long.
+/// Frames after which an edit is forgotten: longer than any history.
 const REMEMBERED_FRAMES: u32 = 2048;
 
 /// A sphere (world space, voxels) within which voxels have changed.
@@ -27,11 +27,11 @@ const REMEMBERED_FRAMES: u32 = 2048;
 pub struct EditSphere {
     pub centre_ws: Vec3,
     pub radius: f32,
-    /// The first frame that shows it.
+    /// The first frame that shows the edit.
     pub frame: u32,
 }
 
-/// Voxels that edits have changed: a box in grid space, from its low to its high corner.
+/// Recent changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EditBox {
     pub low_gs: Vec3,
@@ -45,7 +45,7 @@ pub struct Changes {
     /// Frames since there was a change or an alert.
     still_frames: u32,
     edits: Vec<EditSphere>,
-    /// Edits that the next frame is the first to show, as one box; and those of this frame.
+    /// Whether voxels were edited since the last frame.
     pending: Option<EditBox>,
     shown_first: Option<EditBox>,
     /// The newest edits, and the first frame that shows them.
@@ -74,7 +74,7 @@ impl Changes {
         }
     }
 
-    /// Begins a frame in which the lights differ by this much from the frame before
+    /// Begins a frame in which the lights differ by `light_change` from the frame before
     /// ([`crate::lights::Lights::change_since`]).
     pub fn begin_frame(&mut self, light_change: f32, frame: u32) {
         let faded = self.alert * ALERT_KEPT;
@@ -97,7 +97,7 @@ impl Changes {
             .retain(|edit| frame.saturating_sub(edit.frame) < REMEMBERED_FRAMES);
     }
 
-    /// Frames are numbered from 0 again, and no probe remembers any.
+    /// Forgets all edits: frame numbers start from 0 again, and no probe has a history.
     pub fn forget_edits(&mut self) {
         self.edits.clear();
         self.latest = None;
@@ -114,17 +114,17 @@ impl Changes {
         self.latest
     }
 
-    /// How sure it is that light changes now, from 0 to 1.
+    /// Confidence that light is changing now, 0 to 1.
     pub fn alert(&self) -> f32 {
         self.alert
     }
 
-    /// Frames since there was a change or an alert: 0 while there is.
+    /// Frames since the last change or alert: 0 during one.
     pub fn still_frames(&self) -> u32 {
         self.still_frames
     }
 
-    /// How sure it is that light has not changed for long, from 0 to 1.
+    /// Confidence that light has not changed for a long time, 0 to 1.
     pub fn stillness(&self) -> f32 {
         let still = self.still_frames.saturating_sub(STILL_FRAMES);
         (still as f32 / STILLER_FRAMES as f32).min(1.0)
@@ -135,7 +135,7 @@ impl Changes {
         &self.edits
     }
 
-    /// The first frame that showed the edits before the newest ones.
+    /// Merges the two edits whose common sphere is smallest.
     pub fn edit_before(&self) -> Option<u32> {
         self.before_latest
     }
@@ -163,7 +163,7 @@ impl EditBox {
 }
 
 impl EditSphere {
-    /// The smallest sphere around both, as new as the newer.
+    /// The smallest sphere around both; its frame is the newer one.
     fn joined(&self, other: &Self) -> Self {
         let frame = self.frame.max(other.frame);
         let (large, small) = if self.radius >= other.radius {
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lamp_that_wanders_keeps_the_alert_low() {
+    fn a_wandering_lamp_keeps_the_alert_low() {
         let mut changes = Changes::default();
         for frame in 0..1000 {
             changes.begin_frame(0.02, frame);
@@ -262,7 +262,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn edits_that_are_taken_together_cover_all_of_them(
+        fn merged_edits_cover_all_edits(
             places in prop::collection::vec((-50..50i32, -50..50i32, 1..6i32), 1..40),
         ) {
             let mut changes = Changes::default();

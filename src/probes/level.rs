@@ -1,30 +1,30 @@
-//! One level of a volume: a window of probes on an endless lattice of fixed places.
+//! One level of a volume: a window of probes on an infinite lattice of fixed points.
 
 use glam::{IVec3, UVec3, Vec3};
 
 use crate::world::scenery::FARTHEST;
 
-/// Lattice point p (whole numbers) lies at anchor + p · spacing, whatever is looked at; its probe
-/// stands at the centre of the voxel that contains it. The level has probes at the points from
-/// `base` to `base` + counts − 1. Point p has slot first + wrapped x + counts.x · (wrapped y +
-/// counts.y · wrapped z), where wrapped is p modulo the counts: when the window moves, the points
-/// that stay in it keep their slots, and those that come take the slots of those that go.
+/// Lattice point p (integers) lies at anchor + p · spacing, wherever the window is; its probe is at the
+/// centre of the voxel that contains the point. The level has probes at the points from `base` to
+/// `base` + counts − 1. Point p has slot first + wrapped x + counts.x · (wrapped y + counts.y · wrapped
+/// z), where wrapped is p modulo the counts: when the window moves, points that remain in it keep their
+/// slots, and new points take the slots of those that left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
     counts: UVec3,
     spacing: Vec3,
     anchor: Vec3,
     base: IVec3,
-    /// World-space middle of what the level lights. Of a moving window it follows the camera
+    /// World-space middle of the region that the level lights. In a moving window it follows the camera
     /// without steps, so that light is continuous when the window moves by a cell.
     middle: Vec3,
-    /// From there to where its light ends, in cells.
+    /// Distance from the middle to where the level's light ends, in cells.
     reach: Vec3,
     first_slot: u32,
 }
 
 impl Level {
-    /// A window that stays around `centre`, with lattice point (0, 0, 0) at its lowest corner.
+    /// A fixed window around `centre`, with lattice point (0, 0, 0) at its lowest corner.
     pub(super) fn still(counts: UVec3, spacing: Vec3, centre: Vec3, first_slot: u32) -> Self {
         let reach = (counts - 1).as_vec3() * 0.5;
         Self {
@@ -47,7 +47,7 @@ impl Level {
             anchor: Vec3::ZERO,
             base: IVec3::ZERO,
             middle: Vec3::ZERO,
-            // Half a cell less than the window, for its middle may be so far off.
+            // Half a cell less than the window, because its own middle may be that far off.
             reach: counts.as_vec3() * 0.5 - 1.0,
             first_slot,
         };
@@ -55,8 +55,8 @@ impl Level {
         level
     }
 
-    /// Moves the window by whole cells. Coordinates too far out count as the farthest that f32 still
-    /// tells voxels apart at, and what is no number changes nothing.
+    /// Moves the window by whole cells. Coordinates are clamped to the range in which f32 still tells
+    /// voxels apart; NaN changes nothing.
     pub(super) fn move_to(&mut self, middle: Vec3) {
         let known = Vec3::select(middle.is_nan_mask(), self.middle, middle);
         self.middle = known.clamp(Vec3::splat(-FARTHEST), Vec3::splat(FARTHEST));
@@ -85,22 +85,22 @@ impl Level {
         self.base
     }
 
-    /// World-space position of that point.
+    /// World-space position of the point at `base`.
     pub fn first(&self) -> Vec3 {
         self.anchor + self.base.as_vec3() * self.spacing
     }
 
-    /// World-space middle of what the level lights.
+    /// World-space middle of the region that the level lights.
     pub fn middle(&self) -> Vec3 {
         self.middle
     }
 
-    /// From there to where its light ends, in cells.
+    /// Distance from the middle to where the level's light ends, in cells.
     pub fn reach(&self) -> Vec3 {
         self.reach
     }
 
-    /// The slots of the level begin here.
+    /// The first slot of the level.
     pub fn first_slot(&self) -> u32 {
         self.first_slot
     }
@@ -110,12 +110,12 @@ impl Level {
         self.base.rem_euclid(self.counts.as_ivec3()).as_uvec3()
     }
 
-    /// The farthest that a probe can be from a point of its own cage (voxels).
+    /// The greatest distance of a probe from a point of its own cage (voxels).
     pub fn cage_diagonal(&self) -> f32 {
         self.spacing.length()
     }
 
-    /// Where the probe of a lattice point belongs: the centre of a voxel (world space).
+    /// Default position of the probe of a lattice point: the centre of a voxel (world space).
     pub fn position(&self, point: IVec3) -> Vec3 {
         (self.anchor + point.as_vec3() * self.spacing).floor() + 0.5
     }
@@ -126,7 +126,7 @@ impl Level {
         self.first_slot + place.x + self.counts.x * (place.y + self.counts.y * place.z)
     }
 
-    /// The lattice point of the window that has a slot of the level.
+    /// The lattice point of the window that owns a slot of the level.
     pub fn point(&self, slot: u32) -> IVec3 {
         let local = slot - self.first_slot;
         let row = local / self.counts.x;
@@ -144,21 +144,23 @@ impl Level {
         index.cmpge(IVec3::ZERO).all() && index.cmplt(self.counts.as_ivec3()).all()
     }
 
-    /// How many slots have other lattice points than in `before`, the same level somewhere else.
+    /// Number of slots whose lattice point differs from that in `before`, an earlier state of the same
+    /// level.
     pub fn fresh_since(&self, before: &Self) -> u32 {
         let moved = (self.base - before.base).abs().as_uvec3();
         let kept = self.counts.saturating_sub(moved);
         self.counts.element_product() - kept.element_product()
     }
 
-    /// How much of a point's light the level gives, 0 … 1: all of it inside, none outside, and a
-    /// share over the last `fade` cells.
+    /// Share of a point's light that the level gives, 0 to 1: all of it inside, none outside, falling
+    /// linearly over the last `fade` cells.
     pub fn share(&self, point_ws: Vec3, fade: f32) -> f32 {
         let inside = self.reach - (point_ws - self.middle).abs() / self.spacing;
         (inside.min_element() / fade).clamp(0.0, 1.0)
     }
 
-    /// Trilinear weights; points beyond what the level lights have those of the nearest point of it.
+    /// Trilinear weights. A point outside the region that the level lights has the weights of the
+    /// nearest point inside.
     pub fn cage(&self, point_ws: Vec3) -> [(u32, f32); 8] {
         let last = self.counts - 1;
         let half = self.reach * self.spacing;

@@ -1,10 +1,10 @@
-//! Probes: where they stand, how they look around, and how what they see is laid out. Knows no GPU.
+//! Probes: where they are, which rays they trace, and how their results are stored. Knows no GPU.
 //!
 //! A [`Layout`] places probes in numbered slots. Everything else (rays, blending, the atlas, the
-//! gather) is indexed by slot and knows nothing of how the slots lie in space.
+//! gather) is indexed by slot and does not depend on how the slots lie in space.
 //!
-//! Units: a texel of an irradiance map stores Σ w L / Σ w with w = max(0, n·d), which is E/π;
-//! radiance reflected by a diffuse surface is therefore albedo × texel. Distances are in voxels.
+//! Units: a texel of an irradiance map stores Σ w L / Σ w with w = max(0, n·d), which is E/π; radiance
+//! reflected by a diffuse surface is therefore albedo × texel. Distances are in voxels.
 
 pub mod atlas;
 pub mod changes;
@@ -24,20 +24,20 @@ pub use volume::Volume;
 
 use glam::Vec3;
 
-/// Farthest that a probe in stone moves along an axis, in spacings.
+/// Farthest that a probe inside a solid voxel moves along an axis, in spacings.
 pub const MOVE_REACH: f32 = 0.95;
 
-/// Where probes stand. Slots are numbered from 0 and never move in memory.
+/// Where probes are. Slots are numbered from 0 and never move in memory.
 pub trait Layout {
-    /// How many probes there are.
+    /// Number of probes.
     fn slots(&self) -> u32;
 
-    /// World-space position of a probe: always the centre of a voxel, so that no probe lies on a
-    /// face between stone and air.
+    /// World-space position of a probe: always the centre of a voxel, so that no probe lies on a face
+    /// between a solid voxel and air.
     fn position(&self, slot: u32) -> Vec3;
 
-    /// The probes that light a point, and their weights: each in [0, 1], together 1. A slot may
-    /// occur more than once; its weights then add up.
+    /// The probes that light a point, and their weights: each in [0, 1], with sum 1. A slot may occur
+    /// more than once; its weights then add up.
     fn cage(&self, point_ws: Vec3) -> Vec<(u32, f32)>;
 }
 

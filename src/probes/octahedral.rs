@@ -1,15 +1,15 @@
 //! Octahedral maps: the sphere of directions on a square (Cigolle et al. 2014, "A Survey of Efficient
 //! Representations for Independent Unit Vectors").
 //!
-//! The square is [−1, 1]²; +Z is its centre and −Z its four corners. A map of n × n texels carries a
-//! border one texel wide, so that bilinear filtering may cross the edges: crossing an edge of the
-//! square continues at the mirrored place of the same edge.
+//! The square is [−1, 1]²; +Z is its centre and −Z its four corners. A map of n × n texels has a border
+//! one texel wide, so that bilinear filtering may cross the edges: beyond an edge the square continues
+//! at the mirrored place of the same edge.
 //!
 //! `shaders/math/octahedral.wesl` does the same on the GPU.
 
 use glam::{DVec2, DVec3, IVec2, UVec2, Vec2Swizzles as _};
 
-/// Point of the square for a direction (of any length but 0).
+/// Point of the square for a direction (of any length except 0).
 pub fn encode(direction: DVec3) -> DVec2 {
     let on_octahedron = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());
     let flat = DVec2::new(on_octahedron.x, on_octahedron.y);
@@ -23,7 +23,7 @@ pub fn decode(point: DVec2) -> DVec3 {
     flat.extend(z).normalize()
 }
 
-/// Turns the lower half of the octahedron outwards over the edges of the diamond |x| + |y| = 1, and
+/// Folds the lower half of the octahedron outwards over the edges of the diamond |x| + |y| = 1, and
 /// back.
 fn fold(point: DVec2) -> DVec2 {
     // The paper's signNotZero: `signum` gives +1 for +0.
@@ -35,8 +35,8 @@ pub fn texel_direction(texel: UVec2, n: u32) -> DVec3 {
     decode((texel.as_dvec2() + 0.5) * (2.0 / f64::from(n)) - 1.0)
 }
 
-/// The texel of an n × n map that a texel of its border repeats. Coordinates count from the map's
-/// first inner texel, so that the border has −1 or n in at least one of them; inner texels are their
+/// The texel of an n × n map that a texel of its border repeats. Coordinates count from the map's first
+/// inner texel, so that border texels have −1 or n in at least one coordinate. An inner texel is its
 /// own source.
 pub fn border_source(texel: IVec2, n: u32) -> UVec2 {
     let last = n as i32 - 1;

@@ -1,4 +1,4 @@
-//! Directions of probe rays: one fixed, even set, turned at random every frame.
+//! Directions of probe rays: one fixed, even set, rotated at random every frame.
 
 use glam::{DQuat, DVec3};
 
@@ -12,8 +12,8 @@ pub fn fibonacci(i: u32, n: u32) -> DVec3 {
     DVec3::new(radius * turn.cos(), radius * turn.sin(), z)
 }
 
-/// A rotation uniform over all rotations (Shoemake 1992, "Uniform random rotations", Graphics
-/// Gems III), the same for the same seed and frame.
+/// A rotation from the uniform distribution over all rotations (Shoemake 1992, "Uniform random
+/// rotations", Graphics Gems III). The same seed and frame give the same rotation.
 pub fn rotation(seed: u64, frame: u64) -> DQuat {
     let mut state = mix(seed ^ mix(frame));
     let mut uniform = || {

@@ -1,36 +1,36 @@
-//! What each probe sees, voxel by voxel: the exact answer to whether a probe lights a surface.
+//! Which voxels each probe sees: an exact answer to whether a probe lights a surface.
 
 use glam::{IVec3, UVec3, Vec3};
 
 use super::{Level, Volume};
 use crate::parameters::{ProbeParameters, Relocation, Visibility};
 
-/// Largest box (voxels along an axis): with a border of one voxel its stone fits the least workgroup
-/// memory that devices have.
+/// Largest box (voxels along an axis): with a border of one voxel its solid bits fit the smallest
+/// workgroup memory that devices have.
 const MOST_COUNT: u32 = 42;
-/// Voxels of a word: see [`VisibilityBox`].
+/// Voxels of one word: see [`VisibilityBox`].
 const BRICK: UVec3 = UVec3::new(1 << BRICK_LOG2[0], 1 << BRICK_LOG2[1], 1 << BRICK_LOG2[2]);
 
 crate::shared! {
     in probes;
 
-    /// log2 of the voxels along a brick, whose bits are one word.
+    /// log2 of the voxels along each axis of a brick, whose bits are one word.
     const BRICK_LOG2: [u32; 3] = [2, 2, 1];
 
-    /// Rows of the largest box with a border of one voxel, of two words each.
+    /// Two words for each row of the largest box with a border of one voxel.
     use 2 * (MOST_COUNT + 2) * (MOST_COUNT + 2) => MOST_SOLID: u32;
 }
 
-/// The box of voxels around a lattice point that its cages reach, for the probes of one level. A probe has
-/// one bit for each of them, set where the voxel is air beside stone and its centre sees the probe. A
-/// word has the bits of a brick of 4×4×2 voxels, so that those of neighbours mostly lie in one. Words of a
-/// probe follow each other along x, then y, then z; those of the level's probes by their slots.
-/// `shaders/probes/visibility_bits.wesl` reads the bits.
+/// The box of voxels around a lattice point that its cages reach, for the probes of one level. A probe
+/// has one bit for each voxel of the box, set if the voxel is air, borders on a solid voxel, and sees
+/// the probe from its centre. One word holds the bits of a brick of 4×4×2 voxels, so that the bits of
+/// neighbouring voxels mostly share a word. The words of a probe are ordered along x, then y, then z;
+/// the probes of a level are ordered by slot. `shaders/probes/visibility_bits.wesl` reads the bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VisibilityBox {
     /// Voxels along the axes.
     pub counts: UVec3,
-    /// Word of the level's first slot.
+    /// First word of the level's first slot.
     pub first_word: u32,
 }
 
@@ -54,8 +54,8 @@ impl VisibilityBox {
         self.bricks().element_product()
     }
 
-    /// Of a voxel, counted from the box's first: the word, counted from the probe's first, and the bit
-    /// in it.
+    /// Place of a voxel's bit: its word, counted from the probe's first, and the bit in that word. The
+    /// voxel is counted from the box's first.
     pub fn place(&self, voxel: UVec3) -> (u32, u32) {
         let (bricks, brick, within) = (self.bricks(), voxel / BRICK, voxel % BRICK);
         let word = brick.x + bricks.x * (brick.y + bricks.y * brick.z);
@@ -68,7 +68,7 @@ impl VisibilityBox {
     }
 }
 
-/// What the probes of a volume keep of what they see.
+/// Layout of the visibility bits of a volume's probes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VisibilityBits {
     boxes: Vec<VisibilityBox>,
@@ -77,11 +77,12 @@ pub struct VisibilityBits {
 }
 
 impl VisibilityBits {
-    /// `None` where visibility is not to be exact, and where cages are too large for it (more than 20 voxels
-    /// along an axis, in any level).
+    /// `None` if visibility is not exact, or if the cages of any level are too large (more than 20
+    /// voxels along an axis).
     ///
-    /// Probes of one level have twins behind what they do not see, where they may leave the lattice; of several levels, the
-    /// coarser have what the finer miss.
+    /// In a volume of one level, each probe has a back-side probe for the surfaces that it does not see, if
+    /// probes may leave the lattice. In a volume of several levels, the coarser levels cover what the finer
+    /// ones miss.
     pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
         let is_requested = match parameters.visibility {
             Visibility::Exact => true,
@@ -107,22 +108,22 @@ impl VisibilityBits {
         })
     }
 
-    /// By level.
+    /// The box of each level.
     pub fn boxes(&self) -> &[VisibilityBox] {
         &self.boxes
     }
 
-    /// Words of the lattice's own probes; those of their twins follow, in the same order.
+    /// Words of the lattice's own probes; those of their back-side probes follow, in the same order.
     pub fn lattice_words(&self) -> u32 {
         self.lattice_words
     }
 
-    /// Whether there is a second slot for each probe.
+    /// Whether each probe has a second slot for its back-side probe.
     pub fn back_side(&self) -> bool {
         self.back_side
     }
 
-    /// What the bits of all probes take.
+    /// Memory of the bits of all probes.
     pub fn bytes(&self) -> u64 {
         4 * u64::from(self.lattice_words) * if self.back_side { 2 } else { 1 }
     }
@@ -168,7 +169,7 @@ mod tests {
             let last = corner + counts.as_ivec3() - 1;
             let reach = spacing + 0.5;
             assert!(corner.x as f32 <= lattice - reach);
-            // Neighbours count from half a voxel on.
+            // Neighbours count from half a voxel.
             assert!(
                 last.x >= (lattice + reach - 1e-3).floor() as i32,
                 "{spacing} {lattice}"
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_follow_each_other_and_twins_all_of_them() {
+    fn back_side_probes_follow_all_levels() {
         let three = visibility_bits(2.0, 3).expect("small enough");
         // 6, 10 and 18 voxels along an axis.
         let words = [2 * 2 * 3, 3 * 3 * 5, 5 * 5 * 9];
@@ -213,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn one_level_is_exact_unless_told_otherwise_and_several_when_told() {
+    fn one_level_is_exact_by_default_and_several_on_request() {
         assert!(visibility_by(Visibility::Auto, 2.0, 1).is_some());
         assert_eq!(visibility_by(Visibility::Auto, 2.0, 2), None);
         assert!(visibility_by(Visibility::Exact, 2.0, 2).is_some());
@@ -221,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn large_cages_have_none() {
+    fn large_cages_have_no_bits() {
         assert!(visibility_bits(20.0, 1).is_some());
         assert_eq!(visibility_bits(20.6, 1), None);
         assert!(visibility_bits(5.0, 3).is_some());

@@ -1,4 +1,4 @@
-//! Volumes of probes: one lattice, or several nested ones, each twice as wide as the one before.
+//! Volumes of probes: one lattice, or several nested ones, each twice as wide as the previous one.
 
 use glam::{UVec3, Vec3};
 
@@ -6,35 +6,34 @@ use super::{Layout, Level, ProbeError};
 use crate::world::LayoutSpec;
 use crate::world::scenery::{FARTHEST, LEAST_COUNT, LEAST_SPACING, MAX_CASCADES, MAX_PROBES};
 
-/// Most probes of one volume.
+/// Maximum number of probes of one volume.
 pub const MAX_SLOTS: u32 = MAX_PROBES;
-/// Most levels of one volume; `shaders/probes/field.wesl` has room for as many.
+/// Maximum number of levels of one volume; `shaders/probes/field.wesl` has room for as many.
 pub const MAX_LEVELS: u32 = MAX_CASCADES;
 
-/// Probes on the lattices of one or more [`Level`]s, the finest first; each next one has twice the
-/// spacing and as many probes. A volume that follows the camera moves each level by whole cells.
-/// `shaders/probes/volume.wesl` does the same on the GPU.
+/// Probes on the lattices of one or more [`Level`]s, the finest first. Each further level has twice the
+/// spacing and the same number of probes. A volume that follows the camera moves each level by whole
+/// cells. `shaders/probes/volume.wesl` does the same on the GPU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
     counts: UVec3,
-    /// Where a volume that moves has its middle, from the camera.
+    /// Offset of a moving volume's middle from the camera.
     offset: Option<Vec3>,
     levels: Vec<Level>,
 }
 
 impl Volume {
-    /// A volume that moves is around the origin until it is told to follow.
+    /// A moving volume lies around the origin until the first call of `follow`.
     ///
     /// # Errors
-    /// [`ProbeError`] for counts of 0 or, of nested volumes and those that move, below
-    /// [`LEAST_COUNT`]; for too many probes or levels; for numbers that are not finite, and for extents
-    /// beyond ±[`FARTHEST`].
+    /// [`ProbeError`] for counts of 0, or below [`LEAST_COUNT`] in nested and moving volumes; for too
+    /// many probes or levels; for numbers that are not finite, and for extents beyond ±[`FARTHEST`].
     pub fn new(spec: &LayoutSpec) -> Result<Self, ProbeError> {
         let slots = check(spec)?;
         let moves = spec.follow;
         let levels = (0..spec.cascades).map(|level| {
             let spacing = spec.spacing * (1u32 << level) as f32;
-            // Fits: it is below the number of all slots.
+            // Does not overflow: it is below the number of all slots.
             let first_slot = slots / spec.cascades * level;
             if moves {
                 Level::moving(spec.counts, spacing, spec.centre, first_slot)
@@ -49,8 +48,8 @@ impl Volume {
         })
     }
 
-    /// Moves what moves by whole cells, so that the camera at `eye_ws` comes to its middle. Points of
-    /// the lattices that stay keep their slots.
+    /// Moves each level of a moving volume by whole cells, so that the camera at `eye_ws` is at its
+    /// middle. Lattice points that remain in the window keep their slots.
     pub fn follow(&mut self, eye_ws: Vec3) {
         if let Some(offset) = self.offset {
             for level in &mut self.levels {
@@ -69,12 +68,12 @@ impl Volume {
         self.counts
     }
 
-    /// The finest first; at least one, at most [`MAX_LEVELS`].
+    /// The levels, the finest first; at least one, at most [`MAX_LEVELS`].
     pub fn levels(&self) -> &[Level] {
         &self.levels
     }
 
-    /// Slots of each level.
+    /// Number of slots of each level.
     pub fn level_slots(&self) -> u32 {
         self.counts.element_product()
     }
@@ -84,20 +83,21 @@ impl Volume {
         &self.levels[(slot / self.level_slots()) as usize]
     }
 
-    /// Cells over which a level's light gives way to that of the next one, where so many are wanted:
-    /// never more than reach from its middle to its edge.
+    /// Cells over which a level fades into the next one: `wanted`, but at most the distance from the
+    /// level's middle to its edge.
     pub fn fade(&self, wanted: f32) -> f32 {
         wanted.min(self.levels[0].reach().min_element())
     }
 
-    /// How many slots have other lattice points than in `before`, the same volume somewhere else.
+    /// Number of slots whose lattice point differs from that in `before`, an earlier state of the same
+    /// volume.
     pub fn fresh_since(&self, before: &Self) -> u32 {
         let levels = self.levels.iter().zip(&before.levels);
         levels.map(|(now, before)| now.fresh_since(before)).sum()
     }
 }
 
-/// How many probes a layout has, if it can be one.
+/// The number of probes of a valid layout.
 fn check(spec: &LayoutSpec) -> Result<u32, ProbeError> {
     let layout = || spec.name.clone();
     if spec.counts.min_element() == 0 {
@@ -123,7 +123,7 @@ fn check(spec: &LayoutSpec) -> Result<u32, ProbeError> {
         });
     }
     let spacing = spec.spacing;
-    // So said that NaN is refused.
+    // Written so that NaN is refused.
     if !(spacing.min_element() >= LEAST_SPACING && spacing.max_element() <= FARTHEST) {
         return Err(ProbeError::Spacing {
             layout: layout(),
@@ -174,7 +174,8 @@ impl Layout for Volume {
     }
 
     /// Trilinear in the finest level that contains the point; over the last cell of a level the next
-    /// one takes over. Points outside of all have the weights of the nearest point of the coarsest.
+    /// one takes over. Points outside all levels have the weights of the nearest point of the coarsest
+    /// level.
     fn cage(&self, point_ws: Vec3) -> Vec<(u32, f32)> {
         let mut corners = Vec::new();
         let mut left = 1.0;
@@ -286,7 +287,7 @@ mod tests {
         }
     }
 
-    /// By the places of the probes, which are told apart by level: slots change owners.
+    /// Weights by probe position and level: a slot can change its probe.
     fn weights(volume: &Volume, point: Vec3) -> HashMap<(usize, IVec3), f32> {
         let mut weights = HashMap::new();
         for (slot, weight) in volume.cage(point) {
@@ -298,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn a_volume_far_out_stands_at_the_edge_of_the_world_and_nowhere_is_where_it_was() {
+    fn far_positions_are_clamped_and_nan_moves_nothing() {
         let mut volume = cascades([4, 5, 6], 2.0, 6, true);
         let far = |volume: &Volume| {
             let positions = (0..volume.slots()).map(|slot| volume.position(slot));
@@ -314,7 +315,7 @@ mod tests {
             let positions: HashSet<_> = (0..volume.level_slots())
                 .map(|slot| volume.position(slot).to_array().map(f32::to_bits))
                 .collect();
-            assert_eq!(positions.len(), 120, "told apart at {eye}");
+            assert_eq!(positions.len(), 120, "positions coincide at {eye}");
         }
         volume.follow(Vec3::new(30.0, 40.0, 50.0));
         let before = volume.clone();
@@ -340,7 +341,7 @@ mod tests {
         }
 
         #[test]
-        fn small_volumes_share_too(
+        fn small_volumes_fade_too(
             counts in prop::array::uniform3(1u32..6),
             spacing in 0.5f32..20.0,
             point in prop::array::uniform3(-200.0f32..200.0),
@@ -372,8 +373,8 @@ mod tests {
             prop_assert!(mean.distance(point) < 2e-3 * coarsest.spacing().x);
         }
 
-        /// However the camera goes, by small steps and by jumps: a lattice point that stays keeps its
-        /// slot and its place, and exactly the slots whose point is another are fresh.
+        /// However the camera moves, in small steps or in jumps: a lattice point that remains keeps its
+        /// slot and its position, and exactly the slots with a new lattice point are fresh.
         #[test]
         fn slots_keep_their_lattice_points_while_they_can(
             counts in prop::array::uniform3(4u32..7),
@@ -401,7 +402,7 @@ mod tests {
                     }
                 }
                 prop_assert_eq!(volume.fresh_since(&before), fresh);
-                // Far out, numbers lie so far apart.
+                // Distance between neighbouring f32 numbers this far out.
                 let apart = eye.abs().max_element() * f32::EPSILON;
                 for level in volume.levels() {
                     let window = level.first() + (level.counts() - 1).as_vec3() * 0.5 * level.spacing();
@@ -411,7 +412,8 @@ mod tests {
             }
         }
 
-        /// Where windows move by a cell no weight jumps: what comes and what goes weighs nothing then.
+        /// No weight jumps when a window moves by a cell: arriving and leaving points then have weight
+        /// 0.
         #[test]
         fn light_is_continuous_in_the_camera(
             counts in prop::array::uniform3(4u32..8),

@@ -1,33 +1,33 @@
-//! Where a flight goes.
+//! The path of a camera flight.
 
 use glam::Vec3;
 
 use super::march::{Outcome, Ray, march};
 use crate::world::{Camera, World, voxels::Voxels};
 
-/// Why there is no way to fly, for a person.
+/// Why there is no path to fly, in words for the user.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct NoWay(String);
 
-/// A line through cameras, flown to and fro.
+/// A line through cameras, flown back and forth.
 #[derive(Debug)]
 pub struct Path {
     /// At least two.
     cameras: Vec<Camera>,
-    /// Voxels from the first camera to each.
+    /// Distance from the first camera to each camera, in voxels.
     along: Vec<f32>,
 }
 
-/// Voxels that a flight keeps from the wall ahead.
+/// Distance in voxels that a flight keeps from the wall ahead.
 const CLEARANCE: f32 = 3.0;
 
 impl Path {
-    /// Through all cameras, or straight on from a single one as far as there is air, at most `length`
-    /// voxels.
+    /// Through all cameras. From a single camera: straight ahead as far as there is air, at most
+    /// `length` voxels.
     ///
     /// # Errors
-    /// When stone is in the way.
+    /// If solid voxels are in the way.
     pub fn new(
         world: &World,
         voxels: &Voxels,
@@ -65,22 +65,22 @@ impl Path {
         Ok(Self { cameras, along })
     }
 
-    /// Voxels from the first camera to the last.
+    /// Distance from the first camera to the last, in voxels.
     pub fn length(&self) -> f32 {
         self.along[self.along.len() - 1]
     }
 
-    /// Where the camera is after so many voxels.
+    /// The camera after `flown` voxels.
     pub fn at(&self, flown: f32) -> Camera {
         let length = self.length();
         let turn = flown.rem_euclid(2.0 * length);
         let place = turn.min(2.0 * length - turn);
-        // Not the last: a leg ends there.
+        // Without the last camera: it only ends a leg.
         let leg = self.along[1..self.along.len() - 1].partition_point(|end| *end < place);
         let [from, to] = [&self.cameras[leg], &self.cameras[leg + 1]];
         let share = (place - self.along[leg]) / (self.along[leg + 1] - self.along[leg]);
         let mix = |a: f32, b: f32| a + (b - a) * share;
-        // The shorter way round.
+        // The shorter direction of rotation.
         let yaw = (to.yaw_deg - from.yaw_deg + 180.0).rem_euclid(360.0) - 180.0;
         Camera {
             position: from.position.lerp(to.position, share),
@@ -92,7 +92,7 @@ impl Path {
     }
 }
 
-/// Voxels of air along a unit vector, less the clearance.
+/// Voxels of air along a unit vector, minus the clearance.
 fn free(world: &World, voxels: &Voxels, from: Vec3, direction: Vec3) -> f32 {
     let origin = from.as_dvec3() - world.origin.as_dvec3();
     match march(voxels, &Ray::new(origin, direction.as_dvec3())) {
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flight_goes_to_and_fro_before_the_wall() {
+    fn a_flight_goes_back_and_forth_before_the_wall() {
         let (world, voxels) = world();
         let start = camera("start", Vec3::new(0.0, 0.0, 25.0), 0.0);
         let path = Path::new(&world, &voxels, &[start], 200.0).expect("20 voxels of air");
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn legs_join_cameras_and_turn_the_shorter_way() {
+    fn legs_join_cameras_and_take_the_shorter_rotation() {
         let (world, voxels) = world();
         let cameras = [
             camera("a", Vec3::new(0.0, 0.0, 20.0), 170.0),
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn stone_in_the_way_is_named() {
+    fn solid_voxels_in_the_way_are_an_error() {
         let (world, voxels) = world();
         let near = camera("near", Vec3::new(0.0, 0.0, 25.0), 0.0);
         let beyond = camera("beyond", Vec3::new(0.0, 0.0, -25.0), 0.0);

@@ -1,7 +1,7 @@
 //! Exact marching of rays through voxels, in f64.
 //!
-//! [`march_plain`] is the judge: one voxel a step. [`march`] jumps over empty 8³ cells, and gives
-//! the same answer bit for bit (held by a property test). Grid space throughout: one voxel is one
+//! [`march_plain`] is the judge: one voxel per step. [`march`] jumps over empty 8³ cells, and gives the
+//! same answer bit for bit (a property test checks this). Everything is in grid space: one voxel is one
 //! unit and the grid begins at 0.
 
 use glam::{DVec3, IVec3};
@@ -18,24 +18,24 @@ pub const FACE_NORMALS: [IVec3; 6] = [
     IVec3::Z,
 ];
 
-/// Cells farther out than this are not marched to; their numbers stay clear of overflow.
+/// Marches do not go to cells farther out than this, so that cell numbers do not overflow.
 const FARTHEST: IVec3 = IVec3::splat(1 << 29);
 
 /// A ray in grid space, and the cell that it starts in.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     pub origin: DVec3,
-    /// Of any length but zero: distances count in multiples of it.
+    /// Of any length except zero: distances are multiples of it.
     pub direction: DVec3,
-    /// Voxel whose contents the origin sees first. A secondary ray starts on the border between
-    /// two voxels, where rounding must not choose: it names the cell beyond the face.
+    /// The first voxel that the ray sees. A secondary ray starts on the border between two voxels,
+    /// where rounding must not choose: it names the cell beyond the face.
     pub start: IVec3,
     /// Surfaces at this distance or beyond are not hit.
     pub max_distance: f64,
 }
 
 impl Ray {
-    /// A ray without end, from the voxel that holds `origin`.
+    /// A ray without maximum distance, from the voxel that contains `origin`.
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self {
             origin,
@@ -46,7 +46,7 @@ impl Ray {
     }
 }
 
-/// Where a ray enters stone.
+/// Where a ray enters a solid voxel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     pub voxel: IVec3,
@@ -59,7 +59,7 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// The point of the face that `ray` meets: exactly on its plane, and within the voxel.
+    /// The point where `ray` meets the face: exactly on its plane, and within the voxel.
     pub fn position(&self, ray: &Ray) -> DVec3 {
         let low = self.voxel.as_dvec3();
         let axis = usize::from(self.face / 2);
@@ -73,17 +73,17 @@ impl Hit {
 /// How a march ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// The ray starts in stone of this material.
+    /// The ray starts in a solid voxel of this material.
     Inside(u8),
     Hit(Hit),
     /// The ray leaves the world, or reaches its maximum distance.
     Miss,
 }
 
-/// Amanatides & Woo 1987, one voxel a step. Ties step x, then y, then z.
+/// Amanatides & Woo 1987, one voxel per step. Ties step x, then y, then z.
 ///
-/// Deviation: the distance to a boundary is computed from the boundary, not summed up, so that it
-/// does not depend on the way there. Rays may start outside the grid, which costs a step a voxel.
+/// Deviation: the distance to a boundary is computed from the boundary, not accumulated, so that it
+/// does not depend on earlier steps. Rays may start outside the grid, which costs one step per voxel.
 pub fn march_plain(voxels: &Voxels, ray: &Ray) -> Outcome {
     let mut state = TraversalState::new(voxels, ray);
     while state.distance < ray.max_distance && !state.has_left() {
@@ -96,7 +96,7 @@ pub fn march_plain(voxels: &Voxels, ray: &Ray) -> Outcome {
     Outcome::Miss
 }
 
-/// As [`march_plain`], crossing the space before the grid and every empty 8³ cell in one step.
+/// Like [`march_plain`], but crosses the space before the grid and every empty 8³ cell in one step.
 pub fn march(voxels: &Voxels, ray: &Ray) -> Outcome {
     let mut state = TraversalState::new(voxels, ray);
     if !state.enter_grid() {
@@ -126,7 +126,7 @@ pub fn march(voxels: &Voxels, ray: &Ray) -> Outcome {
     Outcome::Miss
 }
 
-/// The state of a march: the voxel, and the boundary that comes next on each axis.
+/// The state of a march: the voxel, and the next boundary on each axis.
 struct TraversalState {
     origin: DVec3,
     direction: DVec3,
@@ -162,9 +162,8 @@ impl TraversalState {
         state
     }
 
-    /// Distance to the plane `axis` = `boundary`. It never falls as the boundary moves along the
-    /// ray, because rounded subtraction and division keep order: the cell-skipping march depends
-    /// on that.
+    /// Distance to the plane `axis` = `boundary`. It never falls as the boundary moves along the ray,
+    /// because rounded subtraction and division are monotonic: the cell-skipping march depends on that.
     fn crossing(&self, axis: usize, boundary: i32) -> f64 {
         (f64::from(boundary) - self.origin[axis]) / self.direction[axis]
     }
@@ -179,7 +178,7 @@ impl TraversalState {
 
     fn cross_next_boundary(&mut self) {
         let axis = first_minimum(self.next);
-        // A start cell named by the caller may lie a rounding error ahead of the origin.
+        // A start cell named by the caller may lie ahead of the origin by a rounding error.
         self.distance = self.next[axis].max(0.0);
         self.axis = Some(axis);
         self.cell[axis] += self.step[axis];
@@ -190,8 +189,8 @@ impl TraversalState {
         self.cell.cmplt(IVec3::ZERO).any() || self.cell.cmpge(self.size).any()
     }
 
-    /// Whether the grid lies behind on some axis, so that the ray cannot come to it any more, or
-    /// so far ahead that cells cannot be counted.
+    /// Whether the grid lies behind on some axis, so that the ray can no longer reach it, or so far
+    /// ahead that cell numbers would overflow.
     fn has_left(&self) -> bool {
         (0..3).any(|axis| {
             let (cell, step) = (self.cell[axis], self.step[axis]);
@@ -200,8 +199,7 @@ impl TraversalState {
             || self.cell.cmpgt(FARTHEST).any()
     }
 
-    /// Crosses every boundary up to the one through which the ray enters the grid; false if it
-    /// never does.
+    /// Crosses every boundary up to the one where the ray enters the grid; false if it never does.
     fn enter_grid(&mut self) -> bool {
         if self.has_left() {
             return false;
@@ -222,7 +220,7 @@ impl TraversalState {
             } else {
                 self.size[axis] - 1
             };
-            // One cell beyond the grid is as good as any farther one: the ray has missed it.
+            // One cell beyond the grid is as good as any farther one: the ray has missed.
             let low = self.cell.min(IVec3::NEG_ONE);
             let high = self.cell.max(self.size);
             self.cross_all_before(distance, axis, inner, low, high);
@@ -230,7 +228,7 @@ impl TraversalState {
         !self.is_outside()
     }
 
-    /// Crosses the box of voxels [low, high), which holds the current one and is empty.
+    /// Crosses the empty box of voxels [low, high), which contains the current one.
     fn leave_box(&mut self, low: IVec3, high: IVec3) {
         let mut exits = DVec3::INFINITY;
         for axis in 0..3 {
@@ -251,10 +249,10 @@ impl TraversalState {
         self.cross_all_before(exits[axis], axis, beyond, low, high - 1);
     }
 
-    /// Makes the steps that a plain march would make up to and including the crossing of `axis`
-    /// at `distance` into the coordinate `target`. A plain march takes crossings in the order of
-    /// (distance, axis), so on the other axes exactly those crossings are made that come before in
-    /// this order. `low` and `high` (inclusive) bound the cells that the others may reach.
+    /// Makes the steps that a plain march would make up to and including the crossing of `axis` at
+    /// `distance` into the coordinate `target`. A plain march takes crossings in the order of
+    /// (distance, axis), so on each other axis exactly the earlier crossings are made. `low` and `high`
+    /// (inclusive) bound the cells that the other axes may reach.
     fn cross_all_before(
         &mut self,
         distance: f64,
@@ -268,7 +266,7 @@ impl TraversalState {
             if step == 0 {
                 continue;
             }
-            // A guess from the position, then exactly by comparing crossings, which are ordered.
+            // A guess from the position, corrected exactly by comparing crossings, which are ordered.
             let guess = (self.origin[other] + distance * self.direction[other]).floor() as i32;
             let (first, last) = if step > 0 {
                 (self.cell[other], high[other])
@@ -305,7 +303,7 @@ impl TraversalState {
             Some(axis) => Outcome::Hit(Hit {
                 voxel: self.cell,
                 material,
-                // A ray that goes up an axis meets the face towards −.
+                // A ray that goes up an axis hits the face that looks down it.
                 face: 2 * axis as u8 + u8::from(self.step[axis] < 0),
                 distance: self.distance,
             }),
@@ -313,7 +311,7 @@ impl TraversalState {
     }
 }
 
-/// Index of the least component, the first of equals.
+/// Index of the smallest component, the first of equals.
 fn first_minimum(v: DVec3) -> usize {
     if v.x <= v.y && v.x <= v.z {
         0

@@ -1,8 +1,8 @@
 //! CPU marching and CPU path tracer: the independent judge.
 //!
 //! Everything here is f64 and written from the papers, not from the shaders. It shares with the
-//! renderer what a world *is* (`world`) and what its lamps emit (`lights`), and nothing of how
-//! pictures are made; it never sees `gpu` or `passes`.
+//! renderer what a world *is* (`world`) and what its lamps emit (`lights`), but no code that makes
+//! pictures; it never imports `gpu` or `passes`.
 
 pub mod flight_path;
 pub mod march;

@@ -14,12 +14,12 @@ use crate::lights::{Lights, sky};
 use crate::world::materials::MaterialSet;
 use crate::world::voxels::Voxels;
 
-/// Paths end at random from this bounce on (Russian roulette); before, they always go on.
+/// From this bounce on, paths end at random (Russian roulette); before it, they always continue.
 const ROULETTE_FROM: u32 = 3;
 /// Even a path that has lost no light ends with probability 1 − this.
 const MOST_LIKELY_SURVIVAL: f64 = 0.95;
 
-/// What a ray can meet, and what lights it.
+/// The surfaces that rays can hit, and their lights.
 #[derive(Clone, Copy, Debug)]
 pub struct TracedWorld<'a> {
     pub voxels: &'a Voxels,
@@ -27,21 +27,21 @@ pub struct TracedWorld<'a> {
     pub origin: IVec3,
     pub materials: &'a MaterialSet,
     pub lights: &'a Lights,
-    /// Whether textures are seen; else every texture is its mean.
+    /// Whether textures are visible; otherwise every texture is its mean.
     pub textures: bool,
 }
 
-/// What a camera ray meets.
+/// What a camera ray hits.
 #[derive(Clone, Copy, Debug)]
 pub enum CameraHit {
     /// The sky, with its radiance.
     Sky(DVec3),
     Surface(Vertex),
-    /// The camera stands in stone, and sees what that emits.
+    /// The camera is inside a solid voxel, and sees its emission.
     Solid(DVec3),
 }
 
-/// A point of a surface. Grid space but where the name says otherwise; linear RGB.
+/// A point of a surface. Grid space unless the name says otherwise; linear RGB.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex {
     pub position: DVec3,
@@ -51,7 +51,7 @@ pub struct Vertex {
     pub air: IVec3,
     pub albedo: DVec3,
     pub emission: DVec3,
-    /// Voxels along the ray that found it.
+    /// Distance along the ray that found it, in voxels.
     pub distance: f64,
 }
 
@@ -108,8 +108,8 @@ impl TracedWorld<'_> {
         }
     }
 
-    /// Radiance that a surface sends back of what reaches it straight from lamps and sun: the sum
-    /// over all of them, with shadows. Nothing in it is random.
+    /// Radiance that a surface reflects of the direct light from lamps and sun: the sum over all of
+    /// them, with shadows. Nothing in it is random.
     pub fn lamps_reflected(&self, vertex: &Vertex) -> DVec3 {
         (0..self.lights.lamps.len())
             .map(|lamp| self.lamp_reflected(vertex, lamp))
@@ -117,7 +117,7 @@ impl TracedWorld<'_> {
     }
 
     /// An unbiased estimate of [`Self::lamps_reflected`] from one lamp, chosen with a probability
-    /// in proportion to what it would give without shadows.
+    /// proportional to its unshadowed contribution.
     fn one_lamp_reflected(&self, vertex: &Vertex, random: &mut Pcg) -> DVec3 {
         let weight = |lamp: usize| self.unshadowed(vertex, lamp).0.element_sum();
         let lamps = self.lights.lamps.len();
@@ -145,7 +145,7 @@ impl TracedWorld<'_> {
         }
     }
 
-    /// Irradiance by a lamp if nothing stood between, the direction towards it, and its distance.
+    /// Irradiance from a lamp without shadows, the direction towards the lamp, and its distance.
     fn unshadowed(&self, vertex: &Vertex, lamp: usize) -> (DVec3, DVec3, f64) {
         let point_ws = vertex.position + self.origin.as_dvec3();
         let ray = self.lights.lamps[lamp].ray_from(point_ws);
@@ -153,18 +153,18 @@ impl TracedWorld<'_> {
         (ray.irradiance * cosine, ray.towards_ws, ray.distance)
     }
 
-    /// One sample of the light that reaches a surface over at least one other surface, or from the
-    /// sky or an emissive voxel, as the radiance that a white surface would send back. Multiply by
-    /// the albedo of `first`.
+    /// One sample of the light that reaches a surface over at least one other surface, or from the sky
+    /// or an emissive voxel, as the radiance that a white surface would reflect. Multiply by the albedo
+    /// of `first`.
     ///
-    /// `max_bounces` counts the surfaces beyond `first` whose light is gathered.
+    /// `max_bounces` limits the number of surfaces after `first` whose light is gathered.
     pub fn bounced(&self, first: &Vertex, max_bounces: u32, random: &mut Pcg) -> DVec3 {
         let mut radiance = DVec3::ZERO;
-        // What a unit of light at the current end of the path adds to the result.
+        // The contribution of a unit of light at the current end of the path to the result.
         let mut throughput = DVec3::ONE;
         let mut vertex = *first;
         for bounce in 1..=max_bounces {
-            // Follow the cosine-weighted direction: density and cosine cancel, the albedo stays.
+            // Follow a cosine-weighted direction: density and cosine cancel, the albedo remains.
             let axis = usize::from(vertex.face / 2);
             let direction = random.cosine_direction(axis, vertex.face % 2 == 1);
             let ray = vertex.ray(direction, f64::INFINITY);
@@ -176,9 +176,9 @@ impl TracedWorld<'_> {
                 // An edit may have filled the cell before the face.
                 Outcome::Inside(_) => return radiance,
             };
-            // Gather what this surface emits and reflects of the lamps.
+            // Gather what this surface emits and reflects from the lamps.
             radiance += throughput * (vertex.emission + self.one_lamp_reflected(&vertex, random));
-            // End paths that carry little, and make the survivors stand for them.
+            // End paths that carry little, and weight the survivors to compensate.
             throughput *= vertex.albedo;
             if bounce >= ROULETTE_FROM {
                 let survival = throughput.max_element().min(MOST_LIKELY_SURVIVAL);

@@ -1,4 +1,4 @@
-//! Random numbers that depend on the seed, the pixel and the sample alone, never on the thread.
+//! Random numbers that depend only on the seed, the pixel and the sample, never on the thread.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ pub struct Pcg {
 }
 
 impl Pcg {
-    /// A stream of its own for one sample of one pixel.
+    /// A separate stream for one sample of one pixel.
     pub fn new(seed: u64, pixel: u64, sample: u64) -> Self {
         let stream = mixed(seed ^ mixed(pixel));
         let mut random = Self {
@@ -39,8 +39,8 @@ impl Pcg {
         (high | low) as f64 / (1u64 << 53) as f64
     }
 
-    /// A unit direction about the positive or negative `axis` (0 x, 1 y, 2 z) with probability
-    /// density cosine/π: a uniform point of the disc, lifted to the hemisphere (Malley's method).
+    /// A unit direction about the positive or negative `axis` (0 x, 1 y, 2 z) with probability density
+    /// cosine/π: a uniform point of the disc, projected up to the hemisphere (Malley's method).
     pub fn cosine_direction(&mut self, axis: usize, positive: bool) -> DVec3 {
         let squared_radius = self.unit();
         let (sin, cos) = (TAU * self.unit()).sin_cos();

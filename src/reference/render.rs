@@ -1,4 +1,4 @@
-//! Whole pictures from the CPU: in parallel by rows, progressive, and the same bytes every time.
+//! Whole pictures on the CPU: parallel by rows, progressive, and the same bytes every time.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -20,7 +20,7 @@ pub struct RenderOptions<'a> {
     pub lamps: &'a LampPreset,
     /// World time (seconds), for lamps that move.
     pub time_s: f64,
-    /// Whether textures are seen; else every texture is its mean.
+    /// Whether textures are visible; otherwise every texture is its mean.
     pub textures: bool,
     pub film: FilmOptions<'a>,
 }
@@ -31,27 +31,27 @@ pub struct FilmOptions<'a> {
     pub camera: &'a Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Samples (paths) per pixel, at least 1. The error falls with its root.
+    /// Samples (paths) per pixel, at least 1. The error falls with the square root of their number.
     pub samples: u32,
     pub seed: u64,
     /// A traceable one. All values are linear. Normals are stored as (normal + 1) / 2, and depth as the distance
     /// along the ray in voxels. Views of data are black where there is no surface.
     pub view: View,
-    /// Spreads the samples over the pixel. Off, all of them look through its centre, as the
-    /// renderer on the GPU does.
+    /// Spreads the samples over the pixel. If off, all samples go through its centre, as in the
+    /// renderer on the GPU.
     pub antialias: bool,
-    /// Surfaces after the first one whose light is gathered; `u32::MAX` for all there are.
+    /// Surfaces after the first one whose light is gathered; `u32::MAX` for no limit.
     pub max_bounces: u32,
 }
 
-/// Most samples of a row between two looks at the cancel flag.
+/// Most samples of a row between two checks of the cancel flag.
 const SAMPLES_AT_ONCE: u32 = 8;
 
 /// Path-traces a picture on the CPU: linear Rec. 709, top row first.
 ///
-/// The picture depends on the arguments alone, not on the number of threads. `progress` is told
-/// (samples done, samples in all), counted over all pixels, from any thread. Once `cancel` is set
-/// the rest is left out: every row then holds the mean of its own samples so far, or is black.
+/// The picture depends only on the arguments, not on the number of threads. `progress` receives
+/// (samples done, samples in total), counted over all pixels, from any thread. Once `cancel` is set the
+/// rest is left out: every row then holds the mean of its own samples so far, or is black.
 pub fn render(
     world: &World,
     voxels: &Voxels,
@@ -71,10 +71,7 @@ pub fn render(
     render_scene(&scene, &options.film, progress, cancel)
 }
 
-/// As [`render`], of a scene whose materials and lights are ready.
-///
-/// # Panics
-/// For a view that shows how probes light a picture: there are none here.
+/// Like [`render`], for a scene whose materials and lights are ready.
 pub fn render_scene(
     scene: &TracedWorld,
     options: &FilmOptions,
@@ -143,18 +140,18 @@ impl Row {
     }
 }
 
-/// From pixels to samples of what the camera sees through them.
+/// Turns pixels into samples of the scene that the camera sees.
 struct Film<'a> {
     scene: TracedWorld<'a>,
     options: &'a FilmOptions<'a>,
     camera: CameraBasis,
-    /// Samples per pixel that make a difference to this view.
+    /// Number of samples per pixel that matter for this view.
     samples: u32,
-    /// Angle of a pixel (radians) over which textures are averaged; 0 where samples do that.
+    /// Angle of a pixel (radians) over which textures are averaged; 0 if the samples average them.
     pixel_angle: f64,
 }
 
-/// What a camera ray sees: the part that is not random, and where the random part starts.
+/// What a camera ray sees: the part that is not random, and the start of the random part.
 struct Look {
     sure: DVec3,
     surface: Option<Vertex>,
@@ -181,7 +178,7 @@ impl<'a> Film<'a> {
         }
     }
 
-    /// Adds these samples of a pixel to `sum`, one by one, so that their grouping changes nothing.
+    /// Adds these samples of a pixel to `sum` one by one, so that their grouping does not matter.
     fn add_samples(&self, [x, y]: [u32; 2], samples: Range<u32>, sum: &mut DVec3) {
         let corner = DVec2::new(f64::from(x), f64::from(y));
         let index = u64::from(y) << 32 | u64::from(x);

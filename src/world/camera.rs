@@ -7,8 +7,8 @@ use super::scenery::Camera;
 /// A pinhole camera as four vectors in world space (f64; the GPU gets them rounded to f32).
 ///
 /// The ray through normalised device coordinates (x to the right, y up, both in [−1, 1]) starts at
-/// `origin` and goes along `forward + x·right + y·up`. `forward` is a unit vector; `right` is as
-/// long as tan(fov/2)·aspect, `up` as tan(fov/2).
+/// `origin` and goes along `forward + x·right + y·up`. `forward` is a unit vector; the length of
+/// `right` is tan(fov/2)·aspect, that of `up` is tan(fov/2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraBasis {
     pub origin: DVec3,
@@ -30,7 +30,7 @@ impl CameraBasis {
 impl Camera {
     /// The basis for a picture of this aspect ratio (width / height).
     ///
-    /// Yaw 0 looks along −Z and positive yaw turns left; positive pitch looks up; never any roll.
+    /// Yaw 0 looks along −Z and positive yaw turns left; positive pitch looks up; there is no roll.
     pub fn basis(&self, aspect: f64) -> CameraBasis {
         let (yaw_sin, yaw_cos) = f64::from(self.yaw_deg).to_radians().sin_cos();
         let (pitch_sin, pitch_cos) = f64::from(self.pitch_deg).to_radians().sin_cos();

@@ -1,9 +1,9 @@
-//! What a world is: shape, materials, features, lights, cameras and probe layouts, as read from a
-//! RON file, the voxels that come of it, and what pictures of it show. Knows no GPU.
+//! What a world is: shape, materials, features, lights, cameras and probe layouts, as read from a RON
+//! file, and the voxels generated from it. Knows no GPU.
 //!
 //! Spaces: `_ws` is world space (+Y up, right-handed, in voxels; the lamp powers of a file with
 //! `voxel_m` other than 1 are converted while it is read, so that one unit is one voxel everywhere
-//! behind [`file::load`]). `_gs` is grid space: world space minus [`World::origin`], so that the grid
+//! after [`file::load`]). `_gs` is grid space: world space minus [`World::origin`], so that the grid
 //! begins at 0. Voxel (x, y, z) covers [x, x+1) on each axis, and its shape is sampled at its centre.
 
 pub mod camera;
@@ -35,29 +35,29 @@ pub use view::View;
 pub struct World {
     /// The file's stem: `cave` for `worlds/cave.ron`.
     pub name: String,
-    /// The sentence that the file opens with.
+    /// The first sentence of the file.
     pub title: String,
     /// Extent in voxels.
     pub size: UVec3,
     /// World-space coordinates of voxel (0, 0, 0) of the grid.
     pub origin: IVec3,
-    /// Metres per voxel, for display only: everything else here is in voxels already.
+    /// Metres per voxel, for display only: everything else here is already in voxels.
     pub voxel_m: f32,
     /// Seeds the noise fields, scatters and flickers that name no seed of their own.
     pub seed: u32,
-    /// Negative inside stone.
+    /// Negative inside the solid.
     pub shape: Sdf,
     /// Referred to by index from [`Sdf`] and [`materials::Condition`].
     pub noises: Vec<NoiseField>,
     /// Material `m` of the voxels is `materials[m - 1]`; 0 is air. At most 255.
     pub materials: Vec<Material>,
-    /// The first rule that holds names the material of a solid voxel; the last holds always.
+    /// The first rule that holds names the material of a solid voxel; the last rule always holds.
     pub rules: Vec<Rule>,
-    /// Boxes of voxels that fill air, in order (later ones win over earlier ones, rock over all).
+    /// Boxes of voxels that fill air, in order (later ones override earlier ones; rock overrides all).
     pub features: Vec<FeaturePart>,
     pub sky: Sky,
     pub sun: Option<Sun>,
-    /// Never empty; the first is the one that is lit when nothing else is asked for.
+    /// Never empty; the first one is lit by default.
     pub lamp_presets: Vec<LampPreset>,
     /// Never empty.
     pub cameras: Vec<Camera>,

@@ -32,7 +32,7 @@ impl RuleSet {
     /// Prepares checked rules; their sub-trees share the noise tables of the world's shape.
     ///
     /// # Panics
-    /// Without any rule: the last one of a checked world holds always.
+    /// Without any rule. The last rule of a checked world always holds.
     pub fn new(rules: &[Rule], shape: &Shape) -> Self {
         assert!(!rules.is_empty(), "a world has at least one rule");
         let rules = rules
@@ -42,12 +42,12 @@ impl RuleSet {
         Self { rules }
     }
 
-    /// Material of the solid voxel with this centre (world space): that of the first rule that
-    /// holds. `value` is the shape's value at the centre.
+    /// Material of the solid voxel with this centre (world space), from the first rule that holds.
+    /// `value` is the shape's value at the centre.
     pub fn material(&self, centre_ws: DVec3, value: f64, shape: &Shape) -> u8 {
         let mut rules = self.rules.iter();
         let found = rules.find(|(_, test)| test.holds(centre_ws, value, shape));
-        // The last rule holds always.
+        // The last rule always holds.
         found.or(self.rules.last()).expect("there is a rule").0
     }
 

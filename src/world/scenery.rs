@@ -2,7 +2,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-/// Most lamps of one preset; the sun comes on top.
+/// Most lamps of one preset, not counting the sun.
 pub const MAX_LAMPS: usize = 64;
 
 /// Most probes of one layout (8 kB of maps and history each).
@@ -14,7 +14,7 @@ pub const MAX_CASCADES: u32 = 6;
 /// Least probes along an axis where light fades from one cascade to the next.
 pub const LEAST_COUNT: u32 = 4;
 
-/// Least voxels between probes: nearer ones would share their voxels.
+/// Least voxels between probes: closer ones would share voxels.
 pub const LEAST_SPACING: f32 = 0.25;
 
 /// Coordinates lie within ± this many voxels, so that f32 still tells voxels apart.
@@ -34,7 +34,7 @@ pub struct Lamp {
     /// (With `voxel_m` ≠ 1 the power is divided by voxel_m² on loading, so that lengths in voxels
     /// give the same irradiance.)
     pub power: f32,
-    /// Distances below this radius count as this radius, which bounds 1/d².
+    /// Smaller distances count as this radius, which bounds 1/d².
     pub radius: f32,
     /// Applied in order as a function of world time.
     pub motion: Vec<Motion>,
@@ -43,8 +43,8 @@ pub struct Lamp {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LampKind {
     Point,
-    /// `direction` is where the light goes; full inside `inner_deg`, none outside `outer_deg`
-    /// (half angles), smooth between.
+    /// `direction` is where the light goes; full inside `inner_deg`, none outside `outer_deg` (half
+    /// angles), smooth between them.
     Spot {
         direction: Vec3,
         inner_deg: f32,
@@ -58,7 +58,7 @@ pub enum LampKind {
 /// How a lamp changes with world time t (seconds).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// Adds radius · (cos(rate·t + phase), 0, sin(rate·t + phase)) with a radius per axis (y uses sin).
+    /// Adds radius · (cos a, sin a, sin a) per axis, with a = rate·t + phase.
     Orbit { radius: Vec3, rate: f32, phase: f32 },
     /// Adds amplitude · sin(rate·t + phase).
     Bob {
@@ -70,20 +70,20 @@ pub enum Motion {
     Flicker { amount: f32, rate: f32 },
     /// Multiplies the power by 1 − amount · (½ + ½ sin(rate·t + phase)).
     Pulse { amount: f32, rate: f32, phase: f32 },
-    /// Walks a closed Catmull–Rom path through `points` (world space) at `speed` voxels a second.
+    /// Follows a closed Catmull–Rom path through `points` (world space) at `speed` voxels per second.
     Path { points: Vec<Vec3>, speed: f32 },
-    /// Turns the hue by `rate` turns a second.
+    /// Rotates the hue by `rate` full turns per second.
     HueCycle { rate: f32 },
 }
 
-/// At most [`MAX_LAMPS`] lamps.
+/// A named set of at most [`MAX_LAMPS`] lamps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LampPreset {
     pub name: String,
     pub lamps: Vec<Lamp>,
 }
 
-/// A directional light that moves with no animation; lights the world through its skylights.
+/// A directional light without animation; it lights the world through its skylights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sun {
     /// Unit vector from the world towards the sun.
@@ -113,8 +113,8 @@ pub struct Camera {
     pub fov_deg: f32,
 }
 
-/// Volumes of probes, nested in each other; each next one has twice the spacing. In a single one that
-/// stays, position(index) = (index − (count−1)/2)·spacing + centre.
+/// Nested volumes of probes; each has twice the spacing of the previous one. In a single fixed volume,
+/// position(index) = (index − (count−1)/2)·spacing + centre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayoutSpec {
     pub name: String,
@@ -122,30 +122,31 @@ pub struct LayoutSpec {
     pub counts: UVec3,
     /// Voxels between the probes of the finest volume.
     pub spacing: Vec3,
-    /// World space; of volumes that follow the camera, their middle as seen from it.
+    /// World space; for volumes that follow the camera, the offset of their middle from it.
     pub centre: Vec3,
     /// Whether the volumes move with the camera.
     pub follow: bool,
-    /// How many volumes there are, 1 … [`MAX_CASCADES`].
+    /// Number of volumes, 1 … [`MAX_CASCADES`].
     pub cascades: u32,
 }
 
-/// What is changed to see how soon light follows; what is not named here is found by those who measure.
+/// Changes with which measurements time the light's response; whatever is `None` they choose
+/// themselves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ResponseSpec {
-    /// The name of the lamp that is switched and moved, in the presets that have it.
+    /// The name of the lamp that is switched and moved, in presets that have it.
     pub lamp: Option<String>,
-    /// World space: where that lamp moves.
+    /// Position (world space) to which that lamp moves.
     pub lamp_to: Option<Vec3>,
     pub wall: Option<Wall>,
 }
 
-/// A box of voxels that is shut or open. How the world stands may be either, or neither.
+/// A box of voxels that is opened and closed. The world as loaded may have it open, closed or neither.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wall {
     /// World space, both ends inclusive.
     pub min: IVec3,
     pub max: IVec3,
-    /// What fills it when it is shut, 1-based; open, it is air.
+    /// Its material (1-based) when closed; when open, it is air.
     pub material: u8,
 }

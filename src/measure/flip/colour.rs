@@ -1,4 +1,4 @@
-//! Colours as the observer tells them apart.
+//! Colours as the FLIP observer distinguishes them.
 
 use glam::{DMat3, DVec3};
 
@@ -6,7 +6,7 @@ use super::super::tonemap::linear_from_srgb;
 
 /// Exponent q_c of the paper: it stretches small colour differences.
 const COLOUR_POWER: f64 = 0.7;
-/// The share p_c of the largest colour difference that is mapped to p_t of the scale.
+/// This share p_c of the largest colour difference is mapped to p_t of the scale.
 const COMMON_SHARE: f64 = 0.4;
 const COMMON_MAPPED: f64 = 0.95;
 
@@ -81,12 +81,12 @@ fn raised_hyab(a: [f64; 3], b: [f64; 3]) -> f64 {
     (difference.x.abs() + difference.y.hypot(difference.z)).powf(COLOUR_POWER)
 }
 
-/// Between the green and the blue primary: no two displayed colours are farther apart.
+/// The difference between the green and the blue primary: no two displayed colours are farther apart.
 pub fn most_colour_difference() -> f64 {
     raised_hyab(lab_of(DVec3::Y), lab_of(DVec3::Z))
 }
 
-/// In [0, 1]: common differences take most of the scale, the largest are pressed together above.
+/// In [0, 1]: common differences take most of the scale, the largest ones are compressed above.
 pub fn colour_difference(a: [f32; 3], b: [f32; 3], most: f64) -> f32 {
     let difference = raised_hyab(a.map(f64::from), b.map(f64::from));
     let common = COMMON_SHARE * most;

@@ -1,11 +1,11 @@
-//! What the observer's eye averages over, and how it finds edges and points.
+//! The spatial filters of the FLIP observer: blurs, and detectors of edges and points.
 
 use rayon::prelude::*;
 
-/// Width w of the feature detectors in degrees: what the eye resolves best.
+/// Width w of the feature detectors in degrees: the detail that the eye resolves best.
 const FEATURE_WIDTH_DEG: f64 = 0.082;
 
-/// One number a pixel, row by row.
+/// One number per pixel, row by row.
 pub struct Plane {
     pub width: usize,
     pub values: Vec<f32>,
@@ -59,7 +59,7 @@ fn add_scaled(sums: &mut [f32], scale: f32, values: &[f32]) {
     }
 }
 
-/// A blur: a sum of Gaussians, each with its share of the whole.
+/// A blur: a weighted sum of Gaussians.
 pub struct Blur(Vec<(f32, Vec<f32>)>);
 
 impl Blur {
@@ -96,12 +96,12 @@ impl Blur {
     }
 }
 
-/// Everything that depends on the observer alone.
+/// Everything that depends only on the observer.
 pub struct Filters {
     pub y: Blur,
     pub cx: Blur,
     pub cz: Blur,
-    /// A Gaussian, its first and its second derivative; each side of those sums to ±1.
+    /// A Gaussian, its first and its second derivative; each side of the derivatives sums to ±1.
     pub feature: [Vec<f32>; 3],
 }
 
@@ -112,7 +112,7 @@ impl Filters {
         const Y: [(f64, f64); 1] = [(1.0, 0.0047)];
         const CX: [(f64, f64); 1] = [(1.0, 0.0053)];
         const CZ: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
-        // Three standard deviations of the widest.
+        // Three standard deviations of the widest Gaussian.
         let widest = (CZ[0].1 / (2.0 * PI * PI)).sqrt();
         let radius = (3.0 * widest * pixels_per_degree).ceil() as i32;
         let blur = |terms: &[_]| Blur::new(terms, radius, pixels_per_degree);

@@ -19,10 +19,10 @@ use super::{
     picture::Picture,
 };
 
-/// Of a screen 0.7 m wide with 3840 pixels, seen from 0.7 m: the paper's observer.
+/// Of a screen 0.7 m wide with 3840 pixels, viewed from 0.7 m: the paper's observer.
 pub const PIXELS_PER_DEGREE: f64 = 67.0;
 
-/// FLIP of each pixel, row by row, in [0, 1]; 0 where no difference is seen. The pictures are
+/// FLIP of each pixel, row by row, in [0, 1]; 0 where no difference is visible. The pictures are
 /// display values (sRGB-encoded; clamped to [0, 1]); their order makes no difference.
 ///
 /// # Errors
@@ -98,7 +98,7 @@ mod tests {
 
     use super::*;
 
-    /// A picture whose values are those of 8 bits, from a function of x and y.
+    /// A picture with 8-bit values, from a function of x and y.
     fn drawn(width: u32, height: u32, colour: impl Fn(u32, u32) -> [u8; 3]) -> Picture {
         let pixels = (0..width * height).map(|i| colour(i % width, i / width));
         let rgb = pixels.map(|rgb| rgb.map(|value| f32::from(value) / 255.0));
@@ -145,7 +145,7 @@ mod tests {
         }
     }
 
-    /// Pairs of pictures, each with the fault that sets them apart.
+    /// Pairs of pictures, each with the name of the fault between them.
     fn pairs() -> Vec<(&'static str, Picture, Picture)> {
         let sound = scene(97, 61);
         let mut shifted = sound.clone();

@@ -1,4 +1,4 @@
-//! Horizontal bars: values side by side, or the parts of a whole.
+//! Horizontal bars: values next to each other, or the parts of a whole.
 
 use plotters::{prelude::*, style::text_anchor::HPos};
 
@@ -11,10 +11,10 @@ use super::{
 /// One value.
 #[derive(Clone, Debug)]
 pub struct Bar {
-    /// Which colour.
+    /// Index of its colour.
     pub series: usize,
     pub value: f64,
-    /// Of its interval.
+    /// Half width of its interval.
     pub half_width: Option<f64>,
 }
 
@@ -25,7 +25,7 @@ pub struct BarGroup {
     pub bars: Vec<Bar>,
 }
 
-/// A whole that is made of parts: which colour, how much.
+/// A whole made of parts: the colour and size of each.
 #[derive(Clone, Debug)]
 pub struct Stack {
     pub name: String,
@@ -41,8 +41,8 @@ const MOST_NAME: usize = 19;
 /// Room for the values behind the bars, in pixels.
 const VALUE: i32 = 40;
 
-/// Groups below each other, each bar with its interval and its value behind it. Where the values spread widely the
-/// axis is logarithmic, and dots take the place of bars, whose length would say nothing.
+/// Groups below each other, each bar with its interval and, behind it, its value. Where the values
+/// spread widely the axis is logarithmic, and dots replace the bars, whose length would mean nothing.
 pub fn bars(label: &str, groups: &[BarGroup]) -> String {
     let values = groups
         .iter()
@@ -88,7 +88,7 @@ pub fn bars(label: &str, groups: &[BarGroup]) -> String {
     })
 }
 
-/// Wholes below each other, each cut into its parts, with the sum behind it.
+/// Wholes below each other, each divided into its parts, with the sum behind it.
 pub fn stacks(label: &str, stacks: &[Stack]) -> String {
     let sum = |stack: &Stack| stack.parts.iter().map(|(_, value)| value).sum::<f64>();
     let scale = Scale::from_zero(stacks.iter().map(sum), 4);
@@ -111,13 +111,13 @@ pub fn stacks(label: &str, stacks: &[Stack]) -> String {
     })
 }
 
-/// The place for the bars of one plot.
+/// The drawing area of one plot's bars.
 struct Plot<'a, 'b> {
     root: &'a Root<'b>,
     scale: &'a Scale,
     left: i32,
     right: i32,
-    /// Of each group.
+    /// Top of each group.
     tops: Vec<i32>,
 }
 
@@ -127,7 +127,7 @@ impl Plot<'_, '_> {
     }
 }
 
-/// Pixels of a name, in fonts that are wider than most.
+/// Width of a name in pixels, in fonts that are wider than most.
 fn wide(name: &str) -> f64 {
     let letter = |letter: char| match letter {
         'm' | 'w' | 'M' | 'W' | '×' | '@' => 10.5,
@@ -137,7 +137,7 @@ fn wide(name: &str) -> f64 {
     name.chars().map(letter).sum()
 }
 
-/// Names to the left, ticks below, and what `content` draws.
+/// Draws names at the left, ticks at the bottom, and `content`.
 fn draw(
     label: &str,
     names: &[&str],
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_and_nonsense_can_be_drawn() {
+    fn empty_and_invalid_values_can_be_drawn() {
         assert!(bars("none", &[]).starts_with("<svg"));
         let odd = group("odd", &[f64::NAN, -1.0, 0.0, f64::INFINITY]);
         assert!(bars("odd", &[odd]).contains("odd"));

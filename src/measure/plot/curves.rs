@@ -7,9 +7,9 @@ use super::{AXIS, Drawn, FONT, GRID, INK, WIDTH, finished, scale::Scale, series,
 /// One curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Which colour.
+    /// Index of its colour.
     pub series: usize,
-    /// x, y, and half of the interval of y.
+    /// x, y, and half width of the interval of y.
     pub points: Vec<(f64, f64, Option<f64>)>,
     pub mark: Mark,
 }
@@ -17,27 +17,27 @@ pub struct Curve {
 /// How the points of a curve are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// Joined, filled: what was measured.
+    /// Joined, filled: measured values.
     Line,
-    /// Joined, hollow: what others published.
+    /// Joined, hollow: published values.
     Hollow,
-    /// Alone.
+    /// Not joined.
     Dots,
     /// Joined, without dots.
     Front,
 }
 
-/// What a plot of curves is made of.
+/// The parts of a plot of curves.
 #[derive(Clone, Debug)]
 pub struct Curves<'a> {
-    /// For those who do not see it.
+    /// Text for screen readers.
     pub label: &'a str,
     pub x: Scale,
     pub y: Scale,
     pub x_name: &'a str,
     pub y_name: &'a str,
     pub curves: Vec<Curve>,
-    /// Numbers beside points: x, y, text.
+    /// Numbers next to points: x, y, text.
     pub notes: Vec<(f64, f64, String)>,
 }
 
@@ -97,7 +97,7 @@ fn draw(svg: &mut String, plot: &Curves<'_>) -> Drawn {
     let mut written: Vec<(i32, i32)> = Vec::new();
     for (x, y, note) in &plot.notes {
         let (x, y) = chart.backend_coord(&(*x, *y));
-        // Notes without room are left out: tables have them.
+        // Notes without room are left out: the tables contain them.
         if written
             .iter()
             .all(|(a, b)| (a - x).abs() > 18 || (b - y).abs() > 12)

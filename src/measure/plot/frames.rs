@@ -1,4 +1,4 @@
-//! Small plots of one row: its frames in order, and how many took how long.
+//! Small plots of one row: its frames in order, and a histogram of their times.
 
 use plotters::{prelude::*, style::text_anchor::HPos};
 
@@ -13,10 +13,10 @@ const LEFT: i32 = 40;
 const RIGHT: i32 = WIDTH as i32 - 8;
 const TOP: i32 = 8;
 const BOTTOM: i32 = HEIGHT as i32 - 18;
-/// Most points of a curve: about one for each pair of pixels.
+/// Most points of a curve: about one for every two pixels.
 const MOST_POINTS: usize = 120;
 
-/// Milliseconds of frames in order. Each of the points that are kept is the worst of the frames that it stands for.
+/// Milliseconds of frames in order. Each plotted point is the worst of the frames that it represents.
 pub fn frame_curve(label: &str, frames_ms: &[f32], median: f64) -> String {
     let kept = thinned(frames_ms);
     let y = Scale::from_zero(kept.iter().map(|ms| f64::from(*ms)).chain([median]), 3);
@@ -59,7 +59,7 @@ pub fn frame_curve(label: &str, frames_ms: &[f32], median: f64) -> String {
     finished(&svg, label)
 }
 
-/// Frames by their milliseconds, in equal steps; the last has all that are longer.
+/// Number of frames by their milliseconds, in equal steps; the last step holds all longer frames.
 pub fn histogram(label: &str, counts: &[u32], from_ms: f64, step_ms: f64) -> String {
     let most = counts.iter().copied().max().unwrap_or(0).max(1);
     let mut svg = String::new();
@@ -70,7 +70,7 @@ pub fn histogram(label: &str, counts: &[u32], from_ms: f64, step_ms: f64) -> Str
         let mut outline = vec![(LEFT, BOTTOM)];
         for (step, count) in counts.iter().enumerate() {
             let share = f64::from(*count) / f64::from(most);
-            // One frame of many is still seen.
+            // A single frame among many stays visible.
             let least = i32::from(*count > 0);
             let top = BOTTOM - ((f64::from(BOTTOM - TOP) * share) as i32).max(least);
             outline.extend([(x(step as i32), top), (x(step as i32 + 1), top)]);
@@ -108,7 +108,7 @@ fn row(y: &Scale, value: f64) -> i32 {
     BOTTOM - (y.at(value) * f64::from(BOTTOM - TOP)).round() as i32
 }
 
-/// At most [`MOST_POINTS`] frames, each the worst of as many as it stands for.
+/// At most [`MOST_POINTS`] frames, each the worst of the frames that it represents.
 fn thinned(frames_ms: &[f32]) -> Vec<f32> {
     let each = frames_ms.len().div_ceil(MOST_POINTS).max(1);
     let worst = |frames: &[f32]| frames.iter().copied().fold(0.0, f32::max);
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn rare_frames_are_seen_in_the_histogram() {
+    fn rare_frames_are_visible_in_the_histogram() {
         let svg = histogram("a row", &[0, 100_000, 1], 1.0, 0.5);
         let (_, outline) = svg.split_once("points=\"").expect("an outline");
         let (outline, _) = outline.split_once('"').expect("its end");

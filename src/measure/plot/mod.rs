@@ -1,5 +1,5 @@
-//! Plots as SVG, by plotters. Each is a piece of a page: sized for a phone's width, its colours taken from
-//! the page's style sheet, so that light and dark both read well.
+//! Plots as SVG, drawn by plotters. Each is a fragment of a page: sized for a phone's width, with its
+//! colours from the page's style sheet, so that light and dark schemes are both readable.
 
 mod bars;
 mod curves;
@@ -19,12 +19,12 @@ use plotters::{
     style::text_anchor::{HPos, Pos, VPos},
 };
 
-/// Width of a plot in pixels: that of a narrow phone without its margins.
+/// Width of a plot in pixels: a narrow phone without its margins.
 pub const WIDTH: u32 = 344;
-/// Colours that tell series apart; further ones repeat them.
+/// Number of distinct series colours; further series repeat them.
 pub const SERIES: usize = 10;
 
-/// What the page needs to show plots: sizes, and the colours of both schemes.
+/// Style sheet that the page needs to show plots: sizes, and the colours of both schemes.
 pub const STYLE: &str = "\
 :root{--ink:#222;--grid:#0001;--axis:#888;\
 --s0:#1f6fb4;--s1:#c75000;--s2:#2a8a3a;--s3:#b5308f;--s4:#8a6d00;--s5:#0a8a90;--s6:#7350c0;--s7:#c02b3a;--s8:#5f6b76;--s9:#5a8a00}\
@@ -33,7 +33,8 @@ pub const STYLE: &str = "\
 svg{display:block;max-width:100%;height:auto}svg text{font:11px system-ui,sans-serif}\
 ";
 
-// Stand for the variables of `STYLE` while plotters draws: it knows nothing but fixed colours.
+// Placeholders for the variables of `STYLE` while plotters draws, because it supports only fixed
+// colours.
 const INK: RGBColor = RGBColor(0, 0, 1);
 const GRID: RGBColor = RGBColor(0, 0, 2);
 const AXIS: RGBColor = RGBColor(0, 0, 3);
@@ -51,14 +52,14 @@ pub fn colour(index: usize) -> String {
 type Root<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
-/// A label whose middle line is at a point: it begins there, ends there, or has its middle there.
+/// Writes a label that starts, ends or is centred at a point; its vertical middle is at the point.
 fn write(root: &Root<'_>, text: &str, at: (i32, i32), anchor: HPos) -> Drawn {
     let style = ("sans-serif", FONT).into_font().color(&INK);
     let style = style.pos(Pos::new(anchor, VPos::Center));
     root.draw(&Text::new(text.to_owned(), at, style))
 }
 
-/// Puts the page's colours in the place of the fixed ones, and leaves out what the style sheet says.
+/// Replaces the fixed colours by the page's, and removes what the style sheet sets.
 fn finished(svg: &str, label: &str) -> String {
     let mut text = svg
         .replace(" opacity=\"1\"", "")
@@ -77,10 +78,10 @@ fn finished(svg: &str, label: &str) -> String {
     text.replacen("<svg", &role, 1).replace('\n', "")
 }
 
-/// Size of the labels as plotters reckons it; `STYLE` has the true one.
+/// Size of the labels for plotters' layout; `STYLE` has the real one.
 const FONT: i32 = 11;
 
-/// Text that is safe in a page.
+/// Text escaped for HTML.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
@@ -88,7 +89,7 @@ pub fn escaped(text: &str) -> String {
         .replace('"', "&quot;")
 }
 
-/// The start of a name that is too long for its place.
+/// The start of a name that is longer than `most`.
 fn cut(name: &str, most: usize) -> String {
     if name.chars().count() <= most {
         return name.to_owned();

@@ -1,4 +1,4 @@
-//! Axes: where values lie, and which are labelled.
+//! Axes: where values lie, and which values are labelled.
 
 use std::ops::Range;
 
@@ -46,7 +46,8 @@ impl Scale {
         let step = round_step((to - from) / most_ticks.max(1) as f64);
         let first = (from / step).ceil() as i64;
         let mut last = (to / step).floor() as i64;
-        // A longest bar that ends just before a tick reaches for it; others keep the plot tight.
+        // A longest bar that ends just short of a tick extends the axis to it; otherwise the plot stays
+        // tight.
         if to > step * last as f64 + 0.6 * step {
             last += 1;
         }
@@ -62,7 +63,7 @@ impl Scale {
         }
     }
 
-    /// Labelled at powers of ten, or at 1, 2 and 5 times them where the span is short.
+    /// Labelled at powers of ten, or at 1, 2 and 5 times powers of ten if the span is short.
     pub fn logarithmic(low: f64, high: f64, most_ticks: usize) -> Self {
         let (from, to) = (low / MARGIN, high * MARGIN);
         let decades = from.log10().floor() as i32..=to.log10().ceil() as i32;
@@ -91,8 +92,8 @@ impl Scale {
         }
     }
 
-    /// Logarithmic, labelled at the values themselves, as far as they keep a distance. Zero stands to the left of
-    /// the smallest.
+    /// Logarithmic, labelled at those of the values that are far enough apart. Zero is placed to the
+    /// left of the smallest positive value.
     pub fn at_values(values: &[f64]) -> Self {
         let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
@@ -124,7 +125,7 @@ impl Scale {
         scale
     }
 
-    /// Places 0, 1, 2, … with names, as far as they have room.
+    /// Places 0, 1, 2, … labelled with names as far as there is room.
     pub fn named(names: &[String]) -> Self {
         let last = names.len().saturating_sub(1) as f64;
         let (from, to) = (-0.3, last + 0.3);
@@ -144,7 +145,7 @@ impl Scale {
         }
     }
 
-    /// Linear, close around all values: for changes that are small beside what they change.
+    /// Linear, close around all values: for changes that are small compared with the values.
     pub fn around(values: impl Iterator<Item = f64> + Clone, most_ticks: usize) -> Self {
         let finite = values.filter(|value| value.is_finite());
         let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
@@ -166,10 +167,10 @@ impl Scale {
         tick.map_or(String::new(), |(_, label)| label.clone())
     }
 
-    /// Where a value lies, 0 to 1; values outside lie at the edges.
+    /// Position of a value, 0 to 1; values outside lie at the edges.
     pub fn at(&self, value: f64) -> f64 {
         let share = if self.log {
-            // Zero has its place at the start.
+            // Zero lies at the start.
             (value.max(self.from) / self.from).ln() / (self.to / self.from).ln()
         } else {
             (value - self.from) / (self.to - self.from)
@@ -208,7 +209,7 @@ impl ValueFormatter<f64> for Scale {
     }
 }
 
-/// The first of 1, 2, 2.5 and 5 times a power of ten that is at least this.
+/// The smallest of 1, 2, 2.5 and 5 times a power of ten that is at least `least`.
 fn round_step(least: f64) -> f64 {
     let power = 10f64.powf(least.max(f64::MIN_POSITIVE).log10().floor());
     let steps = [1.0, 2.0, 2.5, 5.0, 10.0].map(|step| step * power);
@@ -218,7 +219,7 @@ fn round_step(least: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// A number with three digits that matter, as a person writes it: `1193`, `60.2`, `0.00123`, `2.1M`.
+/// A number with three significant digits, in a readable form: `1193`, `60.2`, `0.00123`, `2.1M`.
 pub fn figure(value: f64) -> String {
     let size = value.abs();
     let trimmed = |text: String| {
@@ -283,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn names_have_room_and_small_changes_are_seen() {
+    fn names_have_room_and_small_changes_are_visible() {
         let names: Vec<String> = (0..40).map(|index| format!("commit{index:02}")).collect();
         let scale = Scale::named(&names);
         assert!((2..=6).contains(&scale.ticks.len()), "{:?}", scale.ticks);

@@ -1,4 +1,4 @@
-//! What is wrong with a world file: a message, the place, and a remedy.
+//! What is wrong with a world file: a message, its position in the file, and a remedy.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,11 +11,10 @@ use super::leaf::{Leaf, Located, block_comment_length};
 use super::printable::{masked, shown};
 use super::schema::Vector;
 
-/// Lines longer than this are quoted in part, in the message, and not shown as a whole.
+/// Longer lines are not shown as a whole; the message quotes a part of them.
 const LONGEST_SHOWN_LINE: usize = 400;
 
-/// Brackets may nest this deep. Everything that recurses over a world stays far from the end of its
-/// stack.
+/// Brackets may nest this deep. It keeps all recursion over a world far from the end of its stack.
 pub const MAX_NESTING: usize = 64;
 
 /// One thing that is wrong with a world file.
@@ -34,12 +33,12 @@ struct Place {
     length: usize,
     line: usize,
     column: usize,
-    /// The line is short enough to be shown.
+    /// Whether the line is short enough to be shown.
     shown: bool,
 }
 
 impl Problem {
-    /// A problem of a file as a whole.
+    /// A problem of the whole file.
     pub fn of_file(message: impl Into<String>, help: impl Into<String>) -> Box<Self> {
         Box::new(Self {
             message: shown(&message.into()),
@@ -48,7 +47,7 @@ impl Problem {
         })
     }
 
-    /// Line and column of the offending text, both from 1; none if the file itself is the matter.
+    /// Line and column of the offending text, both from 1; `None` for a problem of the whole file.
     pub fn line_and_column(&self) -> Option<(usize, usize)> {
         self.place.as_ref().map(|place| (place.line, place.column))
     }
@@ -99,7 +98,7 @@ impl Diagnostic for Problem {
     }
 }
 
-/// The text of a world file and the name to call it by.
+/// The text of a world file and its name in messages.
 #[derive(Clone, Debug)]
 pub struct Source {
     pub name: String,
@@ -120,7 +119,7 @@ impl Source {
         }
     }
 
-    /// A problem of three numbers together.
+    /// A problem of three numbers as a group.
     pub fn at_vector(
         &self,
         vector: &Vector,
@@ -197,7 +196,7 @@ impl Source {
         Ok(())
     }
 
-    /// What the RON parser found wrong, in the words of this format.
+    /// The RON parser's error, in the terms of this format.
     pub fn of_parser(&self, error: SpannedError) -> Box<Problem> {
         let start = self.offset_of(error.span.start);
         let end = self.offset_of(error.span.end).max(start);
@@ -224,7 +223,7 @@ impl Source {
                 .unwrap_or(line.len())
     }
 
-    /// The parser has sometimes gone past a key when it objects to it: look back for the word.
+    /// The parser has sometimes read past the key that it objects to: search backwards for the word.
     fn find_word(&self, word: &str, start: usize, end: usize) -> (usize, usize) {
         let is_part = |c: char| c.is_alphanumeric() || c == '_';
         let alone = |at: &usize| {
@@ -241,7 +240,7 @@ impl Source {
         }
     }
 
-    /// The range without blanks around it, on one line, and never empty where there is text.
+    /// The range without surrounding blanks, on one line, and not empty where there is text.
     fn shrink(&self, start: usize, end: usize) -> (usize, usize) {
         let text = &self.text[start..end];
         let trimmed = text.trim_start();
@@ -250,7 +249,7 @@ impl Source {
         if !trimmed.is_empty() {
             return (start, trimmed.len());
         }
-        // A place between characters: take the word or the sign that begins there.
+        // A position between characters: take the word or the sign that begins there.
         let rest = &self.text[start..];
         let word = rest.find(|c: char| !(c.is_alphanumeric() || "_.+-".contains(c)));
         let sign = rest.chars().next().map_or(0, char::len_utf8);
@@ -271,7 +270,7 @@ fn string_length(bytes: &[u8]) -> usize {
     bytes.len()
 }
 
-/// Length in bytes of the raw string literal that `text` begins with; 1 if it is none.
+/// Length in bytes of the raw string literal that `text` begins with; 1 if there is none.
 fn raw_string_length(text: &str) -> usize {
     let hashes = text[1..].bytes().take_while(|&b| b == b'#').count();
     if text.as_bytes().get(1 + hashes) != Some(&b'"') {

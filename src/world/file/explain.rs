@@ -1,11 +1,11 @@
-//! The parser's errors in the words of this format.
+//! The parser's errors in the terms of this format.
 
 use ron::error::Error as RonError;
 
 use super::diagnostics::MAX_NESTING;
 use crate::parameters::nearest;
 
-/// "Did you mean", and what there is.
+/// "Did you mean", and the list of known names.
 pub fn suggest<'a>(wanted: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
     let all: Vec<String> = known.clone().map(|name| format!("`{name}`")).collect();
     let near = nearest(wanted, known);

@@ -1,4 +1,4 @@
-//! Features: boxes of voxels, and how many of them stand where.
+//! Features: boxes of voxels, and how many of them are placed where.
 
 use glam::{IVec3, Vec3};
 
@@ -13,16 +13,16 @@ use crate::world::sdf::Shape;
 
 /// Most boxes of all features and models together.
 pub const MAX_PARTS: usize = 2_000_000;
-/// Most things of one scatter.
+/// Most copies of one scatter.
 const MAX_SCATTERED: u32 = 100_000;
 
 impl Reader<'_> {
-    /// Lowest voxel of the world, and the one beyond its highest.
+    /// Lowest voxel of the world, and the voxel after its highest.
     pub(super) fn world_voxels(&self) -> (IVec3, IVec3) {
         (self.origin, self.origin + self.size.as_ivec3())
     }
 
-    /// `count`, or `density` for each 1000 columns of the box; `place` stands for both in messages.
+    /// `count`, or `density` per 1000 columns of the box; messages point at `place` for either.
     pub(super) fn how_many(
         &self,
         count: &Option<Leaf>,
@@ -65,7 +65,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The boxes of all features, in the file's order.
+    /// The boxes of all features, in the order of the file.
     pub(super) fn features(
         &mut self,
         features: &schema::Features,

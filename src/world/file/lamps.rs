@@ -1,4 +1,4 @@
-//! Lamps, their motion, and where scattered ones hang.
+//! Lamps, their motion, and the places of scattered lamps.
 
 use glam::Vec3;
 
@@ -49,7 +49,7 @@ impl Reader<'_> {
         Ok(resolved)
     }
 
-    /// A lamp where the file puts it.
+    /// A lamp at its position in the file.
     fn lamp(&self, lamp: &schema::Lamp, before: usize) -> Read<Lamp> {
         if lamp.position.is_none() && !matches!(lamp.kind, schema::LampKind::Directional { .. }) {
             return Err(self.source.at(
@@ -70,7 +70,7 @@ impl Reader<'_> {
             name: or(&lamp.name, format!("lamp {}", before + 1), |leaf| {
                 source.text(leaf, "name")
             })?,
-            // Distances are in voxels everywhere behind the file: scale 1/d² back to metres.
+            // Distances are in voxels everywhere after loading: scale 1/d² back to metres.
             power: match kind {
                 LampKind::Directional { .. } => power,
                 LampKind::Point | LampKind::Spot { .. } => power / (self.voxel_m * self.voxel_m),
@@ -216,7 +216,7 @@ impl Reader<'_> {
             })?,
             seed: or(&scatter.seed, own_seed, |leaf| source.seed(leaf))?,
         };
-        // Read once even if no place is found, so that mistakes show.
+        // Read once even if no place is found, so that mistakes are reported.
         self.lamp_at(&scatter.lamp, Vec3::ZERO, lamps.len())?;
         for Found { voxel, chance } in ask.places(shape, self.world_voxels()) {
             let up = match scatter.on {

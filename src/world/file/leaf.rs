@@ -1,4 +1,4 @@
-//! A number, name or text as it stands in the file: read later, when a message can point at it.
+//! A number, name or text as written in the file: read later, when a message can point at it.
 
 use ron::value::RawValue;
 use serde::de::Error as _;
@@ -7,13 +7,13 @@ use serde::{Deserialize, Deserializer};
 use super::schema::Vector;
 use crate::world::sdf::WrittenSdf;
 
-/// One value of the file, kept as text together with the place where it stands.
+/// One value of the file, kept as text together with its position.
 ///
-/// Reading numbers and names only after the whole file is parsed lets every message about their
-/// meaning (a negative radius, an unknown material) point at the very characters.
+/// Reading numbers and names only after the whole file is parsed lets every message about their meaning
+/// (a negative radius, an unknown material) point at the exact characters.
 #[derive(Clone, Debug)]
 pub struct Leaf {
-    /// The RON text, which may carry comments before and after the value.
+    /// The RON text, which may include comments before and after the value.
     text: String,
     /// Address of the text's first byte in the buffer it was parsed from. Never dereferenced.
     address: usize,
@@ -52,7 +52,7 @@ impl Leaf {
         let rest = &self.text[start..];
         let simple = |c: char| c.is_alphanumeric() || "+-._#".contains(c);
         let end = match rest.find(|c| !simple(c)) {
-            // A string, a list or the like: all of it, up to trailing blanks.
+            // A string, a list or similar: all of it, up to trailing blanks.
             Some(0) => rest.trim_end().len(),
             Some(end) if skip_blank(&rest[end..]).is_empty() => end,
             Some(_) => rest.trim_end().len(),
@@ -62,10 +62,10 @@ impl Leaf {
     }
 }
 
-/// A value of the file, or several together, whose place is known.
+/// A value of the file, or several together, with a known position.
 pub trait Located {
-    /// Byte offset and length in `source`, the text that it was parsed from; `None` where nothing is
-    /// written, or where a message had better point at a part.
+    /// Byte offset and length in `source`, the text that it was parsed from; `None` if nothing is
+    /// written, or if a message should point at a part instead.
     fn place_in(&self, source: &str) -> Option<(usize, usize)>;
 }
 
@@ -163,7 +163,7 @@ pub enum OneOrThree {
 impl<'de> Deserialize<'de> for OneOrThree {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = <&'de RawValue>::deserialize(deserializer)?.get_ron();
-        // Parsed from the same buffer again, so that the leaves know their place in it.
+        // Parsed again from the same buffer, so that the leaves know their position in it.
         if skip_blank(text).starts_with('(') {
             let three = ron::from_str(text).map(Self::Three);
             three.map_err(|_| D::Error::custom("expected one number, or three: (x, y, z)"))

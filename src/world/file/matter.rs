@@ -10,7 +10,7 @@ use super::values::{Read, or};
 use crate::world::materials::Condition;
 use crate::world::{Colour, Material, Pattern, Rule};
 
-/// Most materials: voxels name them by a byte, and 0 is air.
+/// Most materials: a voxel stores its material in a byte, and 0 is air.
 pub const MAX_MATERIALS: usize = 255;
 
 impl Reader<'_> {
@@ -107,7 +107,7 @@ impl Reader<'_> {
         let source = self.source;
         let number = |leaf, key| -> Read<f32> { Ok(source.number(leaf, key)? as f32) };
         let count = |leaf, key| source.count(leaf, key, 0..=u32::MAX);
-        // The first number of the pattern stands for it in messages.
+        // Messages about the pattern point at its first number.
         let (pattern, place) = match written {
             Written::Plain => (Pattern::Plain, name),
             Written::Stripes { pitch, width } => (

@@ -1,7 +1,7 @@
 //! World files: RON text in, a checked [`World`] out, or one message with a place and a remedy.
 //!
-//! `schema` says what may be written, `values` reads single numbers and names, `resolve` and its
-//! neighbours make the world of them. `worlds/README.md` documents every key.
+//! `schema` declares what may be written, `values` reads single numbers and names, `resolve` and its
+//! neighbours build the world from them. `worlds/README.md` documents every key.
 
 mod diagnostics;
 mod explain;
@@ -39,14 +39,14 @@ pub(super) use self::variant::VariantKeys;
 use super::World;
 use crate::parameters::Parameters;
 
-/// What takes the place of what the file says.
+/// Values that override those of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides {
     /// Voxels; the origin stays.
     pub size: Option<UVec3>,
-    /// The world's; seeds that the file names itself stay.
+    /// Seed of the world; seeds that the file names itself stay.
     pub seed: Option<u32>,
-    /// Of every material, in both colours of its pattern.
+    /// Albedo of every material, in both colours of its pattern.
     pub albedo: Option<Vec3>,
     /// Emitted radiance of every material.
     pub emission: Option<Vec3>,
@@ -71,11 +71,11 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<World, Report> {
     Ok(load_plain(path, overrides).map_err(|problem| *problem)?)
 }
 
-/// Reads a world from text; `name` is what messages and the world are called by, and `folder` is
-/// where its models lie (none: it can have none).
+/// Reads a world from text. `name` is the name of the world, also in messages, and `folder` contains
+/// its models (without a folder it can have none).
 ///
 /// # Errors
-/// As [`load`].
+/// Those of [`load`].
 pub fn parse(
     text: &str,
     name: &str,
@@ -89,17 +89,17 @@ pub fn parse(
     Ok(read(&source, folder, overrides).map_err(|problem| *problem)?)
 }
 
-/// The text of a world file, whatever it says.
+/// The text of a world file, valid or not.
 ///
 /// # Errors
-/// As [`load`], for what is no text.
+/// Those of [`load`], for files that are not text.
 pub fn text(path: &Path) -> Result<String, Report> {
     let source = source_file::read(path).map_err(|problem| *problem)?;
     Ok(source.text.to_string())
 }
 
-/// The files that a world file includes, whether or not they exist; `None` where it cannot be read so far that it
-/// names them.
+/// The files that a world file includes, whether or not they exist; `None` if the file cannot be parsed
+/// far enough to find their names.
 pub fn included(path: &Path) -> Option<Vec<PathBuf>> {
     let source = source_file::read(path).ok()?;
     let file = parsed(&source).ok()?;
@@ -110,10 +110,10 @@ pub fn included(path: &Path) -> Option<Vec<PathBuf>> {
     Some(names.map(|name| folder_of(path).join(name)).collect())
 }
 
-/// Reads a world file and sums up what is in it.
+/// Reads a world file and summarises its content.
 ///
 /// # Errors
-/// As [`load`].
+/// Those of [`load`].
 pub fn check(path: &Path) -> Result<Summary, Report> {
     let world = load(path, &Overrides::default())?;
     Ok(Summary::of(&world))
@@ -139,7 +139,7 @@ fn parsed(source: &Source) -> Read<schema::World> {
     source.check_nesting()?;
     let options = ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
-        // Brackets are counted already; the parser counts several levels to a bracket.
+        // Brackets have already been counted; the parser counts several levels per bracket.
         .with_recursion_limit(8 * MAX_NESTING);
     options
         .from_str(&source.text)

@@ -1,4 +1,4 @@
-//! Where scattered things stand: on the floors and under the ceilings of a shape.
+//! Places for scattered things: on the floors and under the ceilings of a shape.
 
 use std::collections::HashMap;
 
@@ -9,13 +9,13 @@ use super::schema::Ground;
 use crate::world::materials::hash::{hash, unit};
 use crate::world::sdf::Shape;
 
-/// Places tried for each thing that is asked for, before the rest is given up.
+/// Places tried per requested thing before the scatter gives up.
 const TRIES: u32 = 32;
 
-/// Places tried at a time; after so many in vain a scatter is given up.
+/// Most places tried at a time; if a batch of this size finds none, the scatter gives up.
 const BATCH: u32 = 4096;
 
-/// What a scatter asks for.
+/// The requirements of a scatter.
 pub(super) struct Ask {
     pub count: u32,
     /// Lowest and highest corner, world space.
@@ -28,16 +28,16 @@ pub(super) struct Ask {
     pub seed: u32,
 }
 
-/// A place that fits.
+/// A suitable place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
     /// The free voxel on the floor or under the ceiling.
     pub voxel: IVec3,
-    /// A hash for what else is left to chance there.
+    /// A hash for further random choices at this place.
     pub chance: u32,
 }
 
-/// The places taken so far, in squares of the plane as wide as the spacing.
+/// The occupied places, in squares of the plane as wide as the spacing.
 struct Taken {
     spacing: f32,
     squares: HashMap<IVec2, Vec<IVec3>>,
@@ -51,7 +51,7 @@ impl Taken {
         }
     }
 
-    /// Takes a place, unless it is taken or too near to one that is.
+    /// Occupies a place, unless it is occupied or too close to an occupied one.
     fn take(&mut self, voxel: IVec3) -> bool {
         let plane = IVec2::new(voxel.x, voxel.z);
         let square = (plane.as_vec2() / self.spacing.max(1.0)).floor().as_ivec2();
@@ -73,8 +73,7 @@ impl Taken {
 }
 
 impl Ask {
-    /// As many places as there are, up to `count`. The same for the same seed and shape, on any
-    /// number of threads.
+    /// Finds up to `count` places. The same for the same seed and shape, on any number of threads.
     pub fn places(&self, shape: &Shape, world: (IVec3, IVec3)) -> Vec<Found> {
         let mut found: Vec<Found> = Vec::new();
         let mut taken = Taken::new(self.spacing);
@@ -102,7 +101,7 @@ impl Ask {
         found
     }
 
-    /// One column by chance, and in it one floor (ceiling) by chance.
+    /// A random column, and in it a random floor (ceiling).
     fn candidate(&self, index: u32, shape: &Shape, world: (IVec3, IVec3)) -> Option<Found> {
         let first = hash(self.seed ^ hash(index));
         let (x, z) = (hash(first), hash(first ^ 0x9e37_79b9));
@@ -121,7 +120,7 @@ impl Ask {
                     Ground::Floor => (solid_below, start),
                     Ground::Ceiling => (solid_above, end - 1),
                 };
-                // Out at the top of the world there is room enough.
+                // Above the top of the world there is enough room.
                 let open = self.ground == Ground::Floor && !solid_above;
                 let within = (low.y..high.y).contains(&(y as f32));
                 if touches && within && (open || free >= self.clearance as i32) {
@@ -140,8 +139,8 @@ impl Ask {
     }
 }
 
-/// Runs of equal voxels up a column, as (first voxel above the run, whether it is solid). Steps over
-/// all voxels that the Lipschitz constant proves to be like the last one.
+/// Runs of equal voxels up a column, as (first voxel above the run, whether the run is solid). Skips
+/// all voxels that the Lipschitz constant proves to be equal to the last one.
 fn column(shape: &Shape, x: i32, z: i32, low: i32, high: i32) -> Vec<(i32, bool)> {
     let lipschitz = shape.lipschitz();
     let mut runs = Vec::new();
@@ -235,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn places_lie_on_floors_and_ceilings_with_room_and_apart() {
+    fn places_lie_on_floors_and_ceilings_with_clearance_and_spacing() {
         let shape = cave();
         for (ground, away) in [(Ground::Floor, IVec3::Y), (Ground::Ceiling, IVec3::NEG_Y)] {
             let places = ask(ground).places(&shape, WORLD);

@@ -1,7 +1,8 @@
-//! Texts of world files as a terminal may show them: files come from strangers, and a terminal obeys some
-//! characters.
+//! Text of world files that is safe in a terminal: files come from strangers, and a terminal interprets
+//! some characters as commands.
 
-/// Whether a terminal would obey it: control characters, and those that turn the direction of what follows.
+/// Whether a terminal would act on the character: control characters, and those that change the text
+/// direction.
 pub fn is_obeyed(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
@@ -11,7 +12,7 @@ fn is_layout(c: char) -> bool {
     matches!(c, '\n' | '\t' | '\r')
 }
 
-/// The text with what a terminal would obey written out, as `\u{1b}`; lines stay lines.
+/// The text with such characters written out, as in `\u{1b}`; line breaks stay.
 pub fn shown(text: &str) -> String {
     let written_out = |c: char| {
         let (plain, escaped) = match is_obeyed(c) && !is_layout(c) {
@@ -23,8 +24,8 @@ pub fn shown(text: &str) -> String {
     text.chars().flat_map(written_out).collect()
 }
 
-/// The text with signs of the same number of bytes in the place of what a terminal would obey, so that places in it
-/// stay what they are.
+/// The text with each such character replaced by signs of the same number of bytes, so that byte
+/// positions stay valid.
 pub fn masked(text: &str) -> String {
     let mask = |c: char| match (is_obeyed(c) && !is_layout(c), c.len_utf8()) {
         (false, _) => c,
@@ -40,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_that_a_terminal_obeys_is_left_and_the_rest_is() {
+    fn only_characters_that_a_terminal_obeys_are_replaced() {
         let text = "a\u{1b}[31m\tb\u{9b}\nc\u{202e}d\u{7f} Höhle 洞窟";
         assert_eq!(
             shown(text),

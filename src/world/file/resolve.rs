@@ -1,5 +1,5 @@
-//! From the schema to the world: names become indices, defaults are filled in, and everything that
-//! cannot be is refused in place.
+//! From the schema to the world: names become indices, defaults are filled in, and every invalid value
+//! is refused with its position.
 
 use std::path::Path;
 
@@ -22,11 +22,11 @@ pub const MAX_EDGE: u32 = 4096;
 /// Most voxels of a world.
 pub const MAX_VOXELS: u64 = 1 << 32;
 
-/// What has been read so far; the parts of the file are read in an order in which names are known
-/// before they are referred to.
+/// What has been read so far. The parts of the file are read in an order that defines names before
+/// their use.
 pub struct Reader<'a> {
     pub source: &'a Source,
-    /// Where models are looked for; without it they are refused.
+    /// Folder with the models; without it models are refused.
     pub folder: Option<&'a Path>,
     pub size: UVec3,
     pub origin: IVec3,
@@ -34,11 +34,11 @@ pub struct Reader<'a> {
     pub seed: u32,
     pub noises: Vec<NoiseField>,
     pub materials: Vec<Material>,
-    /// How many scatters have taken a seed of their own.
+    /// Number of scatters that have taken a seed of their own.
     pub seeds_given: u32,
 }
 
-/// The whole world.
+/// Resolves the whole world.
 pub(super) fn resolve(
     source: &Source,
     folder: Option<&Path>,
@@ -120,7 +120,7 @@ pub(super) fn resolve(
     })
 }
 
-/// Enough to see by.
+/// Bright enough to see.
 const DIM_SKY: Sky = Sky {
     zenith: Vec3::splat(0.25),
     horizon: Vec3::splat(0.25),
@@ -155,7 +155,7 @@ impl Reader<'_> {
         (low, low + self.size.as_vec3())
     }
 
-    /// A seed for a scatter that names none: another for each, all from the world's.
+    /// A seed for a scatter that names none: derived from the world's, different for each.
     pub(in crate::world) fn next_seed(&mut self) -> u32 {
         self.seeds_given += 1;
         hash(self.seed ^ hash(self.seeds_given))
@@ -166,7 +166,7 @@ impl Reader<'_> {
         self.source.find(leaf, "noise", names)
     }
 
-    /// 1-based.
+    /// 1-based index of a material.
     pub(super) fn material(&self, leaf: &Leaf) -> Read<u8> {
         let names = self.materials.iter().map(|material| material.name.as_str());
         let index = self.source.find(leaf, "material", names)?;

@@ -1,4 +1,4 @@
-//! What is changed to see how soon light follows: one lamp, and one wall.
+//! Changes with which measurements time the light's response: one lamp, and one wall.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ impl Reader<'_> {
     ) -> Read<ResponseSpec> {
         let source = self.source;
         let lamps = || presets.iter().flat_map(|preset| &preset.lamps);
-        // Presets may call theirs alike: remedies list each name once.
+        // Presets may share lamp names: remedies list each name once.
         let names: BTreeSet<&str> = lamps().map(|lamp| lamp.name.as_str()).collect();
         let named = |leaf: &Leaf| -> Read<String> {
             let index = source.find(leaf, "lamp", names.iter().copied())?;
@@ -31,7 +31,7 @@ impl Reader<'_> {
         let lamp_to = match &response.lamp_to {
             None => None,
             Some(vector) => {
-                // Of a lamp that is not named, the first that stands anywhere moves.
+                // Without a name, the first lamp that has a position moves.
                 let mut meant = lamps().filter(|one| lamp.as_ref().is_none_or(|n| one.name == *n));
                 let placed = |kind: &LampKind| !matches!(kind, LampKind::Directional { .. });
                 if !meant.any(|lamp| placed(&lamp.kind)) {
@@ -52,7 +52,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Of a world whose size is not that of its file a wall may lie outside: then nothing of it changes.
+    /// In a world with an overridden size the wall may lie outside: then nothing changes.
     fn wall(&self, wall: &schema::Wall, resized: bool) -> Read<Wall> {
         let source = self.source;
         let (min, max) = (

@@ -78,7 +78,7 @@ impl Reader<'_> {
     }
 
     /// A camera in the air that looks at the middle of the box: the first of a few places, from the
-    /// upper corners inwards, that lies well clear of stone.
+    /// upper corners inwards, that is well clear of solid voxels.
     fn overview(&self, shape: &Shape) -> Camera {
         let (low, high) = self.world_box();
         let (centre, half) = ((low + high) / 2.0, (high - low) / 2.0);
@@ -94,7 +94,7 @@ impl Reader<'_> {
             }
         }
         let clear = |place: &&Vec3| shape.eval(place.as_dvec3()) > 2.0;
-        // In a world without such a place: from outside.
+        // If the world has no such place: from outside.
         let outside = centre + half.length() * Vec3::new(0.8, 0.9, 1.2);
         let position = places.iter().find(clear).copied().unwrap_or(outside);
         let (yaw_deg, pitch_deg) = towards(centre - position);
@@ -206,7 +206,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_camera_looks_at_what_it_is_told_to() {
+    fn a_camera_looks_at_its_target() {
         for along in [Vec3::new(1.0, 2.0, -3.0), Vec3::X, Vec3::NEG_Y, Vec3::Z] {
             let (yaw_deg, pitch_deg) = towards(along);
             let camera = Camera {

@@ -1,9 +1,9 @@
-//! The keys of a world file, as they are written. `worlds/README.md` explains each with unit,
-//! default and example; a test holds that it names them all.
+//! The keys of a world file, as they are written. `worlds/README.md` explains each with unit, default
+//! and example; a test checks that it names them all.
 //!
-//! Numbers, names and texts stay `Leaf`s here: `resolve` reads them, so that a message about what
-//! they mean can point at the very characters. A key whose type is an `Option`, or that has a
-//! `default`, may be left out.
+//! Numbers, names and texts stay `Leaf`s here: `resolve` reads them, so that a message about their
+//! meaning can point at the exact characters. A key whose type is an `Option`, or that has a `default`,
+//! may be left out.
 
 #![allow(
     clippy::large_enum_variant,
@@ -22,7 +22,7 @@ use crate::world::sdf::WrittenSdf as Shape;
 #[derive(Clone, Debug, Deserialize)]
 pub struct Vector(pub Leaf, pub Leaf, pub Leaf);
 
-/// `{"name": value, …}` in the file's order; `resolve` refuses a name that comes twice.
+/// `{"name": value, …}` in the order of the file; `resolve` refuses a name that occurs twice.
 #[derive(Clone, Debug)]
 pub struct Named<T>(pub Vec<(Leaf, T)>);
 
@@ -56,11 +56,11 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
     }
 }
 
-/// The whole file. Lengths are in voxels, +Y is up; only lamp powers know of metres.
+/// The whole file. Lengths are in voxels, +Y is up; only lamp powers use metres.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct World {
-    /// One sentence: what the world is for.
+    /// One sentence: the purpose of the world.
     pub title: Leaf,
     /// Extent in voxels, whole numbers.
     pub size: Vector,
@@ -68,17 +68,17 @@ pub struct World {
     pub origin: Option<Vector>,
     /// Metres per voxel. Default 1.
     pub voxel_m: Option<Leaf>,
-    /// Seeds what names no seed of its own. Default 0.
+    /// Seed of everything that names none. Default 0.
     pub seed: Option<Leaf>,
     /// `{"name": (basis: …), …}`
     #[serde(default)]
     pub noises: Named<Noise>,
-    /// Where stone is.
+    /// Where voxels are solid.
     pub shape: Shape,
     /// `{"name": (a: …), …}`. Default: one grey rock.
     #[serde(default)]
     pub materials: Named<Material>,
-    /// The first rule that holds names a voxel's material; where none does, the first material.
+    /// The first rule that holds names a voxel's material; if none holds, the first material.
     #[serde(default)]
     pub rules: Vec<Rule>,
     #[serde(default)]
@@ -92,13 +92,13 @@ pub struct World {
     pub sun: Option<Sun>,
     /// Default: a dim grey.
     pub sky: Option<Sky>,
-    /// Default: one camera that looks into the world's middle.
+    /// Default: one camera that looks at the world's middle.
     #[serde(default)]
     pub cameras: Vec<Camera>,
     /// Default: one layout `auto` over the whole box.
     #[serde(default)]
     pub layouts: Vec<Layout>,
-    /// What is changed to see how soon light follows.
+    /// Changes with which measurements time the light's response.
     #[serde(default)]
     pub response: Response,
 }
@@ -127,7 +127,7 @@ pub enum Basis {
     Value,
 }
 
-/// How octaves are summed. Lacunarity 2 and persistence 0.5 unless said.
+/// How octaves are summed. Default: lacunarity 2 and persistence 0.5.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Fractal {
@@ -165,7 +165,7 @@ pub struct Material {
     pub emission: Option<Vector>,
 }
 
-/// A colour of a voxel; [`crate::world::Colour`] says what each form means.
+/// A colour of a voxel; [`crate::world::Colour`] describes each form.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Colour {
@@ -183,7 +183,7 @@ pub enum Colour {
     Hash(Vector, Vector),
 }
 
-/// The texture of a block; [`crate::world::Pattern`] says what each form means.
+/// The texture of a block; [`crate::world::Pattern`] describes each form.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Pattern {
@@ -232,7 +232,7 @@ pub struct Rule {
     pub when: Condition,
 }
 
-/// Asked at a solid voxel's centre.
+/// Evaluated at a solid voxel's centre.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Condition {
@@ -268,7 +268,7 @@ pub struct Features {
     pub place: Vec<Place>,
 }
 
-/// One box of a kind, both ends inclusive, whole numbers, relative to where the feature stands.
+/// One box of a kind, both ends inclusive, whole numbers, relative to the feature's position.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
@@ -280,8 +280,8 @@ pub struct Part {
     pub without_corners: bool,
 }
 
-/// Where features stand. A feature's (0, 0, 0) comes to the named voxel; scattered, it comes to the
-/// lowest free voxel over a floor or the highest free one under a ceiling.
+/// Where features are placed. A feature's (0, 0, 0) is put at the named voxel; if scattered, at the
+/// lowest free voxel above a floor or the highest free voxel below a ceiling.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Place {
@@ -289,9 +289,9 @@ pub enum Place {
     At { kind: Leaf, places: Vec<Vector> },
     /// `Scatter(kinds: ["tiny", "large"], density: 4, on: Floor)`
     Scatter {
-        /// One of these each, by chance; a kind named twice is twice as likely.
+        /// Each place takes one of these at random; a kind named twice is twice as likely.
         kinds: Vec<Leaf>,
-        /// How many, or `density`: how many for each 1000 columns of the box.
+        /// Number of features. Or `density`: their number per 1000 columns of the box.
         count: Option<Leaf>,
         density: Option<Leaf>,
         /// Default `Floor`.
@@ -300,9 +300,9 @@ pub enum Place {
         /// Box to scatter in. Default: the world's.
         min: Option<Vector>,
         max: Option<Vector>,
-        /// Free voxels that the place must have above the floor (below the ceiling). Default 1.
+        /// Free voxels required above the floor (below the ceiling). Default 1.
         clearance: Option<Leaf>,
-        /// Least horizontal distance between two of them, voxels. Default 0.
+        /// Least horizontal distance between two features, voxels. Default 0.
         spacing: Option<Leaf>,
         /// Default: the world's.
         seed: Option<Leaf>,
@@ -317,7 +317,7 @@ pub enum Ground {
     Ceiling,
 }
 
-/// `(file: "model.vox", at: (x, y, z))`: the model's lowest corner comes to this voxel; its voxels
+/// `(file: "model.vox", at: (x, y, z))`: the model's lowest corner is put at this voxel; its voxels
 /// fill air, and its palette's colours become materials.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -338,7 +338,7 @@ pub struct Preset {
     pub scatter: Vec<LampScatter>,
 }
 
-/// A lamp. Of a scattered one, `position` is added to the place that was found.
+/// A lamp. For a scattered lamp, `position` is added to the place that was found.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lamp {
@@ -347,27 +347,27 @@ pub struct Lamp {
     /// Default `Point`.
     #[serde(default)]
     pub kind: LampKind,
-    /// Needed by point and spot lamps that are not scattered.
+    /// Required for point and spot lamps that are not scattered.
     pub position: Option<Vector>,
     /// Default (1, 1, 1).
     pub colour: Option<Vector>,
-    /// Watts; of a directional lamp W/m² on a facing surface.
+    /// Watts; for a directional lamp W/m² on a facing surface.
     pub power: Leaf,
-    /// Voxels; distances below it count as it. Default 0.5.
+    /// Voxels; smaller distances count as this radius. Default 0.5.
     pub radius: Option<Leaf>,
     #[serde(default)]
     pub motion: Vec<Motion>,
 }
 
-/// Lamps at places found by chance.
+/// Lamps at random places.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LampScatter {
     pub lamp: Lamp,
-    /// Each lamp takes one of these, by chance. Default: the lamp's own colour.
+    /// Each lamp takes one of these at random. Default: the lamp's own colour.
     #[serde(default)]
     pub colours: Vec<Vector>,
-    /// How many, or `density`: how many for each 1000 columns of the box.
+    /// Number of lamps. Or `density`: their number per 1000 columns of the box.
     pub count: Option<Leaf>,
     pub density: Option<Leaf>,
     /// Default `Floor`.
@@ -380,7 +380,7 @@ pub struct LampScatter {
     pub max: Option<Vector>,
     /// Free voxels above the floor (below the ceiling). Default: height + 1.
     pub clearance: Option<Leaf>,
-    /// Least horizontal distance between two of them, voxels. Default 0.
+    /// Least horizontal distance between two lamps, voxels. Default 0.
     pub spacing: Option<Leaf>,
     /// Default: the world's.
     pub seed: Option<Leaf>,
@@ -402,8 +402,8 @@ pub enum LampKind {
     },
 }
 
-/// How a lamp changes with time; [`crate::world::Motion`] says what each form means. Rates in
-/// radians a second (flicker: changes a second; hue: turns a second); `phase` default 0.
+/// How a lamp changes with time; [`crate::world::Motion`] describes each form. Rates in radians per
+/// second (flicker: changes per second; hue: turns per second); `phase` default 0.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Motion {
@@ -477,21 +477,21 @@ pub struct Layout {
     pub spacing: OneOrThree,
     /// Default: the middle of the world's box, or the camera.
     pub centre: Option<Vector>,
-    /// Whether the camera takes the volume along. Default no.
+    /// Whether the volume follows the camera. Default no.
     #[serde(default)]
     pub follow: bool,
     /// 1 … 6, default 1.
     pub cascades: Option<Leaf>,
 }
 
-/// `(lamp: "ceiling", wall: (min: (0, 0, 4), max: (3, 6, 4), material: "plaster"))`. What is not named is
-/// found by those who measure.
+/// `(lamp: "ceiling", wall: (min: (0, 0, 4), max: (3, 6, 4), material: "plaster"))`. Measurements
+/// choose what is left out.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Response {
     /// The lamp that is switched and moved. Default: the preset's first.
     pub lamp: Option<Leaf>,
-    /// Where it moves. Default: towards the camera.
+    /// Where the lamp moves. Default: towards the camera.
     pub lamp_to: Option<Vector>,
     /// Default: what the camera looks at.
     pub wall: Option<Wall>,

@@ -10,12 +10,12 @@ use crate::world::Sdf;
 use crate::world::sdf::WrittenSdf;
 
 impl Reader<'_> {
-    /// A tree; the files in `sdf/primitives` and `sdf/operators` say how each shape is read.
+    /// A tree; the files in `sdf/primitives` and `sdf/operators` define how each shape is read.
     pub(in crate::world) fn shape(&mut self, written: &WrittenSdf) -> Read<Sdf> {
         written.read(self)
     }
 
-    /// A box in world space; what is left out is the world's.
+    /// A box in world space; omitted corners are the world's.
     pub(super) fn bounds(&self, min: &Option<Vector>, max: &Option<Vector>) -> Read<(Vec3, Vec3)> {
         let (low, high) = self.world_box();
         let low = or(min, low, |vector| self.source.point(vector, "min"))?;

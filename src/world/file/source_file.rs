@@ -1,4 +1,4 @@
-//! Files before they are text: sizes, kinds and encodings that cannot be.
+//! Files before they are text: refuses invalid sizes, kinds and encodings.
 
 use std::fs;
 use std::io::{ErrorKind, Read as _};
@@ -38,7 +38,7 @@ pub fn read(path: &Path) -> Read<Source> {
     text(&name, bytes)
 }
 
-/// The bytes of a file, or what keeps them from being read, to follow its name.
+/// The bytes of a file, or why they cannot be read, as a phrase that follows the file's name.
 pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     let cannot = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => "does not exist".to_owned(),
@@ -65,7 +65,7 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     }
     let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(cannot)?;
-    // One byte more, to notice that the file has grown.
+    // One byte more, to detect that the file has grown.
     file.take(most + 1)
         .read_to_end(&mut bytes)
         .map_err(cannot)?;
@@ -75,7 +75,7 @@ pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Text of bytes that may be anything.
+/// Text from arbitrary bytes.
 fn text(name: &str, bytes: Vec<u8>) -> Read<Source> {
     let copy = "worlds/minimal.ron is the smallest world to copy";
     if let Some(order) = utf16(&bytes) {
@@ -121,8 +121,8 @@ fn text(name: &str, bytes: Vec<u8>) -> Read<Source> {
     })
 }
 
-/// Whether these are the bytes of a UTF-16 text, and which byte of a character comes first. Without a byte order
-/// mark the zeros beside the ASCII characters of its beginning show it.
+/// Whether these are the bytes of a UTF-16 text, and which byte of a character comes first. Without a
+/// byte order mark, zeros next to the ASCII characters at the beginning show it.
 fn utf16(bytes: &[u8]) -> Option<&'static str> {
     const LITTLE: &str = "little-endian";
     const BIG: &str = "big-endian";
@@ -148,7 +148,7 @@ fn utf16(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// What files of this extension a folder has, as a remedy.
+/// The files of a folder with this extension, as a remedy.
 pub fn siblings(folder: &Path, extension: &str) -> String {
     let shown = folder.display();
     let Ok(entries) = fs::read_dir(folder) else {

@@ -1,11 +1,11 @@
-//! What a world holds, in a few lines.
+//! The content of a world, in a few lines.
 
 use std::fmt;
 
 use crate::world::World;
 use crate::world::voxels::grid_cells;
 
-/// What `grotto check` prints of a sound world.
+/// What `grotto check` prints for a valid world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     pub title: String,
@@ -16,13 +16,13 @@ pub struct Summary {
     pub materials: Vec<String>,
     /// Boxes of features and models.
     pub parts: usize,
-    /// Names and how many lamps each has.
+    /// Names, with the number of lamps of each.
     pub lamp_presets: Vec<(String, usize)>,
     pub sun: bool,
     pub cameras: Vec<String>,
-    /// Names and how many probes each has.
+    /// Names, with the number of probes of each.
     pub layouts: Vec<(String, u64)>,
-    /// The grid of cells without the bricks, which depend on the surface. Bytes.
+    /// Size in bytes of the grid of cells, without bricks, whose number depends on the surface.
     pub grid_bytes: u64,
 }
 
@@ -80,7 +80,7 @@ impl fmt::Display for Summary {
     }
 }
 
-/// With a unit that leaves one to four digits before the point.
+/// A size with a unit that leaves one to four digits before the point.
 fn bytes(count: u64) -> String {
     match count {
         0..10_000 => format!("{count} bytes"),

@@ -1,4 +1,4 @@
-//! From text to numbers, names and vectors: each either fits its key or is refused in place.
+//! From text to numbers, names and vectors: each either fits its key or is refused with its position.
 
 use std::ops::RangeInclusive;
 
@@ -17,12 +17,12 @@ pub type Read<T> = Result<T, Box<Problem>>;
 /// Coordinates lie within ± this many voxels.
 const FARTHEST: f64 = scenery::FARTHEST as f64;
 
-/// Shapes shrink to one of this many, or grow this many times: 63 scales in each other, the most that
-/// brackets allow, still leave the numbers of an f64.
+/// Shapes are scaled by at most this factor up or down. With 63 nested scales, the most that brackets
+/// allow, the numbers still fit an f64.
 pub(in crate::world) const GREATEST_SCALE: f64 = 1e4;
 
-/// Lattice cells of a noise along the edge of a voxel. From 1 on, neighbours have nothing in common; far
-/// above, an f32 no longer tells the places within a cell apart.
+/// Lattice cells of a noise along the edge of a voxel. From 1 up, neighbours are uncorrelated; far
+/// above, an f32 no longer distinguishes the places within a cell.
 const HIGHEST_FREQUENCY: f64 = 1e3;
 
 /// Most noises, kinds of features, presets, cameras or layouts of a world.
@@ -36,7 +36,7 @@ pub fn or<L, T>(value: &Option<L>, default: T, read: impl FnOnce(&L) -> Read<T>)
     value.as_ref().map_or(Ok(default), read)
 }
 
-/// The text of a value as a message quotes it.
+/// The text of a value as messages quote it.
 fn quote(leaf: &Leaf) -> String {
     let text = leaf.text();
     match text.char_indices().nth(LONGEST_QUOTE) {
@@ -46,7 +46,7 @@ fn quote(leaf: &Leaf) -> String {
 }
 
 impl Source {
-    /// A finite number that also an f32 can hold.
+    /// A finite number that an f32 can hold too.
     pub fn number(&self, leaf: &Leaf, key: &str) -> Read<f64> {
         match ron::from_str::<f64>(leaf.ron()) {
             Ok(value) if (value as f32).is_finite() => Ok(value),
@@ -90,13 +90,13 @@ impl Source {
         ))
     }
 
-    /// By how much a shape grows.
+    /// The scale factor of a shape.
     pub fn scale(&self, leaf: &Leaf, key: &str) -> Read<f32> {
         self.positive(leaf, key)?;
         Ok(self.number_in(leaf, key, 1.0 / GREATEST_SCALE..=GREATEST_SCALE)? as f32)
     }
 
-    /// Cells of a noise per voxel, of all axes or one by one.
+    /// Noise cells per voxel, for all axes or for each axis.
     pub fn frequency(&self, value: &OneOrThree, key: &str) -> Read<DVec3> {
         let one = |leaf| self.number_in(leaf, key, -HIGHEST_FREQUENCY..=HIGHEST_FREQUENCY);
         Ok(match value {
@@ -137,7 +137,7 @@ impl Source {
                 format!("write a whole number between {low} and {high}"),
             ));
         }
-        // The range lies within ±2⁵³, and so does what is within it.
+        // The range lies within ±2⁵³, where every whole number is exact.
         if value < *low as f64 || value > *high as f64 {
             return Err(self.at(
                 leaf,
@@ -165,7 +165,7 @@ impl Source {
                 "write it between double quotes, as in \"moss\"",
             )
         })?;
-        // One line in every table.
+        // Tables need one line.
         let text = text.replace(['\n', '\r', '\t'], " ");
         match text.chars().find(|c| is_obeyed(*c)) {
             None => Ok(text),
@@ -180,7 +180,7 @@ impl Source {
         }
     }
 
-    /// A text that later keys and the command line refer to.
+    /// A name that later keys and the command line refer to.
     pub fn name(&self, leaf: &Leaf, what: &str, taken: &[String]) -> Read<String> {
         let name = self.text(leaf, &format!("name of a {what}"))?;
         if name.trim().is_empty() {
@@ -188,7 +188,7 @@ impl Source {
             return Err(self.at(leaf, format!("the name of this {what} is empty"), help));
         }
         if taken.len() >= MAX_NAMES {
-            let help = "names must be told apart one by one: use fewer";
+            let help = "names are compared one by one: use fewer";
             return Err(self.at(
                 leaf,
                 format!("there are more than {MAX_NAMES} {what}s"),
@@ -205,7 +205,7 @@ impl Source {
         Ok(name)
     }
 
-    /// The index of a name that must exist.
+    /// The index of an existing name.
     pub fn find<'n>(
         &self,
         leaf: &Leaf,
@@ -260,7 +260,7 @@ impl Source {
         Ok(Vec3::new(share(r)?, share(g)?, share(b)?))
     }
 
-    /// A vector that is long enough to have a direction, as it stands.
+    /// A vector long enough to have a direction; not normalised.
     pub fn direction(&self, vector: &Vector, key: &str) -> Read<Vec3> {
         let direction = self.point(vector, key)?;
         if direction.length() > 1e-6 {

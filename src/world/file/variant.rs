@@ -3,8 +3,8 @@
 use serde::de::{DeserializeSeed, Deserializer, Error as _, VariantAccess, Visitor};
 use serde::forward_to_deserialize_any;
 
-/// What follows the name of a variant, as a deserializer for a struct: `Sphere(radius: 5)` is read as
-/// the variant `Sphere` that holds a struct with the key `radius`, without brackets of its own.
+/// The keys after a variant's name, as a deserializer for a struct: `Sphere(radius: 5)` is read as the
+/// variant `Sphere` that holds a struct with the key `radius`, without brackets of its own.
 pub struct VariantKeys<A>(pub A);
 
 impl<'de, A: VariantAccess<'de>> Deserializer<'de> for VariantKeys<A> {
@@ -46,7 +46,7 @@ impl<'de, A: VariantAccess<'de>> Deserializer<'de> for VariantKeys<A> {
     }
 }
 
-/// Hands the only value of a variant to the visitor of a struct around it.
+/// Passes the only value of a variant to the visitor of a struct around it.
 struct Newtype<V>(V);
 
 impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for Newtype<V> {

@@ -1,4 +1,4 @@
-//! MagicaVoxel models: their voxels become boxes, their palette's colours materials.
+//! MagicaVoxel models: voxels become boxes, and palette colours become materials.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -17,7 +17,7 @@ use crate::world::{Colour, FeaturePart, Material, Pattern};
 
 /// Larger model files are refused unread.
 const MAX_BYTES: u64 = 64 << 20;
-/// Most voxels and nodes of a scene, counted as often as they are shown.
+/// Most voxels and nodes of a scene, counting repeated instances.
 const MAX_WORK: usize = 1 << 24;
 /// Groups of a scene may nest this deep.
 const MAX_SCENE_DEPTH: usize = 64;
@@ -56,7 +56,8 @@ impl Reader<'_> {
             return Err(source.at(leaf, "a world without a folder has no models", help));
         };
         let inside = "keep models in the folder of the world file, or in folders within it";
-        // Refused before the disk is asked, so that a world cannot even ask what lies elsewhere.
+        // Refused before any access to the disk, so that a world cannot even find out which files exist
+        // elsewhere.
         if !is_inside(Path::new(name)) {
             let message = format!("`{name}` lies outside of the world's folder");
             return Err(source.at(leaf, message, inside));
@@ -71,7 +72,7 @@ impl Reader<'_> {
         };
         let real_path = fs::canonicalize(&path).map_err(|_| missing())?;
         let real_folder = fs::canonicalize(folder).map_err(|_| missing())?;
-        // A link may lead outside.
+        // A link may point outside.
         if !real_path.starts_with(&real_folder) {
             let message = format!("`{name}` is a link out of the world's folder");
             return Err(source.at(leaf, message, inside));
@@ -92,7 +93,7 @@ impl Reader<'_> {
         let lowest = voxels.keys().map(|&voxel| IVec3::from(voxel));
         let lowest = lowest.reduce(IVec3::min).unwrap_or(IVec3::ZERO);
         let mut last: Option<FeaturePart> = None;
-        // Sorted by their axes, so that runs along z follow each other.
+        // Sorted by axis, so that runs along z are consecutive.
         for (&voxel, &colour) in voxels {
             let material = match materials.get(&colour) {
                 Some(&material) => material,
@@ -119,7 +120,8 @@ impl Reader<'_> {
         self.check_parts(features.len(), leaf)
     }
 
-    /// The material of a palette colour: one that looks the same, or a new one. An emitting one radiates colour · `_emit` · 10^`_flux`.
+    /// The material of a palette colour: an existing one that looks the same, or a new one. An emissive
+    /// one radiates colour · `_emit` · 10^`_flux`.
     fn model_material(
         &mut self,
         leaf: &Leaf,
@@ -184,7 +186,7 @@ impl Reader<'_> {
     }
 }
 
-/// Whether a path stays in the folder that it begins in, links aside.
+/// Whether a path stays in the folder where it begins, ignoring links.
 pub(super) fn is_inside(path: &Path) -> bool {
     use std::path::Component;
     path.components()
@@ -201,7 +203,7 @@ fn linear(encoded: u8) -> f32 {
     }
 }
 
-/// Parses a model whose chunks nest no deeper than the format has them: the parser recurses.
+/// Parses a model whose chunks nest no deeper than the format defines, because the parser recurses.
 fn parse(bytes: &[u8]) -> Result<DotVoxData, String> {
     let word = |at: usize| {
         let bytes = bytes.get(at..at + 4)?;
@@ -226,7 +228,7 @@ fn parse(bytes: &[u8]) -> Result<DotVoxData, String> {
     dot_vox::load_bytes(bytes).map_err(str::to_owned)
 }
 
-/// A turn, mirroring and translation in MagicaVoxel's space (z up).
+/// A rotation, mirroring and translation in MagicaVoxel's space (z up).
 #[derive(Clone, Copy)]
 struct Pose {
     turn: Mat3,
@@ -240,7 +242,8 @@ impl Pose {
     };
 }
 
-/// All voxels of the scene with their palette index, in our axes (+Y up); later models win.
+/// All voxels of the scene with their palette index, in grotto's axes (+Y up); later models override
+/// earlier ones.
 fn scene_voxels(data: &DotVoxData) -> Result<BTreeMap<[i32; 3], u8>, String> {
     let mut scene = VoxScene {
         data,
@@ -260,7 +263,7 @@ fn scene_voxels(data: &DotVoxData) -> Result<BTreeMap<[i32; 3], u8>, String> {
 struct VoxScene<'a> {
     data: &'a DotVoxData,
     voxels: BTreeMap<[i32; 3], u8>,
-    /// Nodes and voxels visited: groups that share children could be walked for ever.
+    /// Nodes and voxels visited: groups that share children could take for ever.
     work: usize,
 }
 
@@ -308,7 +311,7 @@ impl VoxScene<'_> {
             Some(SceneNode::Group { children, .. }) => children
                 .iter()
                 .try_for_each(|child| self.walk(*child, pose, depth + 1)),
-            // Several models are frames of an animation: the first is shown.
+            // Several models are frames of an animation: the first one is shown.
             Some(SceneNode::Shape { models, .. }) => match models.first() {
                 Some(model) => self.add_model(model.model_id as usize, pose),
                 None => Ok(()),
@@ -320,7 +323,7 @@ impl VoxScene<'_> {
         let model = self.data.models.get(model);
         let model = model.ok_or("refers to a model that it does not have")?;
         self.spend(model.voxels.len())?;
-        // A model turns about the corner in its middle.
+        // A model rotates about the corner in its middle.
         let size = [model.size.x, model.size.y, model.size.z];
         let pivot = Vec3::from(size.map(|edge| (edge / 2) as f32));
         for voxel in &model.voxels {

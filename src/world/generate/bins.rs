@@ -1,11 +1,11 @@
-//! Which feature parts touch which grid cell.
+//! Which feature parts overlap which grid cell.
 
 use glam::{IVec3, UVec3};
 
 use crate::world::FeaturePart;
 use crate::world::voxels::CELL;
 
-/// For every cell that the world touches the parts that overlap it, in the world's order, as
+/// For every cell that the world touches, the parts that overlap it, in the world's order, as
 /// compressed rows: those of cell i are `parts[offsets[i] .. offsets[i + 1]]`.
 #[derive(Clone, Debug)]
 pub struct FeatureBins {
@@ -15,11 +15,11 @@ pub struct FeatureBins {
 }
 
 impl FeatureBins {
-    /// Most part numbers in all rows together: 128 MB of them.
+    /// Most part numbers in all rows together: 128 MB.
     pub const MOST: u64 = 1 << 25;
 
-    /// How many part numbers the rows would hold: for each part the cells that it overlaps. A world
-    /// is sound while this is at most [`Self::MOST`].
+    /// Number of part numbers in all rows: for each part, the cells that it overlaps. A valid world has
+    /// at most [`Self::MOST`].
     pub fn count(parts: &[FeaturePart], origin: IVec3, size: UVec3) -> u64 {
         let cells = parts.iter().filter_map(|part| cells_of(part, origin, size));
         cells
@@ -61,7 +61,7 @@ impl FeatureBins {
         &self.parts[self.offsets[index] as usize..self.offsets[index + 1] as usize]
     }
 
-    /// Extent in cells: x varies fastest in the rows, then y.
+    /// Extent in cells: rows are ordered with x fastest, then y.
     pub fn cells(&self) -> UVec3 {
         self.cells
     }
@@ -72,7 +72,7 @@ impl FeatureBins {
     }
 }
 
-/// First and last cell that a part overlaps; nothing when it lies beyond the world.
+/// First and last cell that a part overlaps; `None` if it lies outside the world.
 fn cells_of(part: &FeaturePart, origin: IVec3, size: UVec3) -> Option<(UVec3, UVec3)> {
     let last = size.as_ivec3() - 1;
     let (min, max) = (part.min - origin, part.max - origin);

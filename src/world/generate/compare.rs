@@ -4,8 +4,8 @@ use glam::{IVec3, UVec3};
 
 use super::super::{World, rules::RuleSet, sdf::Shape, voxels::Voxels};
 
-/// How many voxels of the two differ. Each must lie within rounding of a boundary: some point within
-/// `tolerance` of its centre has what the other build has there.
+/// Number of voxels that differ between the two. Each must lie within rounding of a boundary: some
+/// point within `tolerance` of its centre has the material of the other build.
 ///
 /// # Errors
 /// The first voxel that differs for another reason.

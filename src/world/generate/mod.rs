@@ -1,11 +1,11 @@
-//! Voxels from a world, on the CPU: the reference that the pass `scene/voxelise` is held against.
+//! Voxels from a world, on the CPU: the reference for the pass `scene/voxelise`.
 //!
-//! - A voxel is stone where the shape is negative at its centre; the first rule that holds names its
+//! - A voxel is solid if the shape is negative at its centre; the first rule that holds names its
 //!   material.
-//! - Features fill air: later parts win over earlier ones, stone over all.
-//! - A buried cell, all stone with all stone in its six neighbours (beyond the world counts as
-//!   stone), takes the material of its voxel (4, 4, 4) throughout: nobody sees it before digging, and
-//!   it needs no brick.
+//! - Features fill air: later parts override earlier ones, solid voxels of the shape override all.
+//! - A buried cell, which is solid and has only solid neighbours (the six cells around it; outside the world
+//!   counts as solid), takes the material of its voxel (4, 4, 4) throughout: it is invisible before digging,
+//!   and needs no brick.
 
 mod bins;
 mod compare;
@@ -21,7 +21,7 @@ use super::rules::RuleSet;
 use super::sdf::Shape;
 use super::voxels::{BRICK_VOXELS, CELL, NewCell, Voxels, brick_index};
 
-/// Edge in voxels of the blocks that a cell is tried in before its voxels.
+/// Edge in voxels of the blocks that are tested before single voxels.
 pub const BLOCK: u32 = 2;
 
 /// Distance from the centre of a block of `edge`³ voxels to its farthest voxel centre.
@@ -29,12 +29,12 @@ pub fn block_radius(edge: u32) -> f64 {
     f64::from(edge - 1) / 2.0 * 3.0_f64.sqrt()
 }
 
-/// The whole world, in parallel.
+/// Generates the whole world, in parallel.
 pub fn generate(world: &World) -> Voxels {
     Generator::new(world).voxels()
 }
 
-/// What the shape makes of one cell. Voxels beyond the world do not count.
+/// Which voxels of one cell the shape makes solid. Voxels outside the world do not count.
 #[derive(Clone, Debug, PartialEq)]
 enum Solid {
     None,
@@ -89,7 +89,7 @@ impl<'a> Generator<'a> {
         (cell.x + self.cells.x * (cell.y + self.cells.y * cell.z)) as usize
     }
 
-    /// World-space centre of a voxel of grid space, offset by (edge − 1)/2 for a block's centre.
+    /// World-space centre of a voxel of grid space, offset by (edge − 1)/2 to the centre of a block.
     fn centre_ws(&self, voxel: UVec3, edge: u32) -> DVec3 {
         (self.world.origin.as_dvec3() + voxel.as_dvec3()) + f64::from(edge) / 2.0
     }
@@ -175,7 +175,7 @@ impl<'a> Generator<'a> {
 
     fn surrounded(&self, cell: UVec3, solidities: &[Solid]) -> bool {
         [UVec3::X, UVec3::Y, UVec3::Z].into_iter().all(|axis| {
-            // Below 0 the subtraction wraps to beyond the world.
+            // Below 0 the subtraction wraps to outside the world.
             let [before, after] = [cell.wrapping_sub(axis), cell + axis];
             [before, after].into_iter().all(|neighbour| {
                 neighbour.cmpge(self.cells).any()

@@ -1,5 +1,4 @@
-//! One block texture, baked: a mask as bytes with its mip levels. The GPU samples the very same
-//! bytes.
+//! One block texture, baked: a mask as bytes with its mip levels. The GPU samples the same bytes.
 
 use rayon::prelude::*;
 
@@ -11,14 +10,14 @@ pub const TEXELS: u32 = 256;
 /// Mip levels of a tile, down to a single texel.
 pub const LEVELS: u32 = TEXELS.ilog2() + 1;
 
-/// A mask over a square of blocks that repeats without a seam.
+/// A mask over a square of blocks that repeats seamlessly.
 #[derive(Clone, Debug)]
 pub struct Tile {
     /// Blocks along its edge.
     pub extent_blocks: u32,
     /// Level 0 first; rows of increasing v, 255 is 1.
     pub levels: Vec<Vec<u8>>,
-    /// Of level 0, in [0, 1].
+    /// Mean of level 0, in [0, 1].
     pub mean: f32,
 }
 
@@ -45,7 +44,7 @@ impl Tile {
         Self::from_values(extent_blocks, raw)
     }
 
-    /// Builds the mip levels from unrounded values, so that no error adds up.
+    /// Builds the mip levels from unrounded values, so that errors do not accumulate.
     fn from_values(extent_blocks: u32, mut values: Vec<f32>) -> Self {
         let mut levels = vec![bytes(&values)];
         let mean = levels[0].iter().map(|&byte| f64::from(byte)).sum::<f64>()
@@ -219,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn masks_cover_what_their_numbers_say() {
+    fn masks_cover_the_area_of_their_numbers() {
         let mean = |pattern: &Pattern| Tile::bake(pattern, 3).mean;
         assert!((mean(&PATTERNS[0]) - 0.4).abs() < 0.01);
         assert!((mean(&PATTERNS[3]) - 0.5).abs() < 0.01);

@@ -8,8 +8,8 @@ use super::hash::{hash_voxel, unit};
 impl Colour {
     /// The colour of a world-space voxel, by the height and x of its centre.
     ///
-    /// `detail` in [0, 1] is how much of the variation from voxel to voxel can be seen: at 0 dithers
-    /// are replaced by what they average to, so that they do not shimmer in the distance.
+    /// `detail` in [0, 1] is the visible share of the variation from voxel to voxel: at 0 dithers are
+    /// replaced by their average, so that they do not shimmer in the distance.
     pub fn at(&self, voxel: IVec3, detail: f32) -> Vec3 {
         let random = || unit(hash_voxel(voxel));
         match self {
@@ -46,8 +46,8 @@ fn share_of_high(x: f32, from: f32, to: f32) -> f32 {
     }
 }
 
-/// How much of a voxel-sized variation is left when a ray's footprint is `footprint` voxels wide:
-/// all up to half a voxel, none from two.
+/// Visible share of a voxel-sized variation if a ray's footprint is `footprint` voxels wide: all up to
+/// half a voxel, none from two.
 pub fn voxel_detail(footprint: f32) -> f32 {
     let t = ((footprint - 0.5) / 1.5).clamp(0.0, 1.0);
     1.0 - t * t * (3.0 - 2.0 * t)
@@ -109,7 +109,7 @@ mod tests {
         assert_eq!(step.at(IVec3::new(2, 0, 0), 1.0), HIGH);
     }
 
-    /// Without detail every voxel has the average of what the voxels have with it.
+    /// Without detail every voxel has the average colour of the voxels with detail.
     #[test]
     fn the_average_over_voxels_is_the_colour_without_detail() {
         for colour in [

@@ -26,7 +26,7 @@ pub struct Material {
     pub emission: Vec3,
 }
 
-/// A colour that is constant over one voxel, and may depend on where the voxel lies.
+/// A colour that is constant over one voxel, and may depend on the voxel's position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Colour {
     Flat(Vec3),
@@ -35,21 +35,21 @@ pub enum Colour {
         below: Vec<(f32, Vec3)>,
         above: Vec3,
     },
-    /// `low` where x < from, `high` where x ≥ to (x of the voxel's centre), between them a dither
-    /// by the voxel's hash.
+    /// `low` where x < from, `high` where x ≥ to (x of the voxel's centre), between them a dither by
+    /// the voxel's hash.
     DitherX {
         from: f32,
         to: f32,
         low: Vec3,
         high: Vec3,
     },
-    /// Between the two by the voxel's hash.
+    /// Between the two colours, by the voxel's hash.
     Hash(Vec3, Vec3),
 }
 
 /// The mask over a face. Lengths (pitch, radius, joint) are in blocks; `cells` and `rows` count along
-/// one block; [`Pattern::fault`] tells their limits. Pitches and angles are adjusted a little so that the pattern repeats after a whole
-/// number of blocks.
+/// one block; [`Pattern::fault`] checks their limits. Pitches and angles are adjusted slightly so that
+/// the pattern repeats after a whole number of blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pattern {
     Plain,
@@ -67,7 +67,7 @@ pub enum Pattern {
     Checker {
         squares: u32,
     },
-    /// Bricks of a, each with a tone of its own towards b, and joints of b of this thickness.
+    /// Bricks of a, each tinted by its own amount towards b, and joints of b of this thickness.
     Bricks {
         rows: u32,
         joint: f32,
@@ -87,21 +87,21 @@ pub enum Pattern {
         cells: u32,
         octaves: u32,
     },
-    /// Noise over the distance from the block's centre, about so many rings.
+    /// Noise over the distance from the block's centre, in about this many rings.
     Radial {
         rings: u32,
     },
 }
 
-/// Most cells, rows, squares or rings along one block: beyond it a texel holds several.
+/// Most cells, rows, squares or rings along one block: with more, one texel would hold several.
 pub const MAX_REPEATS: u32 = 64;
-/// Finer octaves than these are smaller than a texel.
+/// Finer octaves would be smaller than a texel.
 pub const MAX_OCTAVES: u32 = 8;
 /// Narrowest and widest pitch in blocks: the widest fills a whole tile.
 pub const PITCHES: std::ops::RangeInclusive<f32> = 0.02..=4.0;
 
 impl Pattern {
-    /// What keeps the pattern from being baked, in words for the person who wrote it.
+    /// Why the pattern cannot be baked, in words for the author of the file.
     pub fn fault(&self) -> Option<String> {
         let count = |name: &str, value: u32, most: u32| {
             (!(1..=most).contains(&value))
@@ -169,7 +169,7 @@ pub enum Condition {
         noise: NoiseId,
         value: f32,
     },
-    /// Depth under the surface, −shape(p), is less than this.
+    /// Depth below the surface, −shape(p), is less than this.
     ShallowerThan(f32),
     /// The world's shape is empty one voxel above.
     FacesUp,
@@ -256,7 +256,7 @@ mod tests {
         );
     }
 
-    /// What is accepted is baked, also at its limits.
+    /// Accepted patterns can be baked, also at their limits.
     #[test]
     fn patterns_at_their_limits_are_baked() {
         for pattern in [

@@ -1,5 +1,5 @@
 //! The masks of the block textures as functions of the plane, each periodic over a tile of whole
-//! blocks, so that a tile repeats without a seam.
+//! blocks, so that tiles repeat seamlessly.
 
 use std::f64::consts::TAU;
 
@@ -9,11 +9,11 @@ use super::Pattern;
 use super::bake::TEXELS;
 use super::hash::{hash, unit};
 
-/// A pattern made ready to be evaluated: its lattices are fitted to the tile.
+/// A pattern ready for evaluation: its lattices are fitted to the tile.
 pub struct Mask {
     extent: f64,
     kind: Kind,
-    /// Samples along a texel's edge that its average needs: 1 for what is smooth.
+    /// Samples along a texel's edge that its average needs: 1 for smooth patterns.
     pub samples: u32,
 }
 
@@ -55,8 +55,8 @@ enum Kind {
 /// Texels that a cell of the finest octave needs along its edge.
 const TEXELS_PER_CELL: u64 = 2;
 
-/// Blocks along a tile's edge: as few as the pattern closes over, but several where repetition would
-/// show.
+/// Blocks along a tile's edge: as few as the pattern closes over, but several where repetition would be
+/// visible.
 pub fn extent_blocks(pattern: &Pattern) -> u32 {
     match *pattern {
         Pattern::Plain => 1,
@@ -75,7 +75,7 @@ pub fn extent_blocks(pattern: &Pattern) -> u32 {
         Pattern::Checker { squares } => 1 + squares % 2,
         Pattern::Bricks { .. } => 2,
         Pattern::Worley { .. } | Pattern::StripesFbm { .. } | Pattern::Radial { .. } => 4,
-        // Where the finest octave leaves texels to spare, repetition can be pushed farther out.
+        // Where the finest octave leaves texels to spare, the tile can be larger and repeat later.
         Pattern::Fbm { cells, octaves } => {
             let finest = u64::from(cells.max(1)) << (octaves.clamp(1, 16) - 1);
             if finest * 8 * TEXELS_PER_CELL <= u64::from(TEXELS) {
@@ -88,7 +88,7 @@ pub fn extent_blocks(pattern: &Pattern) -> u32 {
 }
 
 /// The extent, up to four blocks, over which a lattice closes with the least stretching. A longer
-/// one must be better by a tenth of a period to be worth its coarser texels.
+/// extent must be better by a tenth of a period to justify its coarser texels.
 fn closest_extent(misfit: impl Fn(f64) -> f64) -> u32 {
     let cost =
         |blocks: u32| misfit(f64::from(blocks)) / f64::from(blocks) + 0.1 * f64::from(blocks);
@@ -182,8 +182,8 @@ impl Mask {
         }
     }
 
-    /// Spreads the raw values of noises, which keep to the middle, over [0, 1] (2¼ standard
-    /// deviations either way); leaves the others.
+    /// Spreads the raw values of noises, which stay near the middle, over [0, 1] (2¼ standard
+    /// deviations either way); leaves other patterns unchanged.
     pub fn levels(&self, raw: &mut [f32]) {
         if self.samples > 1 || matches!(self.kind, Kind::Plain) {
             return;
@@ -204,7 +204,7 @@ fn step(condition: bool) -> f64 {
     f64::from(u8::from(condition))
 }
 
-/// A square lattice that closes over the tile: turned and stretched a little from what was asked.
+/// A square lattice that closes over the tile: rotated and stretched slightly from the given one.
 struct Lattice {
     /// Lattice coordinates of a point are dot products with (x, y) and (−y, x).
     axis: (f64, f64),
@@ -234,13 +234,13 @@ impl Lattice {
     }
 }
 
-/// Distance to the nearest half: stripes and dots in the middle of their cells keep clear of the
-/// tile's edges.
+/// Distance to the nearest half: keeps stripes and dots, which lie in the middle of their cells, away
+/// from the tile's edges.
 fn distance_to_half(value: f64) -> f64 {
     (value.rem_euclid(1.0) - 0.5).abs()
 }
 
-/// Running bond, two bricks high by one long; every brick has a tone and a grain of its own.
+/// Running bond, two bricks high by one long; every brick has its own tone and grain.
 fn bricks(u: f64, v: f64, rows: u32, joint: f64, seed: u32, grain: &TorusFbm) -> f64 {
     let height = 1.0 / f64::from(rows);
     let row = (v / height).floor();
@@ -265,10 +265,10 @@ fn distance_to_edge(value: f64) -> f64 {
 
 /// Feature points in a jittered grid that repeats with the tile (Worley 1996).
 struct FeaturePoints {
-    /// Cells along the tile's edge, and the edge of one in blocks.
+    /// Cells along the tile's edge, and the edge of one cell in blocks.
     cells: i64,
     edge: f64,
-    /// By cell, in cells from the tile's corner.
+    /// The point of each cell, in cells from the tile's corner.
     points: Vec<(f64, f64)>,
 }
 
@@ -293,7 +293,8 @@ impl FeaturePoints {
     fn distance(&self, u: f64, v: f64) -> f64 {
         let (x, y) = (u / self.edge, v / self.edge);
         let (cx, cy) = (x.floor() as i64, y.floor() as i64);
-        // The point of a cell beyond the tile's edge is that of the opposite side, moved over.
+        // The point of a cell beyond the tile's edge is the point of the cell at the opposite side,
+        // shifted.
         let wrap = |cell: i64| {
             let inside = cell.rem_euclid(self.cells);
             (inside, (cell - inside) as f64)
@@ -309,7 +310,7 @@ impl FeaturePoints {
     }
 }
 
-/// Feature points keep off the edges of their cells, so that spots rarely touch.
+/// Feature points stay away from the edges of their cells, so that spots rarely touch.
 fn jitter(random: u32) -> f64 {
     0.15 + 0.7 * f64::from(unit(random))
 }
@@ -334,19 +335,19 @@ fn value_noise(t: f64, seed: u32) -> f64 {
     value(cell) * (1.0 - fade) + value(cell + 1.0) * fade
 }
 
-/// Fractal noise that closes over a tile: both coordinates go round circles in four dimensions,
-/// whose circumferences are the tile's edges.
+/// Fractal noise that closes over a tile: both coordinates go around circles in four dimensions whose
+/// circumferences are the tile's edges.
 struct TorusFbm {
     octaves: Vec<Perlin>,
-    /// Noise cells around the tile are 2π times these.
+    /// The tile has 2π times as many noise cells along u and v.
     radius_u: f64,
     radius_v: f64,
-    /// Radians a block.
+    /// Radians per block.
     turn: f64,
 }
 
 impl TorusFbm {
-    /// `cells_*` noise cells a block in the first octave.
+    /// `cells_*`: noise cells per block in the first octave.
     fn new(extent: f64, cells_u: u32, cells_v: u32, octaves: u32, seed: u32) -> Self {
         let radius = |cells: u32| f64::from(cells.max(1)) * extent / TAU;
         Self {

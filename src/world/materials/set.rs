@@ -52,9 +52,9 @@ impl MaterialSet {
 
     /// Albedo (linear RGB) of a point on a face of a world-space voxel.
     ///
-    /// `material` is the voxel's, 1-based; `face` is 0 −x, 1 +x, 2 −y, 3 +y, 4 −z, 5 +z; `footprint`
-    /// is the width in voxels of what the ray sees there (pixel angle · distance / cosine), over
-    /// which the texture is averaged.
+    /// `material` is the voxel's, 1-based; `face` is 0 −x, 1 +x, 2 −y, 3 +y, 4 −z, 5 +z; `footprint` is
+    /// the width in voxels of the area that the ray sees (pixel angle · distance / cosine), over which
+    /// the texture is averaged.
     pub fn albedo(
         &self,
         material: u8,
@@ -75,7 +75,7 @@ impl MaterialSet {
         a.lerp(material.b.at(voxel, detail), mask as f32)
     }
 
-    /// Albedo of a voxel averaged over its texture: for rays that see no detail.
+    /// Albedo of a voxel averaged over its texture: for rays that need no detail.
     pub fn mean_albedo(&self, material: u8, voxel: IVec3) -> Vec3 {
         let index = index_of(material);
         let material = &self.materials[index];
@@ -97,7 +97,7 @@ fn index_of(material: u8) -> usize {
     usize::from(material) - 1
 }
 
-/// Texture coordinates of a face in blocks: aligned to the world, so that textures go on from block
+/// Texture coordinates of a face in blocks: aligned to the world, so that textures continue from block
 /// to block. v is up on the four upright sides.
 fn face_uv(face: u8, position_ws: DVec3) -> [f64; 2] {
     match face / 2 {
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(set.emission(1), Vec3::new(0.0, 2.0, 0.0));
     }
 
-    /// Seen from far away a texture is its mean, from whatever place on it.
+    /// From far away a texture is its mean, at any place on it.
     #[test]
     fn a_wide_footprint_sees_the_mean() {
         let set = MaterialSet::bake(&[material(SPOTS)], 1);
@@ -157,7 +157,7 @@ mod tests {
         }
     }
 
-    /// The average over a face does not change with the footprint: filtering keeps energy.
+    /// The average over a face does not depend on the footprint: filtering keeps energy.
     #[test]
     fn filtering_keeps_the_average() {
         let set = MaterialSet::bake(&[material(CLOUD)], 1);
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn textures_go_on_from_block_to_block() {
+    fn textures_continue_from_block_to_block() {
         let set = MaterialSet::bake(&[material(CLOUD)], 1);
         for face in [0, 3, 5] {
             let at = |x: f64| {

@@ -1,8 +1,8 @@
 //! Materials as bytes for the GPU: the storage buffer of `shaders/scene/materials.wesl`.
 //!
-//! Every hit reads a material, from places that differ from ray to ray, so it is packed small: a colour that is
-//! always the same is four words, and the others have more among the details. Albedos keep all bits: an error
-//! grows with every bounce.
+//! Every hit reads a material, from addresses that differ between rays, so the table is packed small: a
+//! constant colour takes four words, and other colours have more among the details. Albedos keep all
+//! bits, because an error grows with every bounce.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -12,10 +12,10 @@ use super::{Colour, MaterialSet};
 crate::shared! {
     in world;
 
-    /// Materials in the table: one for each value of a voxel's byte. Number 0, air, is left black.
+    /// Materials in the table: one for each value of a voxel's byte. Number 0, air, stays black.
     pub const CAPACITY as MATERIALS: usize = 256;
 
-    /// In `GpuMaterial::texture`: the material has none.
+    /// In `GpuMaterial::texture`: the material has no texture.
     pub const NO_TEXTURE: u32 = u32::MAX;
 
     const KIND_FLAT as COLOUR_FLAT: u32 = 0;
@@ -28,8 +28,8 @@ crate::shared! {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuMaterial {
-    /// A packed [`Colour`]: red, green and blue of its lower end as f32, then the kind in two bits and above it an
-    /// index into the details.
+    /// A packed [`Colour`]: red, green and blue of its lower end as f32, then a word with the kind in
+    /// two bits and above them an index into the details.
     pub a: [u32; 4],
     pub b: [u32; 4],
     pub emission: [f32; 3],
@@ -39,8 +39,9 @@ pub struct GpuMaterial {
     pub _pad: [u32; 3],
 }
 
-/// What does not fit into a packed colour. Of a hash: its upper end (r, g, b, 0). Of a dither: (from, to, 0, 0),
-/// then its upper end. Of bands: (number of stops, 0, 0, 0), then the stops (height, r, g, b).
+/// The parts of a colour that do not fit into its packed form. Hash: its upper end (r, g, b, 0).
+/// Dither: (from, to, 0, 0), then its upper end. Bands: (number of stops, 0, 0, 0), then the stops
+/// (height, r, g, b).
 type Detail = [f32; 4];
 
 impl MaterialSet {

@@ -1,10 +1,10 @@
 //! The four base noises, each over one permutation table of the `noise` crate.
 //!
 //! Perlin and value noise are the crate's own functions. OpenSimplex and Worley are summed here over
-//! the crate's tables and gradients, because the crate leaves lattice points out of both: its 3D
-//! OpenSimplex drops those outside the simplex at hand although their kernels reach into it, and its
-//! Worley looks at eight cells only, so both jump at cell borders. A field with jumps has no
-//! Lipschitz constant, and the blocks of a world are culled by that constant.
+//! the crate's tables and gradients, because the crate omits lattice points in both: its 3D OpenSimplex
+//! drops points outside the current simplex although their kernels reach into it, and its Worley
+//! searches only eight cells, so both jump at cell borders. A field with jumps has no Lipschitz
+//! constant, and the blocks of a world are culled by that constant.
 
 use noise::core::perlin::perlin_3d;
 use noise::core::value::value_3d;
@@ -55,13 +55,13 @@ impl Octave {
     }
 }
 
-/// Farther out lattice points are more than one apart in f64, and no noise is left; the crate's functions panic
-/// where a lattice point is no whole number of 64 bits.
+/// Beyond this, lattice points are more than one apart in f64, and no noise is left; the crate's
+/// functions panic if a lattice point does not fit a 64-bit integer.
 const FARTHEST: f64 = (1u64 << 52) as f64;
 
 impl NoiseFn<f64, 3> for Octave {
     fn get(&self, point: [f64; 3]) -> f64 {
-        // Unlike `clamp`, these also make a number of what is none.
+        // Unlike `clamp`, these also turn NaN into a number.
         #[allow(clippy::manual_clamp)]
         let point = point.map(|v| v.max(-FARTHEST).min(FARTHEST));
         match self.basis {
@@ -73,7 +73,7 @@ impl NoiseFn<f64, 3> for Octave {
     }
 }
 
-// The crate's fractals ask for these two; the fields give them their sources ready made.
+// The crate's fractals require these two traits, but the fields pass them finished sources.
 impl Default for Octave {
     fn default() -> Self {
         Self::new(Basis::Perlin, 0)
@@ -138,8 +138,8 @@ fn open_simplex_gradient(hash: usize) -> [f64; 3] {
 }
 
 /// Worley 1996: 2d − 1, where d is the distance to the nearest feature point, at most 1. One feature
-/// point lies within ½ of each lattice point, as in the crate; deviation: all 27 lattice points
-/// around are searched, and d ends at 1, beyond which a farther cell could hold the nearest point.
+/// point lies within ½ of each lattice point, as in the crate. Deviation: all 27 lattice points around
+/// are searched, and d ends at 1, beyond which a farther cell could hold the nearest point.
 fn worley(point: [f64; 3], table: &PermutationTable) -> f64 {
     let near = point.map(f64::round);
     let mut nearest_squared: f64 = 1.0;
@@ -277,7 +277,7 @@ mod tests {
                 steepest = steepest.max((a - b).abs() / dot(delta, delta).sqrt());
             }
             assert!(steepest <= basis.lipschitz(), "{basis:?}: {steepest}");
-            // The bound is of use only while it is near the truth.
+            // The bound is useful only if it is close to the truth.
             assert!(steepest > 0.4 * basis.lipschitz(), "{basis:?}: {steepest}");
         }
     }

@@ -3,7 +3,7 @@
 use super::{Fractal, NoiseBank, NoiseField, RIDGE_ATTENUATION};
 
 impl NoiseField {
-    /// How many permutation tables the field reads: one to an octave.
+    /// Number of permutation tables that the field reads: one per octave.
     pub fn octaves(&self) -> u32 {
         match self.fractal {
             Fractal::None => 1,
@@ -13,7 +13,7 @@ impl NoiseField {
         }
     }
 
-    /// What the sum of the octaves is multiplied by, so that the field keeps within its range.
+    /// Factor of the sum of the octaves, so that the field keeps within its range.
     pub fn scale(&self) -> f64 {
         let octaves = self.octaves() as i32;
         match self.fractal {
@@ -36,13 +36,14 @@ impl NoiseField {
         }
     }
 
-    /// Upper bound of |value(p) − value(q)| over all p, q at most `radius` apart: each octave counts
-    /// its Lipschitz constant times its frequency, but no more than the width of its range.
+    /// Upper bound of |value(p) − value(q)| over all p, q at most `radius` apart: each octave
+    /// contributes its Lipschitz constant times its frequency times the radius, but at most the width
+    /// of its range.
     pub fn variation(&self, radius: f64) -> f64 {
         self.variation_at_frequency(self.frequency.abs().max_element(), radius)
     }
 
-    /// The same between points of one horizontal plane.
+    /// The same between points of a horizontal plane.
     pub fn variation_xz(&self, radius: f64) -> f64 {
         self.variation_at_frequency(self.frequency.x.abs().max(self.frequency.z.abs()), radius)
     }
@@ -74,7 +75,7 @@ impl NoiseField {
     }
 
     fn variation_at_frequency(&self, frequency: f64, radius: f64) -> f64 {
-        // Both fractals of |noise| see half the width of the range.
+        // Both fractals of |noise| cover half the width of the range.
         let signed =
             |radius: f64| (self.basis.lipschitz() * radius).min(2.0 * self.basis.amplitude());
         let absolute = |radius: f64| (self.basis.lipschitz() * radius).min(self.basis.amplitude());

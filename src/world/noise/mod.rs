@@ -77,7 +77,7 @@ enum Generator {
 }
 
 impl NoiseBank {
-    /// Octaves beyond this many are left out: they lie below the rounding of an f32.
+    /// Further octaves are left out: they lie below the rounding of an f32.
     pub const MAX_OCTAVES: u32 = 24;
 
     /// Prepares the fields; [`NoiseId`] indexes them in this order.
@@ -119,7 +119,7 @@ impl NoiseBank {
         }
     }
 
-    /// The field's description.
+    /// The field's definition.
     pub fn field(&self, id: NoiseId) -> &NoiseField {
         &self.fields[id].field
     }
@@ -187,7 +187,7 @@ impl Generator {
     }
 }
 
-/// By how much a ridge weakens the octave after it.
+/// Factor by which a ridge weakens the next octave.
 pub(in crate::world) const RIDGE_ATTENUATION: f64 = 2.0;
 
 #[cfg(test)]
@@ -281,7 +281,8 @@ mod tests {
     fn fields_of_equal_seeds_share_their_tables() {
         let fields = fields();
         let bank = NoiseBank::new(&fields);
-        // Fields of 1, 5, 4 and 3 octaves; the one octave came first, and later runs lie within five.
+        // Fields of 1, 5, 4 and 3 octaves: the one octave came first, and the later runs share the
+        // table of the five.
         assert_eq!(bank.packed_tables().len(), (1 + 5) * 256);
         let table = PermutationTable::new(7 + 2);
         let first = bank.first_table(1);

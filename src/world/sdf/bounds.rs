@@ -1,8 +1,8 @@
-//! How far a tree reaches.
+//! The extent of a tree.
 
 use glam::{DMat3, DVec3};
 
-/// An axis-aligned box; empty when min > max on any axis, infinite where a side is unbounded.
+/// An axis-aligned box; empty if min > max on any axis, infinite where a side is unbounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     pub min: DVec3,
@@ -49,7 +49,7 @@ impl Bounds {
         }
     }
 
-    /// Moved outwards by this much along each axis.
+    /// Extended outwards by this much along each axis.
     pub(super) fn grown(self, by: DVec3) -> Self {
         if self.is_empty() {
             self
@@ -74,7 +74,7 @@ impl Bounds {
         bounds
     }
 
-    /// A box around this one rotated; infinite where this one is.
+    /// A box around this one after rotation; infinite if this one is.
     pub(super) fn rotated(self, rotation: DMat3) -> Self {
         if self.is_empty() {
             return self;

@@ -1,4 +1,4 @@
-//! What a tree must fulfil before it is evaluated.
+//! Checks of a tree before its evaluation.
 
 use thiserror::Error;
 
@@ -22,8 +22,8 @@ impl Sdf {
     /// and evaluation cannot fail and the bounds of [`Shape::variation`](super::Shape::variation) hold.
     ///
     /// # Errors
-    /// A node that breaks a rule: values are checked from the root down, what depends on sub-trees
-    /// after them.
+    /// A node that breaks a rule: values are checked from the root down, rules that depend on sub-trees
+    /// after the sub-trees.
     pub fn check(&self, noises: &[NoiseField]) -> Result<(), SdfError> {
         self.check_at(noises, 0)
     }

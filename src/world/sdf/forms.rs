@@ -1,23 +1,23 @@
-//! One enum over all shapes, made of the list in `sdf/mod.rs`.
+//! One enum over all shapes, generated from the list in `sdf/mod.rs`.
 
 use super::Form;
 use super::keys::Keys;
 use crate::world::file::{Problem, Read, Reader};
 
-/// Makes [`Sdf`](super::Sdf) and [`WrittenSdf`](super::WrittenSdf) of a list of `Name(path::Of)`, where
-/// the name is that in world files.
+/// Generates [`Sdf`](super::Sdf) and [`WrittenSdf`](super::WrittenSdf) from a list of `Name(path::Of)`,
+/// where `Name` is the name in world files.
 macro_rules! forms {
     ($($name:ident($($form:ident)::+),)+) => {
         $(pub use $($form)::+;)+
 
         /// A signed distance function: a tree of shapes. Lengths in voxels, world space; negative
-        /// inside stone. The struct of each shape says what it means.
+        /// inside the solid. The struct of each shape describes its meaning.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Sdf {
             $($name($($form)::+),)+
         }
 
-        /// A tree as the RON parser leaves it: every value text with its place.
+        /// A tree as the RON parser leaves it: every value is text with its position.
         #[derive(Debug)]
         pub enum WrittenSdf {
             $($name(<$($form)::+ as keys::Keys>::Written),)+
@@ -62,10 +62,11 @@ macro_rules! forms {
         }
 
         impl WrittenSdf {
-            /// The description; names are looked up in what the reader has read so far.
+            /// Resolves the tree to its description; names are looked up in the parts that the reader
+            /// has read so far.
             ///
             /// # Errors
-            /// The first value that cannot be, where it stands.
+            /// The first invalid value, with its position.
             pub fn read(&self, reader: &mut Reader<'_>) -> Read<Sdf> {
                 match self {
                     $(Self::$name(written) => {
@@ -113,10 +114,10 @@ macro_rules! forms {
 
 pub(super) use forms;
 
-/// Reads a shape and checks it, its sub-trees included.
+/// Reads a shape and checks it, including its sub-trees.
 ///
 /// # Errors
-/// The first value that cannot be, where it stands.
+/// The first invalid value, with its position.
 pub fn read<F: Form + Keys>(name: &str, written: &F::Written, reader: &mut Reader<'_>) -> Read<F> {
     let form = F::read(written, reader)?;
     let Err(fault) = form.check(&reader.noises) else {

@@ -27,7 +27,7 @@ mod tests {
 
     #[test]
     fn pcg3d_is_the_published_function() {
-        // Worked out by hand from the paper's listing for v = 0: lcg gives c in every component.
+        // Computed by hand from the paper's listing for v = 0: lcg gives c in every component.
         let c: u32 = 1_013_904_223;
         let step = |v: [u32; 3]| {
             let x = v[0].wrapping_add(v[1].wrapping_mul(v[2]));

@@ -1,5 +1,5 @@
-//! The keys of shapes. [`keys!`] declares them once; from that follow the struct, what the RON parser
-//! fills, the messages that point into the file, and the check of a tree that is made in code.
+//! The keys of shapes. [`keys!`] declares them once; it generates the struct, the type that the RON
+//! parser fills, the messages that point into the file, and the check of a tree that is built in code.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -11,23 +11,23 @@ use super::{Fault, NoiseId, Sdf, WrittenSdf};
 use crate::world::file::{Leaf, Located, Read, Reader, Vector, or};
 use crate::world::noise::NoiseField;
 
-/// What a key takes: how it is written, what it becomes, and what it may be.
+/// What a key takes: its text form, its value, and its valid range.
 pub trait Key {
-    /// As the RON parser leaves it: text with its place.
+    /// As the RON parser leaves it: text with its position.
     type Written: Located;
-    /// As the description has it.
+    /// Its type in the description.
     type Value;
 
-    /// The value, or a message that points at it.
+    /// The value, or a message that points at the text.
     ///
     /// # Errors
-    /// What was written is not such a value.
+    /// The text is not a valid value.
     fn read(written: &Self::Written, key: &str, reader: &mut Reader<'_>) -> Read<Self::Value>;
 
-    /// Checks a value that may have been made in code.
+    /// Checks a value that may have been built in code.
     ///
     /// # Errors
-    /// What it must be, and what it is, to follow the name of the key.
+    /// What it must be and what it is, as a phrase that follows the name of the key.
     fn check(value: &Self::Value, noises: &[NoiseField]) -> Result<(), String>;
 
     /// The sub-trees in a value.
@@ -36,7 +36,7 @@ pub trait Key {
     }
 }
 
-/// `Ok` where a rule holds, otherwise what to say after the name of the key.
+/// `Ok` if a rule holds, otherwise the phrase that follows the name of the key.
 pub fn require(holds: bool, wanted: &str, found: impl fmt::Display) -> Result<(), String> {
     if holds {
         Ok(())
@@ -45,9 +45,9 @@ pub fn require(holds: bool, wanted: &str, found: impl fmt::Display) -> Result<()
     }
 }
 
-/// A single number. It is read as an f32, which is all that the GPU sees, and kept as an f64.
+/// A single number. It is read as an f32, the precision of the GPU, and stored as an f64.
 pub trait Scalar {
-    /// What [`Self::holds`] wants, after "must be".
+    /// What [`Self::holds`] requires, as a phrase after "must be".
     const WANTED: &'static str;
 
     fn read(leaf: &Leaf, key: &str, reader: &Reader<'_>) -> Read<f32>;
@@ -168,7 +168,7 @@ impl Key for Direction {
     }
 }
 
-/// A noise field: a name in the file, an index into [`World::noises`](crate::world::World::noises)
+/// A noise field: a name in the file, and an index into [`World::noises`](crate::world::World::noises)
 /// in the description.
 pub struct NoiseName;
 
@@ -190,7 +190,7 @@ impl Key for NoiseName {
     }
 }
 
-/// A key that may be left out and is then this whole number.
+/// A key that may be omitted and then has this whole number.
 pub struct Or<K, const DEFAULT: i32>(PhantomData<K>);
 
 impl<K: Key<Value = f64>, const DEFAULT: i32> Key for Or<K, DEFAULT> {
@@ -228,7 +228,7 @@ impl Key for SubTree {
     }
 }
 
-/// A list of sub-trees; an empty one is as good as `Empty`.
+/// A list of sub-trees; an empty list acts like `Empty`.
 pub struct SubTrees;
 
 impl Key for SubTrees {
@@ -248,24 +248,24 @@ impl Key for SubTrees {
     }
 }
 
-/// What [`keys!`] makes of the keys of a shape.
+/// What [`keys!`] generates from the keys of a shape.
 pub trait Keys: Sized {
     /// The keys as the RON parser leaves them.
     type Written: fmt::Debug + DeserializeOwned;
 
-    /// Their names in a world file; none where the value alone is written, as in `Union([…])`.
+    /// Their names in a world file; empty if only the value is written, as in `Union([…])`.
     const NAMES: &'static [&'static str];
 
-    /// The description, each key checked by itself.
+    /// The description, with each key checked separately.
     ///
     /// # Errors
     /// The first key whose value its type does not allow.
     fn read(written: &Self::Written, reader: &mut Reader<'_>) -> Read<Self>;
 
-    /// Where the value of a key stands in the text that it was parsed from: byte offset and length.
+    /// Position of a key's value in the text that it was parsed from: byte offset and length.
     fn place(written: &Self::Written, key: &str, text: &str) -> Option<(usize, usize)>;
 
-    /// Checks each key by itself.
+    /// Checks each key separately.
     ///
     /// # Errors
     /// The first key whose value its type does not allow.
@@ -275,8 +275,8 @@ pub trait Keys: Sized {
     fn children(&self) -> &[Sdf];
 }
 
-/// Declares a shape: a struct whose fields are its keys, each with its [`Key`] in the place of a type.
-/// `pub struct A;` has no keys, `pub struct A(pub Kind);` a value without a name.
+/// Declares a shape: a struct whose fields are its keys, with a [`Key`] in place of each type. `pub
+/// struct A;` has no keys, `pub struct A(pub Kind);` has a value without a name.
 macro_rules! keys {
     (@impl $form:ident, $written:ty, $names:expr, |$source:ident, $reader:ident| $read:expr,
      $([$name:expr, $kind:ty, $field:tt])*) => {

@@ -1,8 +1,8 @@
-//! The tree of signed distance functions that shapes a world. Negative inside stone.
+//! The tree of signed distance functions that shapes a world. Negative inside the solid.
 //!
 //! **A shape is one file**, in `primitives/` or `operators/`: its keys in world files, their rules, its
-//! value on the CPU and on the GPU, how fast the value changes and how far the solid reaches. It is
-//! made known by the two lines that name it here.
+//! value on the CPU and on the GPU, how fast the value changes and how far the solid reaches. Two lines
+//! in this file register it.
 
 mod bounds;
 mod check;
@@ -16,7 +16,7 @@ mod shape;
 mod tests;
 mod wgsl;
 
-/// Shapes of their own.
+/// Shapes without sub-trees.
 mod primitives {
     pub mod capsule;
     pub mod cuboid;
@@ -29,7 +29,7 @@ mod primitives {
     pub mod torus;
 }
 
-/// Shapes made of others.
+/// Shapes made of other shapes.
 mod operators {
     pub mod displace;
     mod fold;

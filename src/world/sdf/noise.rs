@@ -28,12 +28,12 @@ impl Noise {
         self.bank.value(self.id, p)
     }
 
-    /// How far values reach, and how fast they change.
+    /// The field's definition, with its range and variation.
     pub fn field(&self) -> &NoiseField {
         self.bank.field(self.id)
     }
 
-    /// A WGSL expression of the value at the point that the expression `p` gives.
+    /// A WGSL expression of the value at the point given by the expression `p`.
     pub fn emit(&self, body: &mut Body<'_>, p: &str) -> String {
         body.call_noise(self.id, p)
     }

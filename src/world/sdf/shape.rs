@@ -20,7 +20,7 @@ impl Shape {
         Self::with_bank(sdf, Arc::new(NoiseBank::new(noises)))
     }
 
-    /// The same, sharing tables that are built already.
+    /// The same, with existing noise tables.
     pub fn with_bank(sdf: &Sdf, bank: Arc<NoiseBank>) -> Self {
         Self {
             root: sdf.prepare(&bank),
@@ -28,17 +28,17 @@ impl Shape {
         }
     }
 
-    /// Value at a point of world space: negative inside stone. At most the distance to the surface
-    /// times [`Self::lipschitz`] (jumps aside), and +∞ where there is nothing at all.
+    /// Value at a point of world space: negative inside the solid. At most the distance to the surface
+    /// times [`Self::lipschitz`] (jumps aside), and +∞ where there is no solid at all.
     pub fn eval(&self, p_ws: DVec3) -> f64 {
         self.root.eval(p_ws)
     }
 
     /// Upper bound of |eval(p) − eval(q)| over all p, q at most `radius` apart. Where
-    /// |eval(centre)| exceeds it, a block of this half diagonal is all stone or all air.
+    /// eval(centre)| exceeds it, a block with this half diagonal is entirely solid or entirely air.
     ///
-    /// Not proportional to the radius: noise cannot exceed its amplitude however far one goes, and a
-    /// stepped height field jumps however near one stays.
+    /// Not proportional to the radius: noise cannot exceed its amplitude at any distance, and a stepped
+    /// height field jumps even between very close points.
     pub fn variation(&self, radius: f64) -> f64 {
         self.root.variation(radius)
     }
@@ -49,12 +49,12 @@ impl Shape {
         (self.variation(2.0 * radius) - self.variation(radius)) / radius
     }
 
-    /// A box that holds all stone; infinite where none is known.
+    /// A box that contains all solid voxels; infinite if none is known.
     pub fn bounds(&self) -> Bounds {
         self.root.bounds(0.0)
     }
 
-    /// The noise fields behind the tree.
+    /// The noise fields that the tree uses.
     pub fn bank(&self) -> &Arc<NoiseBank> {
         &self.bank
     }

@@ -15,8 +15,8 @@ impl Voxels {
         self.rebuild_distances_within(UVec3::ZERO, self.cells - UVec3::ONE);
     }
 
-    /// Recomputes the distances that depend on the cells in the box `min..=max`: those of the
-    /// cells up to seven farther out. Returns the box that was rewritten.
+    /// Recomputes the distances that depend on the cells in the box `min..=max`: those of the cells up
+    /// to seven farther out. Returns the box that was rewritten.
     pub(super) fn rebuild_distances_within(&mut self, min: UVec3, max: UVec3) -> (UVec3, UVec3) {
         let reach = UVec3::splat(FARTHEST - 1);
         let low = min.saturating_sub(reach);
@@ -45,15 +45,15 @@ impl Voxels {
         (low, high)
     }
 
-    /// Distances of one octant inside the box, x fastest; what lies outside of the box towards the
-    /// octant is read from the grid, where it is still right.
+    /// Distances of one octant inside the box, x fastest. Distances of cells outside the box, towards
+    /// the octant, are read from the grid, where they are still valid.
     fn octant_distances(&self, octant: u32, low: UVec3, high: UVec3) -> Vec<u8> {
         let extent = high - low + UVec3::ONE;
         let backwards = UVec3::new(octant & 1, octant >> 1 & 1, octant >> 2 & 1);
         let towards = IVec3::ONE - 2 * backwards.as_ivec3();
         let mut found = vec![0u8; extent.element_product() as usize];
         let local = |cell: UVec3| (cell.x + extent.x * (cell.y + extent.y * cell.z)) as usize;
-        // From the far end of the octant back, so that the neighbours are known.
+        // From the far end of the octant backwards, so that the neighbours are known.
         let order = |n: u32, back: u32| (0..n).map(move |i| if back == 1 { i } else { n - 1 - i });
         for z in order(extent.z, backwards.z) {
             for y in order(extent.y, backwards.y) {
@@ -83,7 +83,7 @@ impl Voxels {
         found
     }
 
-    /// The distance that the grid holds: 0 for a cell that is not empty, the farthest outside.
+    /// The distance stored in the grid: 0 for a cell that is not empty, the maximum outside.
     fn stored_distance(&self, octant: u32, cell: IVec3) -> u32 {
         if cell.cmplt(IVec3::ZERO).any() || cell.cmpge(self.cells.as_ivec3()).any() {
             return FARTHEST;

@@ -1,10 +1,10 @@
-//! Edits: a voxel, a box, a sphere. Bricks are allocated and freed, distances kept exact.
+//! Edits: a voxel, a box, a sphere. Bricks are allocated and freed, and distances stay exact.
 
 use glam::{IVec3, UVec3, Vec3};
 
 use super::{BRICK, BRICK_VOXELS, CELL, Cell, Voxels, brick_index};
 
-/// What an edit changed, so that the GPU's copy can follow.
+/// What an edit changed, so that the GPU's copy can be updated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Edit {
     /// Bricks whose masks and materials changed.
@@ -79,7 +79,7 @@ impl Voxels {
         }
     }
 
-    /// The rows of grid words that a box of cells covers, adjoining ones merged.
+    /// The rows of grid words that a box of cells covers, with adjacent rows merged.
     fn rows(&self, min: UVec3, max: UVec3) -> Vec<std::ops::Range<usize>> {
         let mut rows: Vec<std::ops::Range<usize>> = Vec::new();
         for z in min.z..=max.z {
@@ -95,7 +95,7 @@ impl Voxels {
         rows
     }
 
-    /// Whether every invariant of the structure holds; the reason when one does not.
+    /// Checks every invariant of the structure.
     ///
     /// # Errors
     /// The first invariant that is broken.
@@ -176,7 +176,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(48))]
-        /// Any sequence of edits leaves what a fresh build from the same voxels gives.
+        /// Any sequence of edits gives the same result as a fresh build from the same voxels.
         #[test]
         fn edits_equal_a_fresh_build(changes in changes()) {
             let size = UVec3::new(40, 37, 40);
@@ -196,7 +196,8 @@ mod tests {
             });
             prop_assert_eq!(edited.bricks(), fresh.bricks());
             for (after, built) in edited.grid.iter().zip(&fresh.grid) {
-                // Which brick a cell got depends on history; that it has one does not.
+                // The number of a cell's brick depends on history; whether the cell has a brick does
+                // not.
                 let same = if after >> 30 == 2 { built >> 30 == 2 } else { after == built };
                 prop_assert!(same, "{after:#x} against {built:#x}");
             }
@@ -205,7 +206,7 @@ mod tests {
         }
     }
 
-    /// Copies only what the edit says has changed, as the GPU's copy does.
+    /// Copies only what the edit reports as changed, like the GPU's copy.
     fn follow(copy: &mut Voxels, edited: &Voxels, edit: &Edit) {
         copy.masks.resize(edited.masks.len(), [0; 16]);
         for range in &edit.grid {

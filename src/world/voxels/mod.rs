@@ -1,16 +1,16 @@
 //! The brick map: a coarse grid of 8³ cells, each empty, uniform, or an index to a brick.
 //!
 //! Layout, shared with `shaders/scene/voxels.wesl`:
-//! - `grid`: one u32 a cell, index x | y << log2(cells.x) | z << log2(cells.x·cells.y). Bit 31
+//! - `grid`: one u32 per cell, index x | y << log2(cells.x) | z << log2(cells.x·cells.y). Bit 31
 //!   clear: empty, and bits 3·o … 3·o+2 hold (whole cells that a ray of octant o may cross) − 1,
 //!   where octant o = (dir.x < 0) | (dir.y < 0) << 1 | (dir.z < 0) << 2. Bits 31 and 30 set:
 //!   uniform solid, material in bits 0–7. Bit 31 alone: brick index in bits 0–29.
-//! - `masks`: sixteen u32 a brick: eight 4³ masks (index (x≥4) | (y≥4) << 1 | (z≥4) << 2), two
+//! - `masks`: sixteen u32 per brick: eight 4³ masks (index (x≥4) | (y≥4) << 1 | (z≥4) << 2), two
 //!   words each, bit (x&3) | (y&3) << 2 | (z&3) << 4 of the 64.
-//! - `materials`: 512 bytes a brick, index x | y << 3 | z << 6; 0 is air. Read only at a hit.
+//! - `materials`: 512 bytes per brick, index x | y << 3 | z << 6; 0 is air. Read only at a hit.
 //!
-//! Invariants: a brick is neither empty nor uniform; the distances of empty cells are exact; what
-//! lies between `size` and the grid's end is air.
+//! Invariants: a brick is neither empty nor uniform; the distances of empty cells are exact; voxels
+//! between `size` and the grid's end are air.
 
 mod distances;
 mod edit;
@@ -24,22 +24,24 @@ pub use edit::Edit;
 pub const CELL: u32 = 8;
 /// Voxels in a brick.
 pub const BRICK_VOXELS: usize = 512;
-/// Cells that one step of a ray may cross at most.
+/// Most cells that one step of a ray may cross.
 pub const FARTHEST: u32 = 8;
 
 crate::shared! {
     in world;
 
-    /// In a cell's word: it holds stone.
+    /// Bit of a cell's word: the cell contains solid voxels.
     pub const SOLID as CELL_SOLID: u32 = 1 << 31;
 
-    /// In the word of a cell that holds stone: throughout, of the material in its lowest byte.
+    /// Bit of the word of a cell with solid voxels: it is full of the material in the word's lowest
+    /// byte.
     pub const UNIFORM as CELL_UNIFORM: u32 = 1 << 30;
 
-    /// Of the word of any other cell that holds stone: the number of its brick.
+    /// Mask for the word of any other cell with solid voxels: the number of its brick.
     pub const BRICK as CELL_BRICK: u32 = UNIFORM - 1;
 
-    /// The word of an empty cell with only empty ones around it: three bits for each octant, its distance − 1.
+    /// The word of an empty cell surrounded by empty cells: three bits for each octant, its distance −
+    /// 1.
     pub const ALL_FARTHEST: u32 = (1 << 24) - 1;
 }
 
@@ -57,12 +59,12 @@ pub struct Voxels {
     free_bricks: Vec<u32>,
 }
 
-/// What one grid cell of 8³ voxels holds.
+/// Content of one grid cell of 8³ voxels.
 #[derive(Clone, Copy, Debug)]
 pub enum Cell<'a> {
     /// Air throughout.
     Empty,
-    /// Stone of one material throughout.
+    /// Solid voxels of one material throughout.
     Uniform(u8),
     /// Materials, index x | y << 3 | z << 6 of the voxel within the cell; 0 is air.
     Brick(&'a Brick),
@@ -72,14 +74,14 @@ pub enum Cell<'a> {
 #[derive(Clone, Debug)]
 pub enum NewCell {
     Empty,
-    /// Stone of one material (not 0) throughout.
+    /// Solid voxels of one material (not 0) throughout.
     Uniform(u8),
-    /// Any materials; stored as what it amounts to.
+    /// Any materials; stored in the smallest form that holds them.
     Voxels(Box<Brick>),
 }
 
 impl Voxels {
-    /// Nothing but air.
+    /// A world of air.
     pub fn empty(size: UVec3) -> Self {
         let cells = grid_cells(size);
         let mut voxels = Self {
@@ -127,11 +129,11 @@ impl Voxels {
         voxels
     }
 
-    /// The structure as the GPU built it. `masks` and `materials` may be longer than what the grid
-    /// uses: the bricks that no cell names are free.
+    /// The structure as the GPU built it. `masks` and `materials` may be longer than the grid needs:
+    /// bricks that no cell names are free.
     ///
     /// # Panics
-    /// When the grid's length does not fit `size`.
+    /// If the grid's length does not fit `size`.
     pub fn from_raw(
         size: UVec3,
         grid: Vec<u32>,
@@ -171,12 +173,12 @@ impl Voxels {
         (&self.grid, &self.masks, &self.materials)
     }
 
-    /// Bricks in use.
+    /// Number of bricks in use.
     pub fn bricks(&self) -> usize {
         self.masks.len() - self.free_bricks.len()
     }
 
-    /// What a grid cell holds. `cell` is the voxel / [`CELL`] of a voxel inside [`Self::size`].
+    /// Content of a grid cell. `cell` is the voxel / [`CELL`] of a voxel inside [`Self::size`].
     pub fn cell(&self, cell: UVec3) -> Cell<'_> {
         let word = self.grid[self.cell_index(cell)];
         if word & SOLID == 0 {
@@ -206,8 +208,8 @@ impl Voxels {
         (cell.x | cell.y << bits.x | cell.z << (bits.x + bits.y)) as usize
     }
 
-    /// Makes a cell hold these materials, allocating or freeing its brick. Returns the brick that
-    /// was written, if any. Distances are the caller's.
+    /// Stores these materials in a cell, allocating or freeing its brick. Returns the brick that was
+    /// written, if any. The caller must update the distances.
     fn store(&mut self, cell: UVec3, content: &Brick) -> Option<u32> {
         let index = self.cell_index(cell);
         let old = self.grid[index];
@@ -237,7 +239,7 @@ impl Voxels {
     }
 }
 
-/// Extent in cells of the grid that holds a world of `size` voxels.
+/// Extent in cells of the grid for a world of `size` voxels.
 pub fn grid_cells(size: UVec3) -> UVec3 {
     size.map(|n| n.div_ceil(CELL).max(1).next_power_of_two())
 }

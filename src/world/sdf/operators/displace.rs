@@ -38,7 +38,7 @@ struct Displaced {
 }
 
 impl Displaced {
-    /// What the noise adds at most, voxels.
+    /// The most that the noise adds, in voxels.
     fn most(&self) -> f64 {
         self.amplitude.abs() * self.noise.field().amplitude()
     }

@@ -1,15 +1,15 @@
-//! Minima and maxima over sub-trees: what union, intersection and subtraction have in common.
+//! Minima and maxima over sub-trees: the common part of union, intersection and subtraction.
 //!
 //! A sub-tree with noise or copies costs much more than bounds on its value: noise cannot exceed its
-//! amplitude, copies cannot leave their box. Where the bound shows that the sub-tree would lose
-//! against what is known already, the GPU does not evaluate it. The result is the same.
+//! amplitude, copies cannot leave their box. If the bound shows that the sub-tree cannot change the
+//! value known so far, the GPU does not evaluate it. The result is the same.
 
 use glam::DVec3;
 
 use crate::world::sdf::wgsl::{Body, FAR, number};
 use crate::world::sdf::{Bounds, Node, Side, Tree};
 
-/// The values of sub-trees combined; without any, +∞.
+/// The combined values of sub-trees; +∞ without any.
 #[derive(Debug)]
 pub struct Fold {
     pub combine: Combine,
@@ -36,7 +36,7 @@ fn smooth_min(a: f64, b: f64, k: f64) -> f64 {
     if k <= 0.0 {
         return a.min(b);
     }
-    // The difference of two infinities is NaN, which max() passes over: they do not blend.
+    // The difference of two infinities is NaN, which max() ignores: they do not blend.
     let blend = (k - (a - b).abs()).max(0.0);
     a.min(b) - blend * blend / (4.0 * k)
 }
@@ -50,7 +50,7 @@ impl Combine {
         }
     }
 
-    /// How far the blends of this many sub-trees move the value at most: each of the pairwise ones by
+    /// The most by which the blends of `count` sub-trees move the value: each of the pairwise blends by
     /// k/4, away from the sub-trees' values.
     fn blends(self, count: usize) -> f64 {
         self.k / 4.0 * count.saturating_sub(1) as f64
@@ -70,8 +70,8 @@ impl Combine {
         }
     }
 
-    /// Appends the statements that combine what is known with one more sub-tree, and leave it out
-    /// where its bound shows that it cannot count.
+    /// Appends the statements that combine the value known so far with one more sub-tree, and skip the
+    /// sub-tree if its bound shows that it cannot change the value.
     fn emit_one(self, body: &mut Body<'_>, known: &str, node: &Tree, p: &str) -> String {
         let side = match self.largest {
             false => Side::Lower,
@@ -110,7 +110,7 @@ impl Node for Fold {
     }
 
     /// A smooth minimum is a weighted mean of its arguments plus a bump that does not vary faster: its
-    /// gradient lies between theirs.
+    /// gradient lies between those of the arguments.
     fn variation(&self, radius: f64) -> f64 {
         let all = self.of.iter().map(|of| of.variation(radius));
         all.fold(0.0, f64::max)
@@ -135,7 +135,7 @@ impl Node for Fold {
     fn emit(&self, body: &mut Body<'_>, p: &str) -> String {
         let mut order: Vec<&Tree> = self.of.iter().collect();
         if self.combine.k == 0.0 {
-            // Sharp ones do not depend on the order: what is cheap decides first.
+            // Sharp combinations do not depend on the order: cheap sub-trees come first.
             order.sort_by_key(|node| node.is_costly());
         }
         let mut known: Option<String> = None;
@@ -151,7 +151,7 @@ impl Node for Fold {
     fn emit_bound(&self, body: &mut Body<'_>, p: &str, side: Side) -> Option<String> {
         let all = self.of.iter().map(|of| body.bound(of, p, side));
         let bounds: Vec<Option<String>> = all.collect();
-        // One sub-tree alone bounds a minimum from above and a maximum from below.
+        // A single sub-tree bounds a minimum from above and a maximum from below.
         let one_is_enough = (side == Side::Lower) == self.combine.largest;
         if !one_is_enough && bounds.iter().any(Option::is_none) {
             return None;

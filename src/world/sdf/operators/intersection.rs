@@ -1,4 +1,4 @@
-//! What is solid in all of the sub-trees.
+//! The solid common to all sub-trees.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::world::sdf::keys::{NotNegative, SubTrees, keys};
 use crate::world::sdf::{Form, Sdf, Tree};
 
 keys! {
-    /// Solid where all of the sub-trees are; without any, nowhere.
+    /// Solid where all of the sub-trees are solid; nowhere without any.
     pub struct Intersection(pub SubTrees);
 }
 

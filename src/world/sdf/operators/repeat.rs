@@ -11,7 +11,7 @@ use crate::world::sdf::{Bounds, Fault, Form, Node, Shape, Tree};
 
 keys! {
     /// Repeats a sub-tree with this period on every axis whose period is above 0. On those axes the
-    /// sub-tree must keep within one period of its own origin.
+    /// sub-tree must lie within one period of its own origin.
     pub struct Repeat {
         /// Voxels.
         pub period: Three<NotNegative>,
@@ -56,15 +56,15 @@ impl Form for Repeat {
     }
 }
 
-/// A sub-tree in every tile; the copy of the nearest neighbour tile counts too, so that the distance
-/// is continuous across tiles and the sub-tree may lean over its tile's edge.
+/// A sub-tree in every tile. The copy in the nearest neighbour tile counts too, so that the distance is
+/// continuous across tiles and the sub-tree may extend over its tile's edge.
 #[derive(Debug)]
 struct Tiles {
     /// 0 on the axes that do not repeat.
     period: DVec3,
-    /// The sub-tree's bounds: the distance to them is what a copy is at least away.
+    /// The sub-tree's bounds: a copy is at least as far away as they are.
     bounds: Bounds,
-    /// No copy beyond the nearest two along each axis is nearer than this.
+    /// No copy beyond the nearest two along each axis is closer than this.
     clearance: f64,
     of: Tree,
 }
@@ -75,7 +75,7 @@ impl Node for Tiles {
         let period = DVec3::select(repeats, self.period, DVec3::ONE);
         let tile = DVec3::select(repeats, (p / period).round(), DVec3::ZERO);
         let local = p - tile * self.period;
-        // Towards the neighbour that the point leans to.
+        // Towards the neighbour tile that is closest to the point.
         let lean = DVec3::select(local.cmplt(DVec3::ZERO), -self.period, self.period);
         let mut nearest = self.clearance;
         for corner in 0..8 {
@@ -94,8 +94,8 @@ impl Node for Tiles {
                 .length();
             if to_bounds < nearest {
                 let value = self.of.eval(q);
-                // Outside of its bounds a copy is at least as far as they are, whatever its own
-                // function says: without this the cut-off would not be continuous.
+                // Outside its bounds a copy counts as at least as far as the bounds, whatever its own
+                // function returns: without this rule the cut-off would not be continuous.
                 let value = if to_bounds > 0.0 {
                     value.max(to_bounds)
                 } else {

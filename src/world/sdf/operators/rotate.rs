@@ -1,4 +1,4 @@
-//! A sub-tree turned.
+//! A rotated sub-tree.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::world::sdf::wgsl::{Body, vector};
 use crate::world::sdf::{Bounds, Form, Node, Side, Tree};
 
 keys! {
-    /// Turns a sub-tree around the origin.
+    /// Rotates a sub-tree around the origin.
     pub struct Rotate {
         /// Euler angles in degrees, applied about x, then y, then z.
         pub degrees: Point,
@@ -32,7 +32,7 @@ impl Form for Rotate {
 
 #[derive(Debug)]
 struct Turned {
-    /// Rotates points of the outer space into the sub-tree's.
+    /// Rotates points of the outer space into the sub-tree's space.
     inverse: DMat3,
     of: Tree,
 }

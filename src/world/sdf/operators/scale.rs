@@ -1,4 +1,4 @@
-//! A sub-tree at another size.
+//! A scaled sub-tree.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ keys! {
     }
 }
 
-/// By how much something grows: neither to nothing nor beyond all worlds, for f32 has to hold the places.
+/// A scale factor, limited so that an f32 can still hold the coordinates.
 pub struct Factor;
 
 impl Scalar for Factor {

@@ -1,5 +1,5 @@
-//! Copies of a sub-tree, scattered over cells: an integer hash, the same on the CPU and on the GPU
-//! (`shaders/sdf/scatter.wesl`), says which cells hold one, where and how large.
+//! Copies of a sub-tree, scattered over cells. An integer hash, the same on the CPU and on the GPU
+//! (`shaders/sdf/scatter.wesl`), decides which cells hold a copy, where and how large.
 
 use std::sync::Arc;
 
@@ -14,11 +14,11 @@ use crate::world::sdf::wgsl::{Body, number, single, vector};
 use crate::world::sdf::{Bounds, Fault, Form, Node, Side, Tree};
 
 keys! {
-    /// Copies of a sub-tree, one to a cubic cell of edge `cell` inside the box [min, max] (as many
-    /// whole cells as fit best along each axis, at least one, centred in the box), with this
-    /// probability, moved by up to `jitter` cells along each axis and scaled by a factor from `scale`.
-    /// The sub-tree must lie within `reach` of its own origin, and reach · scale.1 + jitter · cell must
-    /// not exceed `cell`, so that 27 cells bound the search.
+    /// Copies of a sub-tree, at most one per cubic cell of edge `cell` inside the box [min, max] (as
+    /// many whole cells as fit best along each axis, at least one, centred in the box). A cell holds a
+    /// copy with this probability; the copy is moved by up to `jitter` cells along each axis and scaled
+    /// by a factor from `scale`. The sub-tree must lie within `reach` of its own origin, and reach ·
+    /// scale.1 + jitter · cell must not exceed `cell`, so that the search is limited to 27 cells.
     pub struct Scatter {
         /// Lowest corner of the box, voxels.
         pub min: LowCorner,
@@ -26,20 +26,20 @@ keys! {
         pub max: HighCorner,
         /// Edge of a cell, voxels.
         pub cell: Positive,
-        /// That a cell holds a copy.
+        /// Probability that a cell holds a copy.
         pub probability: Or<Share, 1>,
-        /// In cells.
+        /// Greatest move along each axis, in cells.
         pub jitter: Or<Share, 0>,
         /// Smallest and greatest factor.
         pub scale: ScaleRange,
-        /// Voxels, before scaling.
+        /// Greatest distance of the sub-tree's solid from its origin in voxels, before scaling.
         pub reach: Positive,
         pub seed: Seed,
         pub of: SubTree,
     }
 }
 
-/// A corner of a box; left out, the lowest of the world's.
+/// A corner of a box; if omitted, the lowest corner of the world.
 pub struct LowCorner;
 
 impl Key for LowCorner {
@@ -56,7 +56,7 @@ impl Key for LowCorner {
     }
 }
 
-/// A corner of a box; left out, the highest of the world's.
+/// A corner of a box; if omitted, the highest corner of the world.
 pub struct HighCorner;
 
 impl Key for HighCorner {
@@ -73,7 +73,7 @@ impl Key for HighCorner {
     }
 }
 
-/// `(least, greatest)`; left out, (1, 1).
+/// `(least, greatest)`; if omitted, (1, 1).
 pub struct ScaleRange;
 
 impl Key for ScaleRange {
@@ -103,7 +103,7 @@ impl Key for ScaleRange {
     }
 }
 
-/// Left out, a seed made of the world's, another for each scatter.
+/// If omitted, a seed derived from the world's, different for each scatter.
 pub struct Seed;
 
 impl Key for Seed {
@@ -111,7 +111,7 @@ impl Key for Seed {
     type Value = u32;
 
     fn read(written: &Self::Written, _key: &str, reader: &mut Reader<'_>) -> Read<u32> {
-        // Taken even where the file has a seed: writing one changes no other scatter.
+        // Taken even if the file gives a seed, so that adding one changes no other scatter.
         let own_seed = reader.next_seed();
         or(written, own_seed, |leaf| reader.source.seed(leaf))
     }
@@ -168,7 +168,7 @@ impl Form for Scatter {
 }
 
 impl Scatter {
-    /// In f32, as the GPU computes: both must place the very same copies.
+    /// In f32, as the GPU computes: both must place exactly the same copies.
     fn cells(&self, bank: &Arc<NoiseBank>) -> Cells {
         let (min, max, cell) = (self.min.as_vec3(), self.max.as_vec3(), self.cell as f32);
         let cells = ((max - min) / cell).round().max(Vec3::ONE);
@@ -195,14 +195,14 @@ struct Cells {
     start: Vec3,
     cells: UVec3,
     cell: f32,
-    /// A cell holds a copy when the top 24 bits of its hash lie below this.
+    /// A cell holds a copy if the top 24 bits of its hash are below this.
     threshold: u32,
     /// Greatest move from the cell's centre along each axis, voxels.
     jitter: f32,
     scale_low: f32,
     scale_span: f32,
     reach: f32,
-    /// The seed, spread over all bits: it flips those of the cell's x before hashing.
+    /// The seed, spread over all bits, which is xored into the cell's x before hashing.
     seed_bits: u32,
     of: Tree,
 }
@@ -233,12 +233,12 @@ impl Cells {
         f64::from(self.reach) * f64::from(self.scale_low + self.scale_span)
     }
 
-    /// No copy outside of the 27 cells around a point is nearer than this.
+    /// No copy outside the 27 cells around a point is closer than this.
     fn clearance(&self) -> f64 {
         1.5 * f64::from(self.cell) - f64::from(self.jitter) - self.greatest_reach()
     }
 
-    /// Centre and half extent of the box that holds all copies.
+    /// Centre and half extent of the box that contains all copies.
     fn content(&self) -> (DVec3, DVec3) {
         let half_cells = self.cells.as_dvec3() * f64::from(self.cell) / 2.0;
         let margin = f64::from(self.jitter) + self.greatest_reach() - f64::from(self.cell) / 2.0;
@@ -268,8 +268,9 @@ impl Cells {
 }
 
 impl Node for Cells {
-    /// Distance to the nearest copy, cut off at [`Self::clearance`] among the cells, so that the 27
-    /// cells around the point decide it, and at the distance to the box of all copies outside.
+    /// Distance to the nearest copy. Among the cells it is cut off at [`Self::clearance`], so that the
+    /// 27 cells around the point determine it; outside, it is cut off at the distance to the box of all
+    /// copies.
     fn eval(&self, p: DVec3) -> f64 {
         let (centre, half) = self.content();
         let outside = (((p - centre).abs() - half).max(DVec3::ZERO)).length();
@@ -291,8 +292,9 @@ impl Node for Cells {
                     };
                     let from_centre = p - copy.centre.as_dvec3();
                     let scale = f64::from(copy.scale);
-                    // Beyond its reach a copy is at least as far as its bounding sphere, whatever
-                    // its own function says: without this the cut-off would not be continuous.
+                    // Beyond its reach a copy counts as at least as far as its bounding sphere,
+                    // whatever its own function returns: without this rule the cut-off would not be
+                    // continuous.
                     let to_sphere = from_centre.length() - f64::from(self.reach) * scale;
                     if to_sphere < nearest {
                         let distance = self.of.eval(from_centre / scale) * scale;
@@ -309,7 +311,7 @@ impl Node for Cells {
     }
 
     fn variation(&self, radius: f64) -> f64 {
-        // s·v(r/s) grows with s when v is concave with v(0) ≥ 0.
+        // s·v(r/s) grows with s if v is concave with v(0) ≥ 0.
         let scale = f64::from(self.scale_low + self.scale_span);
         (self.of.variation(radius / scale) * scale).max(radius)
     }
@@ -369,7 +371,7 @@ fn {name}(p: vec3f) -> f32 {{
         let (centre, half) = self.content();
         let (centre, half) = (vector(centre), vector(half));
         let outside = body.variable("b", format_args!("box_distance({p} - {centre}, {half})"));
-        // Among the copies nothing is known.
+        // No bound is known among the copies.
         Some(body.variable(
             "b",
             format_args!("select(-FAR, {outside}, {outside} > 0.0)"),

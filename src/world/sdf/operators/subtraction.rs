@@ -1,4 +1,4 @@
-//! The first sub-tree without all the others.
+//! The first sub-tree minus all the others.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::world::sdf::wgsl::Body;
 use crate::world::sdf::{Bounds, Form, Node, Sdf, Side, Tree};
 
 keys! {
-    /// Solid where the first sub-tree is and none of the others.
+    /// Solid where the first sub-tree is solid and none of the others is.
     pub struct Subtraction(pub SubTrees);
 }
 
@@ -43,7 +43,7 @@ fn prepare(of: &[Sdf], k: f64, bank: &Arc<NoiseBank>) -> Tree {
     })
 }
 
-/// The others enter the maximum as their complements.
+/// The other sub-trees enter the maximum as their complements.
 fn first_without_rest(of: &[Sdf], bank: &Arc<NoiseBank>) -> Vec<Tree> {
     let mut nodes: Vec<Tree> = of.iter().map(|of| of.prepare(bank)).collect();
     for node in nodes.iter_mut().skip(1) {
@@ -52,7 +52,7 @@ fn first_without_rest(of: &[Sdf], bank: &Arc<NoiseBank>) -> Vec<Tree> {
     nodes
 }
 
-/// Solid where the sub-tree is not.
+/// Solid where the sub-tree is not solid.
 #[derive(Debug)]
 struct Complement {
     of: Tree,

@@ -1,4 +1,4 @@
-//! A sub-tree moved.
+//! A translated sub-tree.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::world::sdf::wgsl::{Body, vector};
 use crate::world::sdf::{Bounds, Form, Node, Side, Tree};
 
 keys! {
-    /// Moves a sub-tree.
+    /// Translates a sub-tree.
     pub struct Translate {
         /// Voxels.
         pub by: Point,

@@ -1,4 +1,4 @@
-//! What is solid in any of the sub-trees.
+//! The solid of any of the sub-trees.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::world::sdf::keys::{NotNegative, SubTrees, keys};
 use crate::world::sdf::{Form, Sdf, Tree};
 
 keys! {
-    /// Solid where any of the sub-trees is; without any, nowhere.
+    /// Solid where any of the sub-trees is solid; nowhere without any.
     pub struct Union(pub SubTrees);
 }
 

@@ -1,4 +1,4 @@
-//! A sub-tree seen at points that a noise moves.
+//! A sub-tree evaluated at points that a noise moves.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ keys! {
     }
 }
 
-/// Where the second and third component read the noise, relative to the first (voxels).
+/// Offsets (voxels) at which the second and third component read the noise, relative to the first.
 const SHIFTS: [DVec3; 2] = [
     DVec3::new(113.5, 27.25, 71.75),
     DVec3::new(-59.25, 167.5, -23.125),
@@ -44,8 +44,8 @@ struct Warped {
 }
 
 impl Warped {
-    /// How far a point moves at most, or how much more two points move apart, when the noise on one
-    /// axis changes by this much.
+    /// The most that a point moves, or the most that two points move apart, if the noise on one axis
+    /// changes by `noise`.
     fn moved(&self, noise: f64) -> f64 {
         3.0_f64.sqrt() * self.amplitude.abs() * noise
     }

@@ -1,4 +1,4 @@
-//! A line with a radius.
+//! A line segment with a radius.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::world::sdf::wgsl::{Body, number, vector};
 use crate::world::sdf::{Bounds, Form, Node, Tree};
 
 keys! {
-    /// Every point within a distance of a line; a ball where both ends are the same.
+    /// Every point within a distance of a line segment; a ball if both ends are the same.
     pub struct Capsule {
         /// One end of the line, voxels.
         pub from: Point,
@@ -41,9 +41,9 @@ impl Form for Capsule {
 #[derive(Debug)]
 struct Line {
     from: DVec3,
-    /// From one end to the other.
+    /// Vector from one end to the other.
     along: DVec3,
-    /// 0 for a line of no length.
+    /// 0 for a segment of length 0.
     inverse_length_squared: f64,
     radius: f64,
 }

@@ -1,4 +1,4 @@
-//! A box. World files call it `Box`; in Rust that name is taken.
+//! A box. World files call it `Box`, which has another meaning in Rust.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ impl Form for Cuboid {
     }
 }
 
-/// A box of this half extent grown by `radius` all around.
+/// A box of this half extent, grown by `radius` on all sides.
 #[derive(Debug)]
 pub struct Grown {
     pub half: DVec3,

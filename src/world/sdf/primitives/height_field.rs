@@ -1,4 +1,4 @@
-//! Ground whose height is a noise.
+//! Ground whose height follows a noise.
 
 use std::sync::Arc;
 
@@ -11,8 +11,8 @@ use crate::world::sdf::wgsl::{Body, number};
 use crate::world::sdf::{Bounds, Form, Node, Side, Tree};
 
 keys! {
-    /// Solid where y < base + amplitude · noise(x, 0, z), the rise above `base` rounded down to whole
-    /// multiples of `step`. Not a distance: the height is divided by its own Lipschitz constant.
+    /// Solid where y < base + amplitude · noise(x, 0, z); the rise above `base` is rounded down to
+    /// whole multiples of `step`. Not a distance: the value is divided by its own Lipschitz constant.
     pub struct HeightField {
         pub noise: NoiseName,
         /// Height where the noise is 0, voxels.
@@ -49,7 +49,7 @@ struct Ground {
 }
 
 impl Ground {
-    /// How far the height moves from the base at most, before it is rounded.
+    /// The most that the height differs from the base, before rounding.
     fn greatest_rise(&self) -> f64 {
         self.amplitude.abs() * self.noise.field().amplitude()
     }

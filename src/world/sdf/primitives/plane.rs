@@ -14,8 +14,8 @@ keys! {
     pub struct Plane {
         /// Points out of the solid; its length scales the offset.
         pub normal: Direction,
-        /// Distance of the surface from the origin along the normal, in lengths of the normal times
-        /// voxels.
+        /// Distance of the surface from the origin along the normal, in voxels times the length of the
+        /// normal.
         pub offset: Length,
     }
 }

@@ -8,10 +8,10 @@ use crate::world::sdf::keys::{NotNegative, Three, keys};
 use crate::world::sdf::{Form, Tree};
 
 keys! {
-    /// A box along the axes, around the origin, grown by a radius: what a ball sweeps whose centre
-    /// moves through the box.
+    /// A box along the axes, around the origin, grown by a radius: the volume that a ball sweeps when
+    /// its centre moves through the box.
     pub struct RoundedBox {
-        /// Half of the box's extent before it grows, voxels.
+        /// Half of the box's extent before it is grown, voxels.
         pub half: Three<NotNegative>,
         /// Voxels.
         pub radius: NotNegative,

@@ -11,7 +11,7 @@ use super::{
 };
 use trees::{moved, noises, scattered, sphere, trees};
 
-/// Points of ±30, the same in every run, that do not lie on lattice planes.
+/// Points within ±30, the same in every run, that do not lie on lattice planes.
 pub fn points(count: usize) -> impl Iterator<Item = DVec3> {
     (0..count).map(|i| {
         let i = i as f64 + 0.5;
@@ -56,7 +56,7 @@ fn values_vary_no_faster_than_stated() {
 }
 
 #[test]
-fn all_stone_lies_within_the_bounds() {
+fn all_solid_points_lie_within_the_bounds() {
     for tree in trees() {
         let shape = Shape::new(&tree, &noises());
         let bounds = shape.bounds();
@@ -70,7 +70,7 @@ fn all_stone_lies_within_the_bounds() {
                 );
             }
         }
-        assert!(solid > 0, "{tree:?} has no stone");
+        assert!(solid > 0, "{tree:?} has no solid point");
     }
 }
 
@@ -152,7 +152,7 @@ fn a_stepped_height_field_is_flat_between_its_steps() {
 }
 
 #[test]
-fn repeat_equals_the_copies_laid_out() {
+fn repeat_equals_a_union_of_its_copies() {
     let tile = moved([3.0, -2.0, 4.0], sphere(5.0));
     let shape = Shape::new(
         &Sdf::from(Repeat {

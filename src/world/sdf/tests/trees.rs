@@ -20,7 +20,7 @@ const PAIR: &str = "[
     Translate(by: (-3, 0, 1), of: Sphere(radius: 6)),
     Translate(by: (4, 2, 0), of: Sphere(radius: 5)),
 ]";
-/// Where the scatters put their copies.
+/// Box in which the scatters put their copies.
 const BOX: &str = "min: (-20, -20, -20), max: (20, 9, 25), probability: 0.6, seed: 5";
 
 fn world(shape: &str) -> World {
@@ -58,7 +58,7 @@ pub fn scattered(of: Sdf, cell: f64, jitter: f64, scale: (f64, f64), reach: f64)
     })
 }
 
-/// One tree at least of every shape, then combinations.
+/// At least one tree for every shape, then combinations.
 pub fn trees() -> Vec<Sdf> {
     let shapes = [
         "Sphere(radius: 7)".to_owned(),
@@ -90,7 +90,7 @@ pub fn trees() -> Vec<Sdf> {
             "Scatter({BOX}, cell: 14, jitter: 0.5, scale: (1, 1.4), reach: 5, of: Translate(
                 by: (1, 1, 0), of: Cylinder(radius: 1, half_height: 3)))"
         ),
-        // Its own function crawls far from the copy: the cut-off must hold all the same.
+        // The sub-tree's own value grows slowly away from the copy: the cut-off must still hold.
         format!(
             "Scatter({BOX}, cell: 7, jitter: 0.2, scale: (0.8, 1.2), reach: 2.5, of: Intersection([
                 Sphere(radius: 2.5), HeightField(noise: \"floor\", base: 0, amplitude: 9)]))"

@@ -16,11 +16,11 @@ use crate::world::generate::{BLOCK, block_radius};
 use crate::world::rules::RuleSet;
 use crate::world::voxels::CELL;
 
-/// The name of the distance to nothing: beyond everything. Every module declares it.
+/// The name of the constant for the distance to nothing, beyond everything. Every module declares it.
 pub const FAR: &str = "FAR";
 
-/// What f32 evaluation may differ from f64 at most, with a wide margin (voxels): blocks are culled
-/// only when their value clears the bound by this much.
+/// Most that f32 evaluation may differ from f64, with a wide margin (voxels): blocks are culled only if
+/// their value clears the bound by this much.
 const ROUNDING_MARGIN: f64 = 0.01;
 
 /// The module for a world. It declares:
@@ -30,10 +30,10 @@ const ROUNDING_MARGIN: f64 = 0.01;
 ///   rules read (bit 0, 1, 2);
 /// - `const SHAPE_LIPSCHITZ: f32`: as [`Shape::lipschitz`];
 /// - `const SHAPE_CELL_VARIATION: f32` and `SHAPE_BLOCK_VARIATION`: where |shape(centre)| exceeds
-///   them, the 8³ (4³) voxels around a centre are all stone or all air.
+///   them, the 8³ voxels of the cell (2³ of the block) around a centre are all solid or all air.
 ///
-/// It reads `noise_tables`, which [`packed_tables`](crate::world::noise::NoiseBank::packed_tables) of
-/// the same noise fields fills.
+/// It reads `noise_tables`, which must hold
+/// [`packed_tables`](crate::world::noise::NoiseBank::packed_tables) of the same noise fields.
 pub fn shape_module(world: &World) -> String {
     let shape = Shape::new(&world.shape, &world.noises);
     let rules = RuleSet::new(&world.rules, &shape);
@@ -52,19 +52,19 @@ pub fn shape_module(world: &World) -> String {
     ])
 }
 
-/// A module while it is written.
+/// A module while it is being written.
 #[derive(Default)]
 struct Module {
     imports: BTreeSet<&'static str>,
-    /// Functions that shapes bring along, each declared once.
+    /// Functions that shapes need, each declared once.
     helpers: BTreeSet<&'static str>,
     /// Functions of noise fields.
     fields: String,
-    /// The other finished functions.
+    /// Further finished functions.
     functions: String,
-    /// The fields that the functions so far call.
+    /// The fields called by the functions so far.
     noises: BTreeSet<NoiseId>,
-    /// Counts names of functions and variables, each used once in the module.
+    /// Counter for names of functions and variables, each used once in the module.
     names: u32,
 }
 
@@ -88,13 +88,13 @@ impl Module {
         );
     }
 
-    /// A WGSL expression of a noise field at the point that the expression `p` gives.
+    /// A WGSL expression of a noise field at the point given by the expression `p`.
     fn call_noise(&mut self, id: NoiseId, p: &str) -> String {
         self.noises.insert(id);
         format!("noise_{id}({p})")
     }
 
-    /// The text of the whole, with these constants (f32).
+    /// The text of the whole module, with these constants (f32).
     fn finish<const N: usize>(&self, constants: [(&str, f64); N]) -> String {
         let mut text = String::new();
         for import in &self.imports {
@@ -112,14 +112,14 @@ impl Module {
     }
 }
 
-/// The body of a WGSL function while it is written.
+/// The body of a WGSL function while it is being written.
 pub struct Body<'m> {
     module: &'m mut Module,
     text: String,
 }
 
 impl Body<'_> {
-    /// A name that the module has nowhere else; `kind` tells readers what it is.
+    /// A name that is unique in the module; `kind` tells readers what it names.
     pub fn name(&mut self, kind: &str) -> String {
         self.module.name(kind)
     }
@@ -136,7 +136,7 @@ impl Body<'_> {
         name
     }
 
-    /// Makes the module declare this function, once for all who ask for it.
+    /// Makes the module declare this function, once for all callers.
     pub fn helper(&mut self, function: &'static str) {
         self.module.helpers.insert(function);
     }
@@ -156,13 +156,13 @@ impl Body<'_> {
         self.module.function(name, tree);
     }
 
-    /// A WGSL expression of a noise field at the point that the expression `p` gives.
+    /// A WGSL expression of a noise field at the point given by the expression `p`.
     pub fn call_noise(&mut self, id: NoiseId, p: &str) -> String {
         self.module.call_noise(id, p)
     }
 
     /// Appends the statements of a bound on the tree's value at point `p`, without noise or copies;
-    /// returns an expression, or nothing where no bound is known.
+    /// returns an expression, or `None` if no bound is known.
     pub fn bound(&mut self, tree: &Tree, p: &str, side: Side) -> Option<String> {
         if tree.is_costly() {
             tree.emit_bound(self, p, side)
@@ -176,12 +176,12 @@ fn push(text: &mut String, arguments: Arguments<'_>) {
     text.write_fmt(arguments).expect("writing to a string");
 }
 
-/// An f32 literal; beyond ±1e30 that is as good as infinite.
+/// An f32 literal; values beyond ±1e30 are clamped, which is as good as infinite.
 pub fn number(value: f64) -> String {
     single(value.clamp(-1e30, 1e30) as f32)
 }
 
-/// An f32 literal of just this number.
+/// An f32 literal of exactly this number.
 pub fn single(value: f32) -> String {
     format!("{value:?}f")
 }

@@ -35,7 +35,7 @@ struct Octaves {
     before: &'static str,
     /// Statements that give an octave's `signal`.
     signal: String,
-    /// Of the first octave.
+    /// Amplitude of the first octave.
     amplitude: f64,
     /// Ratio of the amplitudes of successive octaves.
     persistence: f64,
