@@ -180,7 +180,7 @@ fn what_does_not_compare_is_refused_with_a_word() {
     refused(
         &mut diff(&a, &foreign),
         2,
-        &["foreign", "no report of `grotto bench`"],
+        &["foreign", "is not a report of `grotto bench`"],
     );
     let damaged = altered("damaged", |report| report["rows"] = json!(7));
     refused(&mut diff(&a, &damaged), 2, &["damaged", "measure it again"]);

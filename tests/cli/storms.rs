@@ -117,7 +117,7 @@ fn voxels_survive_an_edit_storm() {
 
 #[test]
 fn probes_survive_a_layout_storm() {
-    passes(&[Kind::Layout], 60, &[("layouts", 5)]);
+    passes(&[Kind::Layout], 60, &[("layouts", 4)]);
 }
 
 #[test]

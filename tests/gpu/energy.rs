@@ -200,7 +200,7 @@ fn bounces_that_are_lost_are_found() {
         (
             "surface_cache/trace.wesl",
             "light_at_hit(hit.voxel, hit.face, stop.point_gs)",
-            "vec4f(0.0)",
+            "(0.0 * light_at_hit(hit.voxel, hit.face, stop.point_gs))",
         ),
         // And probes know of no bounce before the one that they see.
         (

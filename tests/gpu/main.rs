@@ -13,6 +13,7 @@ mod face_places;
 mod final_gather;
 mod golden;
 mod indirect;
+mod lamps;
 mod light;
 mod marching;
 mod probe_views;

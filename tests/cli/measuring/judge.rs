@@ -140,7 +140,7 @@ fn references_are_kept_and_damaged_ones_traced_anew() {
     let whole = fs::read(&kept[0]).expect("stored");
     let (second, said) = bench.judged(&flags);
     assert_eq!(first["rows"], second["rows"]);
-    assert!(!said.contains("anew"), "{said}");
+    assert!(!said.contains("traced again"), "{said}");
 
     let mut damaged = whole.clone();
     *damaged.last_mut().expect("bytes") ^= 1;
@@ -152,7 +152,10 @@ fn references_are_kept_and_damaged_ones_traced_anew() {
         fs::write(&kept[0], bytes).expect("writable");
         let (again, said) = bench.judged(&flags);
         assert_eq!(first["rows"], again["rows"]);
-        assert!(said.contains(word) && said.contains("anew"), "{said}");
+        assert!(
+            said.contains(word) && said.contains("traced again"),
+            "{said}"
+        );
         assert_eq!(fs::read(&kept[0]).expect("stored"), whole, "kept again");
     }
     // Another picture is another file; none is kept when none is wanted.

@@ -211,7 +211,7 @@ fn parts_that_make_no_whole_are_refused() {
         (&damaged[..], "damaged"),
         (&whole[..whole.len() / 2], "damaged"),
         (&newer, "another version"),
-        (b"", "no part"),
+        (b"", "not a part"),
     ] {
         fs::write(&part, bytes).expect("writable");
         bench.not_merged(&["1", "2"], "out", &["part-2-of-2", word]);

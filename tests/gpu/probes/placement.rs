@@ -64,14 +64,47 @@ fn places(gpu: &Gpu, parameters: &ProbeParameters) -> Vec<[f32; 4]> {
     places
 }
 
-/// Squared voxels that a probe has to go, and 4 for each neighbour of stone beyond three.
+/// Squared voxels that a probe has to go, 4 for each solid neighbour beyond three, and much for a place beyond the grid.
 fn cost(from: IVec3, to: IVec3) -> i32 {
     let around = [IVec3::X, IVec3::Y, IVec3::Z]
         .into_iter()
         .flat_map(|axis| [to + axis, to - axis])
         .filter(|voxel| is_solid(*voxel))
         .count() as i32;
-    (to - from).length_squared() + 4 * (around - 3).max(0)
+    let is_outside = to.cmplt(IVec3::ZERO).any() || to.cmpge(IVec3::splat(SIZE)).any();
+    (to - from).length_squared() + 4 * (around - 3).max(0) + 4096 * i32::from(is_outside)
+}
+
+/// A closed corridor whose walls are thinner towards the outside than towards the air in them.
+#[test]
+fn probes_stay_in_the_world_where_its_walls_are_thin() {
+    let gpu = gpu();
+    let size = UVec3::new(13, 12, 36);
+    let voxels = voxels_from(size, |voxel| {
+        let inside =
+            voxel.cmpge(IVec3::new(6, 5, 3)).all() && voxel.cmplt(IVec3::new(7, 7, 33)).all();
+        u8::from(!inside)
+    });
+    let voxels = GpuVoxels::upload(&gpu, &voxels, IVec3::ZERO).expect("fits");
+    let centre = size.as_vec3() / 2.0;
+    let volume = volume_of(&lattice(UVec3::new(2, 2, 6), Vec3::splat(7.0), centre));
+    let parameters = ProbeParameters::default();
+    let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
+    let pass = ProbeClassify::new(&gpu, &field, &voxels.resources()).expect("compiles");
+    field.begin_frame(&gpu, &parameters, 1, 0);
+    let mut recorder = Recorder::new(&gpu, None);
+    pass.record(&mut recorder);
+    recorder.submit(&gpu).expect("submits");
+    let places: Vec<[f32; 4]> = gpu.read_buffer(field.places()).expect("reads back");
+    let alive: Vec<Vec3> = (places.iter().take(24))
+        .filter(|place| place[3] != 0.0)
+        .map(|[x, y, z, _]| Vec3::new(*x, *y, *z))
+        .collect();
+    assert!(alive.len() >= 16, "{} are alive", alive.len());
+    for place in alive {
+        let is_inside = place.cmpgt(Vec3::ZERO).all() && place.cmplt(size.as_vec3()).all();
+        assert!(is_inside, "{place}");
+    }
 }
 
 #[test]
