@@ -84,7 +84,11 @@ fn shared_structs_are_laid_out_alike() {
 #[test]
 fn lights_are_a_header_and_lamps() {
     let whole = shader_layout("scene::lights", "Lights");
-    let mut header = rust_layout!(GpuLightsHeader { sky, lamp_count });
+    let mut header = rust_layout!(GpuLightsHeader {
+        sky,
+        gain,
+        lamp_count
+    });
     header
         .members
         .insert("lamps".to_owned(), size_of::<GpuLightsHeader>());

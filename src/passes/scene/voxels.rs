@@ -19,6 +19,9 @@ crate::shared! {
         /// Extent in voxels, each a power of two: what lies beyond the world's size is air.
         pub extent: [u32; 3],
         pub shift_z: u32,
+        /// Of the world, in voxels.
+        pub size: [u32; 3],
+        pub _pad: u32,
     }
 }
 
@@ -32,6 +35,8 @@ impl GpuGridInfo {
             shift_y: bits.x,
             extent: (cells * CELL).to_array(),
             shift_z: bits.x + bits.y,
+            size: size.to_array(),
+            _pad: 0,
         }
     }
 }
