@@ -1,10 +1,10 @@
-# What scripts/demo and scripts/test share; sourced by them from the repository's root.
+# Functions that scripts/demo and scripts/test share; both source this file from the repository's root.
 
 say() {
     printf '%s\n' "$*" >&2
 }
 
-# Finds cargo, also where rustup put it but no new shell was opened since.
+# Finds cargo, even if no new shell was opened since rustup installed it.
 need_cargo() {
     if ! command -v cargo >/dev/null && [ -f "${CARGO_HOME:-$HOME/.cargo}/env" ]; then
         . "${CARGO_HOME:-$HOME/.cargo}/env"
@@ -19,7 +19,7 @@ on_debian() {
     command -v apt-get >/dev/null && command -v dpkg-query >/dev/null
 }
 
-# install_missing REASON PACKAGE...: installs those of the Debian packages that are not there.
+# install_missing REASON PACKAGE...: installs the Debian packages that are missing.
 install_missing() {
     local reason="$1" package
     local missing=()

@@ -1,4 +1,4 @@
-//! Edits of the cave on the CPU, the octant distances that follow them included.
+//! Edits of the cave on the CPU, including the update of octant distances.
 
 use std::hint::black_box;
 
@@ -31,7 +31,7 @@ pub fn all(criterion: &mut Criterion) {
         let name = format!("fill and dig a box of {edge}³ voxels");
         group.bench_function(name, |bencher| {
             let mut voxels = CAVE_VOXELS.clone();
-            // Off the borders of cells, as most boxes are.
+            // Not aligned to cells, like most boxes.
             let min = centre().as_ivec3() - edge / 2 + IVec3::new(1, 2, 3);
             bencher.iter(|| {
                 voxels.fill_box(black_box(min), min + edge - 1, 1);

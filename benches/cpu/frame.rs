@@ -1,5 +1,5 @@
-//! What a frame costs the CPU before the GPU has it: lights, uniforms and commands. What the GPU then does is
-//! waited for and not counted; `grotto bench` measures that. On a machine without any adapter it is skipped.
+//! What a frame costs the CPU until it is submitted: lights, uniforms and commands. The GPU's work is waited
+//! for but not counted; `grotto bench` measures it. Without an adapter this benchmark is skipped.
 
 use std::time::{Duration, Instant};
 
@@ -61,7 +61,7 @@ impl Recording {
         }
     }
 
-    /// Records and submits the next frame, and waits for it; gives the time up to the submission.
+    /// Records and submits the next frame, and waits for it; returns the time up to the submission.
     fn frame(&mut self) -> Duration {
         self.time_s += STEP_S;
         let start = Instant::now();

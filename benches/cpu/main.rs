@@ -1,7 +1,7 @@
 //! The CPU's part of grotto, timed by criterion: `cargo bench`, or `cargo bench -- marching` for one
 //! subject. The test suite runs each benchmark once, so that all of them keep working.
 //!
-//! Worlds are built when the first benchmark needs them: to list the benchmarks costs nothing.
+//! Worlds are built when the first benchmark needs them, so listing the benchmarks costs nothing.
 
 mod edits;
 mod frame;
