@@ -103,7 +103,7 @@ fn main() {
 const LIT: u32 = 1 << 31;
 
 #[test]
-fn a_full_table_gives_the_place_that_was_seen_longest_ago_and_only_when_it_is_forgotten() {
+fn a_full_table_gives_the_entry_seen_longest_ago_and_only_once_it_is_forgotten() {
     let table = Table::new();
     let mut same_bucket = (1u32..).filter(|key| hash(*key) % BUCKETS == 3);
     let mut next = || same_bucket.next().expect("there are many");
@@ -129,7 +129,7 @@ fn a_full_table_gives_the_place_that_was_seen_longest_ago_and_only_when_it_is_fo
     assert_eq!(
         table.see(FORGOTTEN + 2, &[third]),
         [NO_ENTRY],
-        "it has lost it"
+        "it has lost its entry"
     );
     // The others are not forgotten.
     let kept: Vec<u32> = faces
