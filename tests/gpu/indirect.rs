@@ -33,7 +33,7 @@ struct Stage {
     materials: GpuMaterials,
     lights: GpuLights,
     field: ProbeField,
-    due: ProbeSchedule,
+    schedule: ProbeSchedule,
     rays: ProbeTrace,
     blend: ProbeBlend,
     parameters: ProbeParameters,
@@ -105,7 +105,7 @@ impl Stage {
             visibility_bits.record(&mut recorder);
         }
         recorder.submit(&gpu).expect("submits");
-        let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
+        let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
         let rays = ProbeTrace::new(&gpu, &field, &resources).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         Self {
@@ -113,7 +113,7 @@ impl Stage {
             materials,
             lights: on_gpu,
             field,
-            due,
+            schedule,
             rays,
             blend,
             parameters,
@@ -128,7 +128,7 @@ impl Stage {
             self.field
                 .begin_frame(&self.gpu, &self.parameters, self.seed, self.frame);
             let mut recorder = Recorder::new(&self.gpu, None);
-            self.due.record(&mut recorder);
+            self.schedule.record(&mut recorder);
             self.rays.record(&mut recorder);
             self.blend.record(&mut recorder);
             recorder.submit(&self.gpu).expect("submits");
