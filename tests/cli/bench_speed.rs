@@ -172,7 +172,7 @@ fn rows_without_frames_have_figures() {
 }
 
 #[test]
-fn quality_stands_beside_the_speed_of_what_stands_still() {
+fn still_rows_have_quality_beside_their_speed() {
     let folder = folder();
     let cache = folder.path().to_str().expect("UTF-8");
     let more = ["--runs", "1", "--quality", "--spp", "4", "--cache", cache];

@@ -96,7 +96,7 @@ fn without_a_gpu_the_remedy_is_named() {
 
 /// Without a desktop the GPU's loader prints no complaints.
 #[test]
-fn nothing_else_speaks_on_stderr() {
+fn nothing_else_is_printed_on_stderr() {
     let ended = crate::end(
         crate::grotto()
             .args(["info", "--json"])

@@ -224,7 +224,7 @@ fn bad_world_files_are_refused_with_their_name() {
 /// Every command reports a full disk in the same words, with the place and the remedy.
 #[test]
 #[cfg(target_os = "linux")]
-fn a_full_disk_is_told_in_our_words() {
+fn a_full_disk_is_reported_in_our_words() {
     for arguments in [
         &["check", MINIMAL][..],
         &["info", "--keys"],

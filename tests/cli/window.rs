@@ -51,7 +51,7 @@ fn the_window_opens_shows_frames_and_closes() {
 }
 
 #[test]
-fn the_window_goes_on_when_its_device_is_lost() {
+fn the_window_continues_when_its_device_is_lost() {
     let arguments = [
         "worlds/minimal.ron",
         "--size",
@@ -81,7 +81,7 @@ fn the_path_traced_reference_is_shown_in_the_window() {
 }
 
 #[test]
-fn the_benchmark_flies_tells_its_figures_and_the_session_goes_on() {
+fn the_benchmark_flies_prints_its_figures_and_the_session_continues() {
     // 30 frames of warm-up (or half a second), 240 that count, and some after those.
     let output = play(&[
         "worlds/minimal.ron",
@@ -151,7 +151,7 @@ fn without_a_display_the_message_names_the_way_to_a_picture() {
 }
 
 #[test]
-fn bad_arguments_are_told_before_any_window_opens() {
+fn bad_arguments_are_refused_before_any_window_opens() {
     for (arguments, part) in [
         (&["worlds/minimal.ron", "--camera", "nope"][..], "no camera"),
         (&["worlds/minimal.ron", "--layout", "nope"], "no layout"),

@@ -155,7 +155,7 @@ fn references_are_kept_and_damaged_ones_traced_again() {
         assert!(said.contains(word) && said.contains("anew"), "{said}");
         assert_eq!(fs::read(&kept[0]).expect("stored"), whole, "kept again");
     }
-    // Another picture is another file; none is kept when none is wanted.
+    // The reference of another picture is another file.
     bench.judged(&[&flags[..], &["--seed", "1"]].concat());
     assert_eq!(bench.references().len(), 2);
 }

@@ -315,7 +315,7 @@ fn parts_of_a_judge_make_the_tables_and_pages_of_one_run() {
     }
     assert!(whole.len() > 4, "pictures too");
 
-    // Each part keeps its own pictures.
+    // A part with a damaged picture is refused.
     let pictures = bench.path("2/pictures");
     let one = fs::read_dir(&pictures).expect("a folder").next();
     fs::write(one.expect("a picture").expect("an entry").path(), "").expect("writable");
@@ -361,7 +361,7 @@ fn parts_with_changes_of_light_make_the_same_tables() {
 }
 
 #[test]
-fn a_world_that_fails_is_told_of_once() {
+fn a_world_that_fails_is_reported_once() {
     let bench = Bench::new();
     let broken = bench.path("broken.ron");
     fs::write(&broken, "(title: ").expect("writable");

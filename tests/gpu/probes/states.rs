@@ -229,7 +229,10 @@ fn assert_each(updates: &[u32], slots: &BTreeSet<u32>, times: u32) {
 fn assert_active(active: &BTreeSet<u32>, awake: &BTreeSet<u32>, asleep: &BTreeSet<u32>) {
     assert!(awake.is_subset(active), "{awake:?} are awake: {active:?}");
     let others = active - awake;
-    assert!(others.is_subset(asleep), "{asleep:?} are asleep: {active:?}");
+    assert!(
+        others.is_subset(asleep),
+        "{asleep:?} are asleep: {active:?}"
+    );
     assert!(
         others.len() <= asleep.len().div_ceil(5),
         "a tenth: {others:?}"

@@ -4,7 +4,7 @@ use super::{FULL, read, refused, with};
 
 /// Each of these edits is refused at its place, with a message that names the mistake and the remedy.
 #[test]
-fn mistakes_are_shown_where_they_stand() {
+fn mistakes_are_shown_at_their_place() {
     // Text to replace, its replacement, the offending text, part of the message, part of the remedy.
     #[rustfmt::skip] // One line per case.
     let cases: &[[&str; 5]] = &[
@@ -211,7 +211,7 @@ fn too_much_of_anything_is_refused() {
 }
 
 #[test]
-fn a_long_line_is_not_shown_but_its_place_is_told() {
+fn a_long_line_is_not_shown_but_its_place_is() {
     let title = "x".repeat(100_000);
     let text = format!("(title: \"{title}\", size: (8, 8, 8), shape: Emty)");
     let report = read(&text).expect_err("refused");
@@ -238,7 +238,7 @@ fn features_that_crowd_the_cells_are_refused() {
 /// Escape sequences in a file never reach the terminal: a valid world has none, and messages about an invalid one
 /// write them out.
 #[test]
-fn what_terminals_obey_is_refused_and_written_out() {
+fn escape_sequences_are_refused_and_written_out() {
     let sequences = ["\u{1b}[31m", "\u{9b}31m", "\u{202e}", "\u{7}"];
     for sequence in sequences {
         let escaped: String = sequence.chars().flat_map(char::escape_unicode).collect();

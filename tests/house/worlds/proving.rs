@@ -168,7 +168,7 @@ fn closed_worlds_see_no_sky_and_their_probes_enclose_them() {
 }
 
 #[test]
-fn open_worlds_are_open_where_they_mean_to_be() {
+fn open_worlds_are_open_only_where_intended() {
     for name in ["beam", "door", "split"] {
         let mut built = build(name);
         let camera = built.world.cameras[0].position;
@@ -202,7 +202,8 @@ fn the_small_emitter_shows_one_face_and_no_camera_sees_it() {
     let faces = neighbours.filter(|voxel| built.at(*voxel) == emitter);
     assert_eq!(faces.count(), 1);
     for camera in &built.world.cameras {
-        let sees = |outcome: &Outcome| matches!(outcome, Outcome::Hit(hit) if hit.material == emitter);
+        let sees =
+            |outcome: &Outcome| matches!(outcome, Outcome::Hit(hit) if hit.material == emitter);
         assert!(!built.outcomes(camera).iter().any(sees), "{}", camera.name);
     }
 }
