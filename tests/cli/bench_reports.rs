@@ -1,4 +1,4 @@
-//! `grotto bench diff`, `history` and `merge`: what is made of results. No GPU is needed.
+//! `grotto bench diff`, `history` and `merge`, which process results. No GPU is needed.
 
 use std::{
     fs,
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::{end, folder, grotto, refused};
 
-/// Statistics of frames that all take about `ms`.
+/// Statistics of frames of about `ms` each.
 fn statistics(ms: f64) -> Value {
     json!({
         "count": 600, "median": ms, "mean": ms, "p95": 1.1 * ms, "p99": 1.2 * ms, "p999": 1.3 * ms,
@@ -148,7 +148,7 @@ fn the_gate_fails_past_its_threshold() {
 }
 
 #[test]
-fn what_does_not_compare_is_refused_with_a_word() {
+fn what_does_not_compare_is_refused_with_a_message() {
     let folder = folder();
     let a = write(folder.path(), "a", &report(1.0, 0.5));
     let altered = |name: &str, change: fn(&mut Value)| {
@@ -286,7 +286,7 @@ fn cards_are_merged_side_by_side() {
 }
 
 #[test]
-fn a_full_disk_is_said() {
+fn a_full_disk_is_reported() {
     let full = Path::new("/dev/full");
     if !full.exists() {
         return;

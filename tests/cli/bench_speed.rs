@@ -1,4 +1,4 @@
-//! The suites of `grotto bench` that time frames: rows that exist and add up, in tiny pictures.
+//! The suites of `grotto bench` that time frames: all rows exist and add up, in tiny pictures.
 
 use std::{fs, io::Read as _, path::Path};
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::{Ended, MINIMAL, end, folder, grotto, refused};
 
-/// The shortest run of a suite there is.
+/// The shortest possible run of a suite.
 fn tiny(suite: &[&str], more: &[&str]) -> Ended {
     let mut command = grotto();
     command.arg("bench").args(suite);
@@ -27,12 +27,12 @@ fn number(value: &Value) -> f64 {
         .unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// What is the same in every row of frames, whatever the machine.
+/// Asserts what holds in every row of frames on every machine.
 fn adds_up(row: &Value, runs: u32) {
     let id = &row["id"];
     assert!(number(&row["fps"]) > 0.0, "{id}");
     let frame = &row["frame_ms"];
-    // Frames timed pass by pass are every seventh; a software adapter has no others apart.
+    // Every seventh frame is timed pass by pass; a software adapter does not separate those from the others.
     let of_each = number(&frame["count"]) / f64::from(runs);
     assert!((9.0..=12.0).contains(&of_each), "{id}: {of_each}");
     let order = ["median", "p95", "p99", "p999", "worst"].map(|name| number(&frame[name]));
@@ -172,7 +172,7 @@ fn rows_without_frames_have_figures() {
 }
 
 #[test]
-fn quality_stands_beside_the_speed_of_what_stands_still() {
+fn still_rows_have_quality_beside_their_speed() {
     let folder = folder();
     let cache = folder.path().to_str().expect("UTF-8");
     let more = ["--runs", "1", "--quality", "--spp", "4", "--cache", cache];
@@ -251,7 +251,7 @@ fn parts_of_a_suite_make_the_whole() {
         .iter()
         .map(|row| row["id"].as_str().expect("a name"))
         .collect();
-    // In the order of the whole, of which each part had every second row.
+    // The rows are in the order of the whole, of which each part had every second row.
     assert_eq!(joined.len(), ids.len());
     assert!(
         ids.iter()

@@ -94,9 +94,9 @@ fn without_a_gpu_the_remedy_is_named() {
     assert!(listing(folder.path()).is_empty());
 }
 
-/// Without a desktop the GPU's loader has nothing to complain about.
+/// Without a desktop the GPU's loader prints no complaints.
 #[test]
-fn nothing_else_speaks_on_stderr() {
+fn nothing_else_is_printed_on_stderr() {
     let ended = crate::end(
         crate::grotto()
             .args(["info", "--json"])

@@ -1,4 +1,4 @@
-//! The command line, driven as a user drives it.
+//! The command line, run as a user runs it.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -70,7 +70,7 @@ fn help_lists_what_there_is_and_nothing_else() {
     }
 }
 
-/// The commands of a help text, but for `help` itself.
+/// The commands of a help text, except `help` itself.
 fn commands_of(help: &str) -> Vec<String> {
     let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1);
     let names = lines

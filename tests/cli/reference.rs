@@ -1,4 +1,4 @@
-//! `grotto reference`, as a user types it.
+//! `grotto reference`, run as a user runs it.
 
 use std::fs;
 use std::path::Path;
@@ -70,7 +70,7 @@ fn a_picture_comes_with_its_record() {
     assert!(light.is_finite() && light > 0.0);
 }
 
-/// Ctrl-C ends it with the picture so far, and the record says how many samples that holds.
+/// Ctrl-C ends the command with the picture so far, and the record says how many samples the picture holds.
 #[test]
 #[cfg(unix)]
 fn ctrl_c_writes_the_picture_so_far() {
@@ -101,7 +101,7 @@ fn stopped_writes_the_picture_so_far(signal: &str) {
         let output = child.wait_with_output().expect("it ends");
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(130), "{stderr}");
-        // Not even a sample yet: this machine is slow, give it longer.
+        // Not a single sample yet: this machine is slow, so give it longer.
         if !path.exists() {
             continue;
         }

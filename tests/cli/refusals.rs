@@ -124,7 +124,7 @@ fn a_picture_beyond_the_limits_of_the_adapter_is_refused() {
         .find(|one| one["chosen"] == true)
         .expect("an adapter");
     let limit = &chosen["limits"]["max_storage_buffer_binding_size"];
-    // At 8 bytes a pixel; an adapter that can hold it would be busy for a while.
+    // At 8 bytes per pixel. An adapter that can hold the picture would be busy for a while.
     if limit
         .as_u64()
         .is_some_and(|limit| limit < 16384 * 16384 * 8)
@@ -221,10 +221,10 @@ fn bad_world_files_are_refused_with_their_name() {
     assert_eq!(listing(folder.path()), before, "something was left behind");
 }
 
-/// A full disk is told in the same words by whoever writes, with the place and what to do.
+/// Every command reports a full disk in the same words, with the place and the remedy.
 #[test]
 #[cfg(target_os = "linux")]
-fn a_full_disk_is_told_in_our_words() {
+fn a_full_disk_is_reported_in_our_words() {
     for arguments in [
         &["check", MINIMAL][..],
         &["info", "--keys"],

@@ -4,8 +4,8 @@ use std::{fs, process::Command};
 
 use crate::{CAVE, Ended, MINIMAL, end, folder, grotto, grotto_without_gpu, listing};
 
-/// Renders the cave small, twice and with `extra`, and holds both pictures equal byte for byte.
-/// Gives the picture and the first run.
+/// Renders the cave small, twice and with `extra`, and asserts that both pictures are equal byte for byte.
+/// Returns the picture and the first run.
 fn render_twice(command: fn() -> Command, extra: &[&str]) -> (Vec<u8>, Ended) {
     let folder = folder();
     let mut first = None;
@@ -124,7 +124,7 @@ fn a_picture_from_the_gpu_with_its_record() {
         "{shadow}"
     );
     assert!(face > 0 && face.is_multiple_of(32), "{face}");
-    // Those of the lattice, and their twins.
+    // Probes of the lattice, and back-side probes.
     let total = record["probes"]["total"].as_u64().expect("a number");
     assert!((7 * 5 * 5..=2 * 7 * 5 * 5).contains(&total), "{total}");
     for field in ["voxels", "probes", "total"] {
@@ -230,7 +230,7 @@ fn quiet_and_json_keep_the_streams_clean() {
     );
 }
 
-/// A command that keeps nothing ends at once, with the code that shells give to a program that Ctrl-C ended.
+/// A command with nothing to save ends at once, with the code that shells use for a program ended by Ctrl-C.
 #[test]
 #[cfg(unix)]
 fn a_signal_ends_it_with_130() {

@@ -1,4 +1,4 @@
-//! Storms on a small room: each passes, each repeats, and each check finds the fault that it is there for.
+//! Storms on a small room: each storm passes, each can be repeated, and each check finds the fault that it is for.
 
 use std::{
     collections::BTreeSet,
@@ -98,7 +98,7 @@ fn failed(found: &Found) -> BTreeSet<&str> {
     failed.map(|check| check.name.as_str()).collect()
 }
 
-/// Passes, and has changed at least so much.
+/// Asserts that the storm passes and made at least these changes.
 fn passes(kinds: &[Kind], frames: u32, changed: &[(&str, u64)]) {
     let found = storm(kinds, frames, Planted::Nothing);
     assert_eq!(failed(&found), BTreeSet::new(), "{:#?}", found.checks);
@@ -111,7 +111,7 @@ fn passes(kinds: &[Kind], frames: u32, changed: &[(&str, u64)]) {
 
 #[test]
 fn voxels_survive_an_edit_storm() {
-    // 10 000 voxels a second.
+    // 10 000 voxels per second.
     passes(&[Kind::Edit], 60, &[("strokes", 60), ("voxels", 9_500)]);
 }
 
@@ -132,7 +132,7 @@ fn light_survives_a_time_storm() {
 
 #[test]
 fn drawing_survives_the_loss_of_its_device() {
-    // One more at the end.
+    // The storm loses the device once more at the end.
     passes(&[Kind::Loss], 70, &[("losses", 2)]);
 }
 
@@ -142,7 +142,7 @@ fn a_soak_finds_no_leak() {
 }
 
 #[test]
-fn all_storms_blow_together() {
+fn all_storms_run_at_once() {
     passes(
         &Kind::ALL,
         66,
@@ -156,7 +156,7 @@ fn all_storms_blow_together() {
     );
 }
 
-/// What is wrong on purpose is found by the check that is there for it, and by no other than these.
+/// Asserts that all checks in `by` find the planted fault, and no others but those in `and`.
 fn finds(kinds: &[Kind], frames: u32, planted: Planted, by: &[&str], and: &[&str]) {
     let found = storm(kinds, frames, planted);
     let failed = failed(&found);
@@ -173,7 +173,7 @@ fn finds(kinds: &[Kind], frames: u32, planted: Planted, by: &[&str], and: &[&str
 fn an_edit_that_does_not_reach_the_gpu_is_found() {
     let light = ["light.flip", "light.mean_block", "light.worst_block"];
     let by = ["voxels.gpu_differs"];
-    // The fresh pictures are of the CPU's copy.
+    // The fresh pictures show the CPU's copy.
     finds(&[Kind::Edit], 10, Planted::EditOnCpuOnly, &by, &light);
 }
 
@@ -222,7 +222,7 @@ fn a_leak_is_found_while_it_grows() {
 }
 
 #[test]
-fn what_is_no_number_is_found() {
+fn nan_is_found() {
     finds(
         &[Kind::Resize],
         4,
@@ -244,7 +244,7 @@ fn what_the_device_refuses_is_found() {
 }
 
 #[test]
-fn probes_that_are_not_made_anew_are_found() {
+fn probes_that_are_not_replaced_are_found() {
     finds(
         &[Kind::Layout],
         10,
@@ -307,7 +307,7 @@ fn the_command_writes_records_and_refuses_what_makes_no_sense() {
         "--json",
     ]);
     let stderr = String::from_utf8_lossy(&output.stderr);
-    // So few frames settle little: whether light agrees is not the point here.
+    // Too few frames to settle: this test does not judge the light.
     let code = output.status.code();
     assert!(matches!(code, Some(0 | 4)), "{stderr}");
     let written = std::fs::read(folder.path().join("out/storms.json")).expect("it is there");

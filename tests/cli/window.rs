@@ -1,4 +1,4 @@
-//! The window, opened on a display that nobody sees (Xvfb).
+//! The window, opened on a virtual display (Xvfb).
 
 use std::{
     fs,
@@ -51,7 +51,7 @@ fn the_window_opens_shows_frames_and_closes() {
 }
 
 #[test]
-fn the_window_goes_on_when_its_device_is_lost() {
+fn the_window_continues_when_its_device_is_lost() {
     let arguments = [
         "worlds/minimal.ron",
         "--size",
@@ -81,8 +81,8 @@ fn the_path_traced_reference_is_shown_in_the_window() {
 }
 
 #[test]
-fn the_benchmark_flies_tells_its_figures_and_the_session_goes_on() {
-    // 30 frames to warm up (or those of half a second), 240 that count, and some that follow.
+fn the_benchmark_flies_prints_its_figures_and_the_session_continues() {
+    // 30 frames of warm-up (or half a second), 240 that count, and some after those.
     let output = play(&[
         "worlds/minimal.ron",
         "--benchmark",
@@ -106,7 +106,7 @@ fn probes_and_atlases_are_shown_in_the_window() {
     for shown in [
         &["--view", "states", "--probes", "offset"][..],
         &["--atlas", "irradiance:0"],
-        // The window shows the last one in its place.
+        // The window shows the last layer instead.
         &["--atlas", "irradiance:9"],
     ] {
         let arguments = ["worlds/minimal.ron", "--frames", "2", "--size", "160x96"];
@@ -151,7 +151,7 @@ fn without_a_display_the_message_names_the_way_to_a_picture() {
 }
 
 #[test]
-fn bad_arguments_are_told_before_any_window_opens() {
+fn bad_arguments_are_refused_before_any_window_opens() {
     for (arguments, part) in [
         (&["worlds/minimal.ron", "--camera", "nope"][..], "no camera"),
         (&["worlds/minimal.ron", "--layout", "nope"], "no layout"),

@@ -1,5 +1,5 @@
-//! Volumes that move with the camera: what is new after a move and what stays, jumps, edits, and how
-//! much light changes on the way.
+//! Volumes that follow the camera: which probes a move replaces and which it keeps, jumps, edits, and how
+//! much the light changes during a flight.
 
 use glam::{IVec3, Vec3};
 use grotto::{
@@ -116,7 +116,7 @@ impl Hall {
         self.frame.read_radiance(&self.gpu).expect("reads back")
     }
 
-    /// The picture from another place by the probes as they are.
+    /// The picture from another place, without updating the probes.
     fn look(&mut self, position: Vec3) -> Picture {
         let shot = self.shot(position);
         let mut recorder = Recorder::new(&self.gpu, None);
@@ -139,23 +139,23 @@ impl Hall {
     }
 }
 
-/// Levels, and how they tell what they see: guessed from distances, exact, and exact with twins.
+/// Number of levels, and how visibility is found: estimated from distances, exact, and exact with back-side probes.
 const KINDS: [(u32, Visibility); 3] = [
     (3, Visibility::Auto),
     (3, Visibility::Exact),
     (1, Visibility::Auto),
 ];
 
-/// By one cell, by several, along one axis and all: what has stayed keeps its history, what has come
-/// begins anew.
+/// Moves by one cell and by several, along one axis and along all: probes that stay keep their history, new
+/// probes start without any.
 #[test]
-fn only_fresh_planes_begin_anew() {
+fn only_fresh_planes_start_again() {
     for (cascades, visibility) in KINDS {
-        begins_anew(Hall::seeing(visibility, 16, [8, 5, 8], cascades));
+        moves(Hall::seeing(visibility, 16, [8, 5, 8], cascades));
     }
 }
 
-fn begins_anew(mut hall: Hall) {
+fn moves(mut hall: Hall) {
     let mut place = Vec3::new(-30.0, 0.0, 1.0);
     hall.settle(place, 3);
     for step in [Vec3::X * 2.0, Vec3::new(-1.0, 2.0, 9.0), Vec3::X * 12.0] {
@@ -187,7 +187,7 @@ fn atlas(hall: &Hall) -> Vec<[f16; 4]> {
     hall.gpu.read_texture(atlas).expect("reads back")
 }
 
-/// A jump that leaves nothing leaves nothing: the very bytes of a run that started there.
+/// After a jump that keeps no probe, the bytes equal those of a run that started there.
 #[test]
 fn a_jump_equals_a_start_there() {
     for (cascades, visibility) in KINDS {
@@ -212,18 +212,18 @@ fn jumps(mut hall: Hall) {
     assert!((hall.picture(), atlas(&hall)) == jumped);
 }
 
-/// How the camera of [`flight`] goes.
+/// How the camera of [`flight`] moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Going {
-    /// It stays.
+    /// It does not move.
     Still,
     /// At 20 m/s and 60 frames a second.
     Flying,
-    /// The same, and all probes begin anew at every eighth frame.
+    /// As `Flying`, and all probes are replaced every eighth frame.
     Forgetting,
 }
 
-/// 99 of 100 changes of light from frame to frame on the same surfaces are below this.
+/// 99th percentile of the changes of light from frame to frame on the same surfaces.
 fn flight(going: Going) -> f64 {
     let mut hall = Hall::new(32, [6, 5, 6], 2);
     let speed = if going == Going::Still {
@@ -254,7 +254,7 @@ fn flight(going: Going) -> f64 {
 #[test]
 fn nothing_pops_on_the_way() {
     let [still, flying, forgetting] = [Going::Still, Going::Flying, Going::Forgetting].map(flight);
-    // Measured: 3.3 times, and 46 times where all is forgotten.
+    // Measured: 3.3 times, and 46 times when all probes are replaced.
     assert!(flying < 5.0 * still, "{flying} of {still}");
     assert!(
         forgetting > 3.0 * flying,
@@ -262,9 +262,9 @@ fn nothing_pops_on_the_way() {
     );
 }
 
-/// Wherever stone comes, the probes of every level leave it.
+/// Probes of every level leave voxels that an edit makes solid.
 #[test]
-fn probes_of_every_level_leave_stone_that_comes() {
+fn probes_of_every_level_leave_new_solid_voxels() {
     let mut hall = Hall::new(16, [8, 5, 8], 3);
     let eye = Vec3::new(-30.0, 0.0, 1.0);
     hall.settle(eye, 2);
@@ -290,7 +290,7 @@ fn probes_of_every_level_leave_stone_that_comes() {
     for (slot, place) in hall.places().iter().enumerate() {
         assert!(
             place[3] == 0.0 || !is_solid(&voxels, *place),
-            "slot {slot} is alive in stone at {place:?}"
+            "slot {slot} is alive in a solid voxel at {place:?}"
         );
     }
 }
@@ -300,7 +300,7 @@ fn a_camera_beyond_all_worlds_shows_a_picture() {
     let mut hall = Hall::new(8, [6, 5, 6], 3);
     hall.settle(Vec3::splat(1e7), 2);
     assert!(hall.picture().rgb.iter().flatten().all(|v| v.is_finite()));
-    // And comes back.
+    // The camera comes back.
     hall.settle(Vec3::new(-30.0, 0.0, 1.0), 45);
     assert!(mean_lit(&hall.picture()) > 1e-3);
 }

@@ -1,4 +1,4 @@
-//! Work that goes out in several dispatches leaves the very bytes that one dispatch leaves.
+//! Work that is split into several dispatches writes the same bytes as a single dispatch.
 
 use glam::{UVec3, Vec3};
 use grotto::{
@@ -19,7 +19,7 @@ use crate::support::{self, frames};
 
 const SIZE: [u32; 2] = [90, 70];
 
-/// A device whose dispatches take so many workgroups while their time is not known.
+/// A device whose dispatches hold `first_groups` workgroups while their time is not known.
 fn gpu(first_groups: u32) -> Gpu {
     let mut gpu = support::gpu();
     gpu.first_groups = first_groups;
@@ -45,8 +45,8 @@ struct Drawn {
     shadow_rays: u64,
 }
 
-/// Frames of the Cornell box with more probes than a row of workgroups holds: all of them are due in
-/// the first, some in the others.
+/// Frames of the Cornell box with more probes than a row of workgroups holds: all of them are active in
+/// the first frame, some in the others.
 fn draw(gpu: &Gpu, timed: bool) -> Drawn {
     let world = world();
     let stage = Stage::build(gpu, &world).expect("fits");
@@ -89,7 +89,7 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
                 "view/tonemap",
             ]);
             passes.sort();
-            assert_eq!(labels, passes, "one row a pass, however it went out");
+            assert_eq!(labels, passes, "one row per pass, however it was split");
         }
     }
     Drawn {
@@ -105,14 +105,14 @@ fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<[f16; 4]> {
 }
 
 #[test]
-fn frames_do_not_depend_on_how_they_went_out() {
+fn frames_do_not_depend_on_dispatch_chunks() {
     let at_once = draw(&gpu(u32::MAX), false);
     assert!(at_once.shadow_rays > 1000 && at_once.radiance.rgb.iter().any(|c| c[0] > 0.0));
     assert!(at_once == draw(&gpu(1), false), "row by row");
-    assert!(at_once == draw(&gpu(1), true), "as their times say");
+    assert!(at_once == draw(&gpu(1), true), "split by their times");
 }
 
-/// A kernel in which each of 100 threads, one a workgroup, writes `value`.
+/// A kernel in which each of 100 threads, one per workgroup, writes `value`.
 fn writer(gpu: &Gpu, value: &str) -> Kernel {
     let source = format!(
         "import package::frame::chunk::first_row;
@@ -132,7 +132,7 @@ fn writer(gpu: &Gpu, value: &str) -> Kernel {
     Kernel::new(gpu, &spec).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What they write.
+/// What the threads of [`writer`] write.
 fn written(first_groups: u32, value: &str) -> Vec<u32> {
     let gpu = gpu(first_groups);
     let kernel = writer(&gpu, value);
@@ -145,17 +145,17 @@ fn written(first_groups: u32, value: &str) -> Vec<u32> {
 }
 
 #[test]
-fn a_dispatch_that_forgets_where_it_begins_is_found() {
+fn a_dispatch_that_ignores_where_it_begins_is_found() {
     let rows: Vec<u32> = (0..100).map(|index| index / rectangle(100)[0]).collect();
     assert_eq!(written(u32::MAX, "row"), rows);
     assert_eq!(written(1, "row"), rows);
-    // Each dispatch counts its own rows from 0: the comparison sees that the work was cut.
+    // Each dispatch counts its own rows from 0, so the comparison sees that the work was split.
     assert_eq!(written(u32::MAX, "id.y"), rows);
     assert_ne!(written(1, "id.y"), rows);
 }
 
 #[test]
-fn bench_rays_do_not_depend_on_how_they_went_out() {
+fn bench_rays_do_not_depend_on_dispatch_chunks() {
     let found = |first_groups: u32| -> Vec<Vec<FoundHit>> {
         let gpu = gpu(first_groups);
         let world = world();
@@ -199,9 +199,9 @@ fn bench_rays_do_not_depend_on_how_they_went_out() {
     assert_eq!(at_once, found(1));
 }
 
-/// However frames are timed, and whoever binds the kernel anew.
+/// This holds however frames are timed, and when the kernel is bound again.
 #[test]
-fn work_that_is_fast_goes_out_at_once_after_two_runs() {
+fn fast_work_takes_one_dispatch_after_two_runs() {
     for timing in ["none", "whole", "by pass"] {
         let gpu = gpu(1);
         let mut clock = Timing::new(&gpu).expect("a clock");

@@ -1,4 +1,4 @@
-//! Distances that the GPU builds against those of the CPU, word for word.
+//! Distances that the GPU builds, compared word for word with those of the CPU.
 
 use glam::{IVec3, UVec3};
 use grotto::{

@@ -1,5 +1,5 @@
-//! Edits on the GPU: after each, its copy equals the CPU's voxel by voxel, is valid, and is marched
-//! through as a fresh upload of the same voxels is.
+//! Edits on the GPU: after each edit the GPU's copy equals the CPU's voxel by voxel, is valid, and gives
+//! rays the same hits as a fresh upload of the same voxels.
 
 use std::cell::Cell;
 
@@ -26,7 +26,7 @@ use proptest::{
 
 use crate::support::{frames, gpu, scenes::lattice, shipped};
 
-/// No multiple of a cell along any axis.
+/// Not a multiple of a cell along any axis.
 const SIZE: UVec3 = UVec3::new(44, 37, 41);
 
 /// A floor of uniform cells under air, one brick at its edge.
@@ -58,7 +58,7 @@ impl Pair {
         }
     }
 
-    /// Lets the GPU follow; whether its buffers were outgrown.
+    /// Applies the edit on the GPU; returns whether its buffers had to grow.
     fn follow(&mut self, edit: &Edit) -> bool {
         let larger = self.on_gpu.with_room_for(&self.gpu, &self.cpu);
         let larger = larger.expect("fits");
@@ -70,7 +70,7 @@ impl Pair {
         outgrown
     }
 
-    /// The first way in which the GPU's copy is not the CPU's.
+    /// The first difference between the GPU's copy and the CPU's.
     fn compare(&self) -> Result<(), String> {
         let read = self.on_gpu.read_back(&self.gpu).expect("reads back");
         read.validate()?;
@@ -79,7 +79,7 @@ impl Pair {
         if read_grid != grid {
             return Err("a word of the grid differs".to_owned());
         }
-        // What free bricks hold is nobody's business.
+        // The content of free bricks does not matter.
         for brick in grid.iter().filter(|word| **word >> 30 == 2) {
             let brick = (brick & 0x3fff_ffff) as usize;
             if read_masks[brick] != masks[brick] || read_materials[brick] != materials[brick] {
@@ -92,7 +92,7 @@ impl Pair {
         }
     }
 
-    /// How many rays through the GPU's copy hit something else than in a fresh upload.
+    /// Number of rays whose hit in the GPU's copy differs from the hit in a fresh upload.
     fn compare_rays(&self) -> usize {
         let fresh = Voxels::from_cells(SIZE, |cell| {
             let mut content = [0; BRICK_VOXELS];
@@ -116,7 +116,7 @@ fn everywhere(size: UVec3) -> impl Iterator<Item = IVec3> {
     (0..x * y * z).map(move |i| UVec3::new(i % x, i / x % y, i / x / y).as_ivec3())
 }
 
-/// What a picture's rays find, and rays of all directions from a lattice of voxels, stone or not.
+/// Hits of a picture's rays, and of rays in all directions from a lattice of voxels, solid or not.
 fn hits(gpu: &Gpu, voxels: &GpuVoxels, marchers: &[Marcher]) -> Vec<FoundHit> {
     let camera = Camera {
         name: "above".to_owned(),
@@ -202,13 +202,13 @@ fn any_edits_leave_both_sides_equal() {
         Ok(())
     });
     match result {
-        Ok(()) => assert!(outgrown.get() > 3, "{outgrown:?}: too seldom to say much"),
+        Ok(()) => assert!(outgrown.get() > 3, "{outgrown:?}: too few to be a test"),
         Err(TestError::Fail(reason, changes)) => panic!("{reason}\nafter {changes:#?}"),
         Err(error) => panic!("{error}"),
     }
 }
 
-/// Each way in which a cell changes what it is, one by one.
+/// Every change of a cell's kind, one after another.
 #[test]
 fn bricks_come_and_go_on_both_sides() {
     let mut pair = Pair::new(&gpu(), ground());
@@ -220,17 +220,17 @@ fn bricks_come_and_go_on_both_sides() {
         (edit, outgrown)
     };
     let dug = IVec3::new(10, 3, 11);
-    // A cell of stone is opened, into a brick that there was no room for.
+    // A solid cell is opened and needs a brick, for which the buffer must grow.
     let (opened, outgrown) = step(&mut pair, Change::Set(dug, 0));
     assert_eq!((opened.bricks.len(), outgrown), (1, true));
-    // In place.
+    // A change within the same brick.
     let (_, outgrown) = step(&mut pair, Change::Set(dug + IVec3::X, 0));
     assert!(!outgrown);
-    // Filled again it is uniform: its brick is free.
+    // Filled again, the cell is uniform and its brick is free.
     let bricks = pair.cpu.bricks();
     let (filled, _) = step(&mut pair, Change::Box(dug, dug + IVec3::X, 1));
     assert_eq!((filled.bricks.len(), pair.cpu.bricks()), (0, bricks - 1));
-    // The next brick that is needed is that one.
+    // The next cell that needs a brick gets that one.
     let (again, outgrown) = step(
         &mut pair,
         Change::Sphere(Vec3::new(24.0, 32.0, 24.0), 2.0, 3),
@@ -245,7 +245,7 @@ fn bricks_come_and_go_on_both_sides() {
     step(&mut pair, Change::Box(IVec3::splat(-9), IVec3::ZERO, 3));
     let (outside, outgrown) = step(&mut pair, Change::Set(SIZE.as_ivec3(), 1));
     assert_eq!((outside, outgrown), (Edit::default(), false));
-    // Nothing at all, and all of it.
+    // No voxel at all, and every voxel.
     step(&mut pair, Change::Box(IVec3::ZERO, last, 0));
     assert_eq!(pair.cpu.bricks(), 0);
     step(&mut pair, Change::Box(IVec3::ZERO, last, 1));
@@ -255,7 +255,7 @@ fn bricks_come_and_go_on_both_sides() {
 #[test]
 fn uploads_that_are_skipped_are_found() {
     let gpu = gpu();
-    // Into four cells of stone.
+    // A hole into four solid cells.
     let stroke = Change::Sphere(Vec3::new(24.0, 15.0, 24.0), 4.5, 0);
     let caught = |skip: &dyn Fn(&mut Edit)| {
         let mut pair = Pair::new(&gpu, ground());
@@ -277,7 +277,7 @@ fn uploads_that_are_skipped_are_found() {
     assert!(voxels_differ);
 }
 
-/// A small picture of the world's sphere and probes around it.
+/// A small picture of the world's sphere, with probes around it.
 struct Shown {
     gpu: Gpu,
     world: World,
@@ -312,7 +312,8 @@ impl Shown {
         self.gpu.read_buffer(places).expect("reads back")
     }
 
-    /// A frame more: what is seen, in a view that asks no probe, and the probes outside of stone.
+    /// Draws one more frame: its picture in a view that does not use probes, and the number of probes outside
+    /// solid voxels.
     fn draw(&mut self) -> (Vec<[f32; 3]>, u32) {
         let shot = Shot {
             frame: self.frame.frames(),
@@ -331,7 +332,8 @@ impl Shown {
     }
 }
 
-/// Picture, shadows and probes follow a frame's edits, in place and when all passes are bound anew.
+/// Picture, shadows and probes follow a frame's edits, whether buffers are written in place or all passes are bound
+/// again.
 #[test]
 fn a_frame_follows_its_edits() {
     follows_edits(Relocation::Off);
@@ -352,7 +354,7 @@ fn follows_edits(relocation: Relocation) {
     let mut buffers = Vec::new();
     let (mut last, mut pictures) = (alive, vec![before]);
     for (change, more_alive) in [
-        // The sphere is hollowed out: the probes in it live.
+        // The sphere is hollowed out: probes inside it become alive.
         (Change::Sphere(middle, 5.0, 0), true),
         (
             Change::Sphere(middle + Vec3::new(4.0, 4.0, 6.0), 4.0, 0),
@@ -369,7 +371,7 @@ fn follows_edits(relocation: Relocation) {
         assert_eq!(shown.places(), fresh.places(), "after {change:?}");
         assert!(picture == expected, "after {change:?}");
         assert_eq!(alive, fresh_alive, "after {change:?}");
-        // Moved probes find air throughout.
+        // Moved probes always find air.
         if relocation == Relocation::Off {
             assert_eq!(alive > last, more_alive, "{last}, then {alive} probes");
         }
@@ -384,7 +386,7 @@ fn follows_edits(relocation: Relocation) {
         buffers.windows(2).any(|pair| pair[0] != pair[1]),
         "outgrown"
     );
-    // The first stroke was inside; the others show.
+    // The first edit was inside the sphere; the others are visible.
     assert!(pictures[0] == pictures[1] && pictures[1] != pictures[2] && pictures[2] != pictures[3]);
 }
 
@@ -396,7 +398,7 @@ fn an_edit_that_does_not_fit_leaves_all_as_it_was() {
     let (before, alive) = shown.draw();
     let held = shown.frame.stage.voxels.materials.size();
     gpu.limits.max_storage_buffer_binding_size = held;
-    // Every other voxel: a brick in every cell.
+    // Every other voxel is solid: every cell needs a brick.
     let mut edited = voxels.clone();
     let last = edited.size().as_ivec3() - 1;
     let edit = edited.edit(IVec3::ZERO, last, |at, old| {
@@ -413,7 +415,7 @@ fn an_edit_that_does_not_fit_leaves_all_as_it_was() {
     assert_eq!(read.raw().0, voxels.raw().0);
     assert!(read.raw().1 == voxels.raw().1 && read.raw().2 == voxels.raw().2);
     assert!(shown.draw() == (before, alive));
-    // And the next edit that fits is followed: whole cells of stone, which take no brick.
+    // The next edit that fits is applied: whole solid cells, which take no brick.
     let edit = Change::Box(IVec3::ZERO, IVec3::new(last.x, 15, last.z), 1).make(&mut voxels);
     assert!(voxels.raw().1.len() as u64 * 512 <= held);
     shown.frame.apply(&gpu, &voxels, &edit).expect("fits");

@@ -1,4 +1,4 @@
-//! Light is neither lost nor made on the default path: whole frames as users get them, with default
+//! The default path neither loses nor creates light: whole frames as users get them, with default
 //! parameters and the final gather on, in closed rooms whose light is known in closed form.
 
 use std::f64::consts::PI;
@@ -17,8 +17,8 @@ use crate::support::{
     scenes::{all_around, flat},
 };
 
-/// Largest relative error of a law. Frames come to rest within 0.4 % of the furnaces and 0.5 % of the lamp's power;
-/// what is missing grows with the number of bounces that count (at albedo 0.8 it is 1 % of the lamp's power).
+/// Largest relative error of a law. Frames settle within 0.4 % of the furnaces and 0.5 % of the lamp's power.
+/// The error grows with the number of bounces that matter (at albedo 0.8 it is 1 % of the lamp's power).
 const TOLERANCE: f64 = 0.01;
 
 /// A closed room of 16 m. The camera stands in its middle, from where a square picture of 90° shows
@@ -33,12 +33,12 @@ const ROOM: &str = "(
     cameras: [(name: \"middle\", position: (0, 0, 0), look_at: (6, -4, -8), fov_deg: 90)],
     layouts: [(name: \"lattice\", counts: (4, 4, 4), spacing: 6)],
 )";
-/// Of the lamp (W).
+/// Power of the lamp (W).
 const POWER: f64 = 1000.0;
-/// Of the walls (m²).
+/// Area of the walls (m²).
 const AREA: f64 = 6.0 * 16.0 * 16.0;
 
-/// Three pixels a voxel: no face is too small for light of its own.
+/// Three pixels per voxel: no face is too small to have its own light.
 const SIZE: [u32; 2] = [48, 48];
 
 fn room(albedo: f32, emission: f32) -> World {
@@ -107,7 +107,7 @@ fn a_white_furnace_has_its_radiance_in_every_pixel() {
     }
 }
 
-/// Probes that pillars hide, and those that stand in them, take no light away.
+/// Probes hidden by pillars, and probes inside pillars, remove no light.
 #[test]
 fn the_furnace_of_the_worlds_has_its_radiance_in_every_pixel() {
     let picture = furnace(support::gpu(), support::shipped("furnace"), 120);
@@ -126,14 +126,14 @@ fn a_furnace_whose_bounces_lose_a_fiftieth_is_found() {
     is_even(&picture, 5.0).expect_err("what rays of faces hit reflects too little");
 }
 
-/// What the walls absorb, over what the closed form says: of all light, and of bounced light alone.
+/// What the walls absorb relative to the closed form: of all light, and of bounced light alone.
 struct Absorbed {
     all: f64,
     bounced: f64,
 }
 
 impl Absorbed {
-    /// All walls are shown in turn, each for so many frames: first to settle, then to be measured.
+    /// Shows all walls in turn, each for `settling` frames, then each again for `measured` frames.
     fn of(gpu: Gpu, albedo: f32, [settling, measured]: [u32; 2]) -> Self {
         let mut drawn = drawn(gpu, room(albedo, 0.0));
         each_wall(&mut drawn, |drawn| {
@@ -150,9 +150,9 @@ impl Absorbed {
             mean(&drawn.radiance())
         });
         let albedo = f64::from(albedo);
-        // Power that a wall absorbs is its irradiance times 1 − ρ; what it shows is irradiance times ρ/π.
+        // A wall absorbs its irradiance times 1 − ρ; it shows its irradiance times ρ/π.
         let all = reflected * PI / albedo * (1.0 - albedo) * AREA / POWER;
-        // Of the lamp's power the share 1 − ρ is absorbed at once.
+        // The first bounce absorbs the share 1 − ρ of the lamp's power.
         let bounced = bounced * PI * (1.0 - albedo) * AREA / (POWER * albedo);
         Self { all, bounced }
     }
@@ -167,7 +167,7 @@ impl Absorbed {
     }
 }
 
-/// Mean over the six walls of what is measured at each.
+/// Mean of `measure` over the six walls.
 fn each_wall(drawn: &mut Drawn, mut measure: impl FnMut(&mut Drawn) -> f64) -> f64 {
     let mut sum = 0.0;
     for camera in all_around(DVec3::ZERO) {
@@ -177,7 +177,7 @@ fn each_wall(drawn: &mut Drawn, mut measure: impl FnMut(&mut Drawn) -> f64) -> f
     sum / 6.0
 }
 
-/// In a closed room all power of a lamp ends in the walls, after however many bounces.
+/// In a closed room the walls absorb all power of a lamp, after any number of bounces.
 #[test]
 fn walls_absorb_the_power_of_the_lamp() {
     for albedo in [0.5, 0.6] {
@@ -194,15 +194,15 @@ fn walls_absorb_the_power_of_the_lamp() {
 
 /// At albedo ½ bounces after the third carry a sixteenth of all light.
 #[test]
-fn bounces_that_are_lost_are_found() {
+fn lost_bounces_are_found() {
     let faults = [
-        // Rays of faces know no light of the faces that they hit, only that of the probes there.
+        // Rays from faces use the light of the probes at their hits, not that of the faces that they hit.
         (
             "surface_cache/trace.wesl",
             "light_at_hit(hit.voxel, hit.face, stop.point_gs)",
             "(0.0 * light_at_hit(hit.voxel, hit.face, stop.point_gs))",
         ),
-        // And probes know of no bounce before the one that they see.
+        // Probes ignore every bounce before the one that their rays see.
         (
             "probes/trace.wesl",
             "(light.direct + light.indirect)",

@@ -1,4 +1,4 @@
-//! Who has a place in the table of faces when there are more faces than places.
+//! Which faces have an entry in the surface cache when there are more faces than entries.
 
 use std::iter;
 
@@ -10,11 +10,11 @@ use grotto::{
 
 use crate::support;
 
-/// Faces look one of six ways, and a face is looked for in so many buckets from its own on.
+/// A face has one of `FACINGS` directions. Its entry is searched in `REACH` buckets, beginning with its own.
 const FACINGS: usize = 6;
 const REACH: usize = 8;
 const BUCKETS: u32 = 16;
-/// Frames after which the place of a face that nobody has seen may be taken.
+/// Frames without a pixel on a face after which its entry may be taken.
 const FORGOTTEN: u32 = 64;
 const WORDS: usize = SurfaceCache::ENTRY_BYTES as usize / 4;
 const NO_ENTRY: u32 = u32::MAX;
@@ -43,7 +43,7 @@ impl Table {
         Self { gpu, kernel, table }
     }
 
-    /// Faces (key, way it looks) that pixels see in a frame: the places they get. Each is lit then.
+    /// Lets pixels see these faces (key, facing) in a frame; returns the entries that they get. Each is lit then.
     fn see(&self, frame: u32, faces: &[(u32, u32)]) -> Vec<u32> {
         let info = GpuSurfaceCacheInfo {
             frame,
@@ -87,7 +87,7 @@ fn main() {
         let entry = place_for(seen[number].x, seen[number].y);
         entries[number] = entry;
         if entry != NO_ENTRY {
-            // What it has to say of its light when it is new here: nothing.
+            // A face that is new in its entry has no light yet.
             if atomicLoad(&marked_table[entry * ENTRY_WORDS + LIT_WORD]) != 0u {
                 entries[number] |= 0x80000000u;
             }
@@ -99,11 +99,11 @@ fn main() {
 }
 ";
 
-/// Set in a place that had light already.
+/// Set for an entry that had light already.
 const LIT: u32 = 1 << 31;
 
 #[test]
-fn a_full_table_gives_the_place_that_was_seen_longest_ago_and_only_when_it_is_forgotten() {
+fn a_full_table_gives_the_entry_seen_longest_ago_and_only_once_it_is_forgotten() {
     let table = Table::new();
     let mut same_bucket = (1u32..).filter(|key| hash(*key) % BUCKETS == 3);
     let mut next = || same_bucket.next().expect("there are many");
@@ -113,9 +113,9 @@ fn a_full_table_gives_the_place_that_was_seen_longest_ago_and_only_when_it_is_fo
     assert_eq!(places, expected, "one bucket after the other");
     let late = (next(), 2);
     assert_eq!(table.see(2, &[late]), [NO_ENTRY], "all are taken");
-    // Those that look another way have places of their own.
+    // Faces of another facing have entries of their own.
     assert_eq!(table.see(2, &[(late.0, 5)]), [3 * 6 + 5]);
-    // All but the third are seen again; it keeps its place until it is forgotten.
+    // All but the third are seen again; the third keeps its entry until it is forgotten.
     let third = faces.remove(2);
     let again: Vec<u32> = table.see(10, &faces);
     assert!(again.iter().all(|place| place & LIT != 0), "{again:x?}");
@@ -129,9 +129,9 @@ fn a_full_table_gives_the_place_that_was_seen_longest_ago_and_only_when_it_is_fo
     assert_eq!(
         table.see(FORGOTTEN + 2, &[third]),
         [NO_ENTRY],
-        "it has lost it"
+        "it has lost its entry"
     );
-    // The others have not.
+    // The others are not forgotten.
     let kept: Vec<u32> = faces
         .iter()
         .map(|face| table.see(70, &[*face])[0])

@@ -1,5 +1,5 @@
-//! The final gather: faces that the camera sees look for their light themselves. (How near to the truth that
-//! is, is asked in tests/cli/measuring/stairs.rs.)
+//! The final gather: faces that the camera sees trace rays for their own light. (tests/cli/measuring/stairs.rs
+//! measures how close the result is to the path tracer.)
 
 use glam::IVec3;
 use grotto::{
@@ -73,7 +73,7 @@ impl Room {
         self.drawn.radiance()
     }
 
-    /// What [`after`](Self::after) should come to.
+    /// The picture that [`after`](Self::after) should converge to.
     fn truth(&self) -> Picture {
         self.drawn.path_traced(View::Irradiance, 256)
     }
@@ -94,7 +94,7 @@ impl Room {
             .expect("fits");
     }
 
-    /// A block of stone on the floor, 3 × 2 × 3, in the middle of the picture.
+    /// A solid block on the floor, 3 × 2 × 3, in the middle of the picture.
     fn build(&mut self) {
         self.fill(IVec3::new(-3, 0, -1), IVec3::new(-1, 1, 1));
     }
@@ -124,7 +124,7 @@ fn faces_of_few_pixels_are_lit_by_the_probes_alone() {
         Room::new(too_small.clone()).after(6),
     );
     assert!(mean(&probes) > 1e-3);
-    assert!(probes == faces, "the very same");
+    assert!(probes == faces, "exactly the same");
     let large = ProbeParameters {
         face_pixels: 0.5,
         ..too_small
@@ -133,7 +133,7 @@ fn faces_of_few_pixels_are_lit_by_the_probes_alone() {
 }
 
 #[test]
-fn a_still_picture_comes_to_rest() {
+fn a_still_picture_settles() {
     let mut room = Room::new(quick());
     room.after(60);
     let mut last = room.after(1);
@@ -146,10 +146,10 @@ fn a_still_picture_comes_to_rest() {
     assert!((100..2000).contains(&listed), "{listed}");
 }
 
-/// Rays ask for the faces that they hit, seen or not. So light of many bounces is true where the lattice of the probes
-/// is much too coarse for it.
+/// Rays request entries for the faces that they hit, visible or not. Light of many bounces is therefore right even
+/// where the lattice of the probes is much too coarse for it.
 #[test]
-fn what_rays_hit_knows_its_own_light() {
+fn faces_that_rays_hit_have_their_own_light() {
     let coarse = ROOM.replace(
         "counts: (6, 4, 6), spacing: 4",
         "counts: (4, 3, 4), spacing: 8",
@@ -181,8 +181,8 @@ fn what_rays_hit_knows_its_own_light() {
     );
 }
 
-/// Quadrants of a face that differ by no more than their noise show the same: other rays find another picture, but not
-/// by much.
+/// Quadrants of a face that differ by no more than their noise show the same light, so other rays change the picture
+/// only a little.
 #[test]
 fn noise_between_quadrants_is_not_shown() {
     let seen_by = |seed| {
@@ -191,25 +191,25 @@ fn noise_between_quadrants_is_not_shown() {
         room.after(40)
     };
     let apart = apart(&seen_by(3), &seen_by(4));
-    // Measured: 0.014. If each showed its own mean it would be 0.021: the bound lies between them.
+    // Measured: 0.014, and 0.021 if each quadrant showed its own mean. The bound lies between the two.
     assert!(apart < 0.017, "{apart}");
 }
 
-/// Threads find faces, ask for them and claim places for them in any order.
+/// Threads find faces, request them and claim entries for them in any order.
 #[test]
 fn the_order_of_threads_does_not_show() {
     let [once, again] = [(); 2].map(|()| Room::new(quick()).after(70));
     assert!(once == again);
 }
 
-/// What was known of the light is of no use then, and must not be shown.
+/// The light stored before is wrong after the switch and must not be shown.
 #[test]
 fn a_lamp_that_goes_out_leaves_no_light() {
     let mut room = Room::new(quick());
     let lit = mean(&room.after(60));
     room.light(1);
     let after = mean(&room.after(8));
-    // As fast as the probes themselves.
+    // The faces darken as fast as the probes do.
     let mut by_probes = Room::new(ProbeParameters {
         final_gather: FinalGather::Off,
         ..quick()
@@ -231,12 +231,12 @@ fn a_lamp_that_goes_out_leaves_no_light() {
     let again_by_probes = mean(&by_probes.after(8)) / lit_by_probes;
     let apart = (again / again_by_probes - 1.0).abs();
     assert!(apart < 0.05, "{again}, {again_by_probes}");
-    // Measured: 0.93, and rising. Above 1 it would flash.
+    // Measured: 0.93, and rising. A value above 1 would be a flash.
     let later = mean(&room.after(4)) / lit;
     assert!((0.85..1.1).contains(&later), "{later}");
 }
 
-/// A block that is placed has its shade at once, and its own faces their light.
+/// A new block casts its shade at once, and its own faces are lit at once.
 #[test]
 fn an_edit_shows_at_once() {
     let mut edited = Room::new(quick());
@@ -247,11 +247,11 @@ fn an_edit_shows_at_once() {
     settled.build();
     let truth = settled.after(90);
     let (was, is) = (apart(&before, &truth), apart(&soon, &truth));
-    // Measured: the block changes 8 % of the light, and four frames later a third of that is missing.
+    // Measured: the block changes 8 % of the light, and after four frames a third of that change is missing.
     assert!(was > 0.05, "the block changes little: {was}");
     assert!(is < 0.5 * was, "{is} apart, {was} before");
     assert!(soon.rgb.iter().flatten().all(|value| value.is_finite()));
-    // None of its faces is black: they have found light.
+    // None of the block's faces is black: they have found light.
     let darkest = |picture: &Picture| {
         picture
             .rgb
@@ -262,8 +262,8 @@ fn an_edit_shows_at_once() {
     assert!(darkest(&soon) > 0.3 * darkest(&truth));
 }
 
-/// Emissive voxels are chosen from a list: one that is placed must be on it, and light no more or less than it
-/// sends.
+/// Emissive voxels are sampled from a list: a new one must be on that list, and must give no more and no less light
+/// than it emits.
 #[test]
 fn an_ember_that_is_placed_gives_its_light() {
     let embers = ROOM.replace(
@@ -276,7 +276,7 @@ fn an_ember_that_is_placed_gives_its_light() {
             \"ember\": (a: Flat(0.6, 0.6, 0.6), emission: (30, 20, 10)),
             ",
     );
-    // Then all light is the embers', and none of it is what the probes make of it.
+    // With black walls all light comes from the embers directly, and none from the probes.
     let embers = embers.replace("Flat(0.6, 0.6, 0.6)", "Flat(0, 0, 0)");
     let all_faces = ProbeParameters {
         face_pixels: 0.5,
@@ -289,7 +289,7 @@ fn an_ember_that_is_placed_gives_its_light() {
     assert!(before < 0.02 && apart(&picture, &truth) < 0.04, "{before}");
     let place = IVec3::new(0, 0, 1);
     room.fill(place, place);
-    // Edits alarm for long.
+    // The alert after an edit lasts long.
     let after = (mean(&room.after(280)) / mean(&room.truth()) - 1.0).abs();
     assert!(after < 0.02, "{after}");
 }

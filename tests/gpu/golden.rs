@@ -1,6 +1,6 @@
 //! The source's three worlds, drawn small, against golden pictures by FLIP (Andersson et al. 2020).
 //!
-//! `GROTTO_UPDATE_GOLDEN=1 cargo test --test gpu golden` writes the pictures anew: look at them before
+//! `GROTTO_UPDATE_GOLDEN=1 cargo test --test gpu golden` writes the pictures again: look at them before
 //! committing. The threshold allows for another driver's rounding, not for another picture.
 
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::support::{self, frames::Drawn, root};
 
 const SIZE: [u32; 2] = [192, 108];
 const FRAMES: u32 = 48;
-/// Mean FLIP that a picture may differ by.
+/// Largest mean FLIP error of a picture.
 const MOST_FLIP: f32 = 0.02;
 
 fn draw(world: &str) -> Picture {

@@ -33,7 +33,7 @@ struct Stage {
     materials: GpuMaterials,
     lights: GpuLights,
     field: ProbeField,
-    due: ProbeSchedule,
+    schedule: ProbeSchedule,
     rays: ProbeTrace,
     blend: ProbeBlend,
     parameters: ProbeParameters,
@@ -43,10 +43,10 @@ struct Stage {
 
 const SIZE: u32 = 24;
 const ORIGIN: IVec3 = IVec3::new(-12, -12, -12);
-/// Air lies between these coordinates in grid space; the rest is stone.
+/// Air lies between these coordinates in grid space; the rest is solid.
 const AIR: [u32; 2] = [3, 21];
 
-/// Stone of material `of(voxel)` where it is not 0.
+/// Voxels of material `of(voxel)`; 0 is air.
 fn voxels(of: impl Fn(UVec3) -> u8 + Sync) -> Voxels {
     voxels_from(UVec3::splat(SIZE), |voxel| of(voxel.as_uvec3()))
 }
@@ -81,7 +81,7 @@ impl Stage {
         lights: &Lights,
         parameters: ProbeParameters,
     ) -> Self {
-        // No picture asks for probes while they settle.
+        // No picture requests probes while they settle.
         let parameters = ProbeParameters {
             states: States::Off,
             ..parameters
@@ -105,7 +105,7 @@ impl Stage {
             visibility_bits.record(&mut recorder);
         }
         recorder.submit(&gpu).expect("submits");
-        let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
+        let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
         let rays = ProbeTrace::new(&gpu, &field, &resources).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         Self {
@@ -113,7 +113,7 @@ impl Stage {
             materials,
             lights: on_gpu,
             field,
-            due,
+            schedule,
             rays,
             blend,
             parameters,
@@ -128,7 +128,7 @@ impl Stage {
             self.field
                 .begin_frame(&self.gpu, &self.parameters, self.seed, self.frame);
             let mut recorder = Recorder::new(&self.gpu, None);
-            self.due.record(&mut recorder);
+            self.schedule.record(&mut recorder);
             self.rays.record(&mut recorder);
             self.blend.record(&mut recorder);
             recorder.submit(&self.gpu).expect("submits");
@@ -159,7 +159,7 @@ impl Stage {
         resources.extend(self.lights.resources());
         resources.push(("view", buffer.as_entire_binding()));
         let camera = CameraRays::new(&self.gpu, size, &resources).expect("compiles");
-        // What is judged here is the light of the probes themselves.
+        // These tests judge the light of the probes alone.
         let probes_alone = ProbeParameters {
             final_gather: FinalGather::Off,
             ..self.parameters.clone()
@@ -227,7 +227,7 @@ fn a_white_furnace_reaches_its_closed_form_and_never_more() {
     }
 }
 
-/// Once its source is gone, light dies out: no loop gains.
+/// Once its source is gone, light dies out: the feedback from bounce to bounce gains nothing.
 #[test]
 fn light_dies_out_without_a_source() {
     let lit = Lights {
@@ -274,19 +274,19 @@ fn a_lamp_in_a_diffuse_room_keeps_its_energy() {
     let area = 6.0 * edge * edge;
     // Mean of E/π of bounced light over the walls: Φ/A · a/(1 − a) / π.
     let expected = flux / area * albedo / (1.0 - albedo) / std::f32::consts::PI;
-    // Each shows one wall, every part of it equally large.
+    // Each picture shows one wall, every part of it equally large.
     let walls = all_around(DVec3::ZERO)
         .map(|camera| mean(&stage.seen_by(camera, [36, 36], View::Irradiance)));
     let found = walls.iter().sum::<f32>() / 6.0;
     // Probes 6 m apart miss 4.3 % of the light near the walls (tests/gpu/energy.rs judges whole frames).
-    // Without what comes after the third bounce an eighth would be missing.
+    // Without the bounces after the third an eighth of the light would be missing.
     assert!(
         (found / expected - 1.0).abs() < 0.07,
         "{found}, not about {expected}"
     );
 }
 
-/// Every view shows what it says.
+/// Every view shows what its name says.
 #[test]
 fn views_show_what_they_are_named_for() {
     let lit = Lights {

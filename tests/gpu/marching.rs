@@ -1,4 +1,4 @@
-//! Marching on the GPU: the brick map against the plain DDA hit for hit, and against the CPU's.
+//! Marching on the GPU: the brick map against the plain DDA hit for hit, and against the CPU's marcher.
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
@@ -24,7 +24,7 @@ fn random(state: &mut u32) -> f32 {
     ((word >> 22 ^ word) >> 8) as f32 / 16_777_216.0
 }
 
-/// Air with stone of every size: single voxels, bricks, uniform cells.
+/// Air with solid voxels at every size: single voxels, bricks, uniform cells.
 fn rubble(seed: u32) -> Voxels {
     Voxels::from_cells(SIZE, |cell| {
         let mut state = seed ^ (cell.x * 7 + cell.y * 1_009 + cell.z * 91_193);
@@ -160,7 +160,7 @@ fn marching_equals_plain_dda_hit_for_hit() {
     }
 }
 
-/// The f64 marcher of the reference, which knows nothing of mirrored rays. Rounding may send a ray
+/// Compares with the f64 marcher of the reference, which does not mirror rays. Rounding may send a ray
 /// to the other side of an edge, so a few may differ.
 fn against_the_cpu(voxels: &Voxels, probes: &[UVec3], directions: &[Vec3], found: &[FoundHit]) {
     let extent = voxels.cells() * 8;

@@ -12,7 +12,7 @@ use crate::support;
 /// Not a multiple of the workgroup, nor of a row's alignment.
 const SIZE: [u32; 2] = [37, 21];
 
-/// Light from darkness to far above white, with what should never be there.
+/// Light from darkness to far above white, and values that should never occur.
 fn linear() -> Picture {
     let mut picture = Picture::new(SIZE[0], SIZE[1]);
     for (index, rgb) in picture.rgb.iter_mut().enumerate() {
@@ -28,7 +28,7 @@ fn map_on_gpu(gpu: &Gpu, exposure_ev: f32, view: View) -> Picture {
     map_marked(gpu, exposure_ev, view, 1.0)
 }
 
-/// With this alpha, which says how pixels are shown.
+/// As [`map_on_gpu`], with this alpha, which says how pixels are shown.
 fn map_marked(gpu: &Gpu, exposure_ev: f32, view: View, alpha: f32) -> Picture {
     let texels: Vec<[f32; 4]> = linear()
         .rgb
@@ -90,7 +90,7 @@ fn worst(a: &Picture, b: &Picture) -> f32 {
 fn the_pass_shows_what_the_cpu_shows() {
     let gpu = support::gpu();
     let shown = map_on_gpu(&gpu, 0.5, View::Full);
-    // Half a step of rounding, and what 32-bit powers lose.
+    // Half a step of rounding, and the error of 32-bit powers.
     let tolerance = 0.75 / 255.0;
     assert!(worst(&shown, &tonemap::tone_mapped(&linear(), 0.5)) < tolerance);
     assert!(
@@ -107,7 +107,7 @@ fn data_is_encoded_but_neither_exposed_nor_mapped() {
 }
 
 #[test]
-fn probes_are_shown_as_light_or_data_whatever_the_view_is_of() {
+fn probes_are_shown_as_light_or_data_in_every_view() {
     let gpu = support::gpu();
     let [light, data] = [View::Full, View::Albedo];
     let shown = |view, alpha| map_marked(&gpu, 1.0, view, alpha);
@@ -120,7 +120,7 @@ fn probes_are_shown_as_light_or_data_whatever_the_view_is_of() {
 }
 
 #[test]
-fn the_file_of_a_shown_picture_holds_its_very_bytes() {
+fn the_file_of_a_shown_picture_holds_exactly_its_bytes() {
     let gpu = support::gpu();
     let shown = map_on_gpu(&gpu, 0.0, View::Full);
     let folder = support::folder();

@@ -1,4 +1,4 @@
-//! Composed shaders are the same bytes in every run, and the list of their sources is too.
+//! Composed shaders are the same bytes in every run, and so is the list of their sources.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use grotto::{gpu::ShaderLibrary, world::sdf::shape_module};
 
 use crate::support::shipped;
 
-/// Compositions of each shader. A hash map has another order each time that one is made, within a process too.
+/// Number of compositions of each shader. Every new hash map has another order, within one process too.
 const TIMES: usize = 20;
 
 #[test]
@@ -32,7 +32,7 @@ fn every_shader_is_composed_to_the_same_bytes() {
     }
 }
 
-/// What `judge` knows a tracer's version by.
+/// `judge` identifies a tracer's version by these sources.
 #[test]
 fn the_sources_of_a_shader_are_the_modules_that_it_is_composed_of() {
     let library = ShaderLibrary::embedded();

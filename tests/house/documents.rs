@@ -17,12 +17,12 @@ const DOCUMENTS: [&str; 4] = [
     "worlds/README.md",
 ];
 
-/// What paths of the repository begin with.
+/// Prefixes of paths in the repository.
 const FOLDERS: [&str; 7] = [
     "src/", "shaders/", "tests/", "docs/", "worlds/", "scripts/", "benches/",
 ];
 
-/// Documents that are to be read at one sitting, and their most lines.
+/// Documents to be read in one sitting, and the limit of their lines.
 const SHORT: [&str; 2] = ["README.md", "ARCHITECTURE.md"];
 const MOST_LINES: usize = 150;
 
@@ -37,11 +37,11 @@ fn documents() -> Vec<(PathBuf, String)> {
     all
 }
 
-/// One line of a document, as far as paths stand in it.
+/// One line of a document, prepared for finding paths.
 struct Line<'a> {
     number: usize,
     text: &'a str,
-    /// Within a fenced block: every word counts, and nothing is a link.
+    /// Whether the line is within a fenced block: there every word counts, and nothing is a link.
     is_fenced: bool,
 }
 
@@ -62,7 +62,7 @@ fn lines(text: &str) -> Vec<Line<'_>> {
     found
 }
 
-/// What stands between backticks.
+/// Texts between backticks.
 fn code_spans(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
@@ -77,7 +77,7 @@ fn links(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// A heading's anchor, as GitHub makes it.
+/// The anchor that GitHub makes for a heading.
 fn anchor(heading: &str) -> String {
     let kept = heading.trim().chars().filter_map(|c| match c {
         ' ' => Some('-'),
@@ -124,14 +124,14 @@ fn expanded(path: &str) -> Vec<String> {
         .collect()
 }
 
-/// Whether a part of a path stands for any name: `*`, or a word in capitals, as `SUBJECT` or `NAME.wesl`.
+/// Whether a part of a path is a placeholder for any name: `*`, or a word in capitals such as `SUBJECT` or `NAME.wesl`.
 fn is_placeholder(part: &str) -> bool {
     let stem = part.split('.').next().unwrap_or(part);
     let is_word = stem.len() > 1 && stem.chars().all(|c| c.is_ascii_uppercase() || c == '_');
     part.contains('*') || (is_word && stem != "README")
 }
 
-/// Whether a path of the repository exists; some path, where parts of it are placeholders.
+/// Whether a path of the repository exists; if parts of it are placeholders, whether any path matches.
 fn exists(folder: &Path, path: &str) -> bool {
     let (part, rest) = path.split_once('/').unwrap_or((path, ""));
     if part.is_empty() {
@@ -153,7 +153,7 @@ fn exists(folder: &Path, path: &str) -> bool {
     }
 }
 
-/// The path that a word of a document is, if it begins like one of the repository.
+/// The word as a path, if it begins like a path of the repository.
 fn as_path(word: &str) -> Option<&str> {
     let word = word.trim_matches(|c: char| "\"'(),;:.".contains(c));
     let is_path = FOLDERS.iter().any(|folder| word.starts_with(folder));
@@ -170,7 +170,7 @@ fn looks_like_a_pass(word: &str, passes: &BTreeSet<String>) -> bool {
     is_name && passes.iter().any(|pass| pass.starts_with(&own))
 }
 
-/// `document:line: what` for everything that a document names and that does not exist.
+/// `document:line: reason` for everything that a document names but that does not exist.
 fn document_faults(document: &Path, text: &str, passes: &BTreeSet<String>) -> Vec<String> {
     let mut faults = Vec::new();
     for line in lines(text) {
@@ -236,7 +236,7 @@ fn documents_name_what_exists() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Which documents that are to be short are not.
+/// Documents that should be short but are too long.
 fn long_documents(all: &[(PathBuf, String)]) -> Vec<(&Path, usize)> {
     all.iter()
         .filter(|(path, _)| SHORT.iter().any(|short| path == Path::new(short)))

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::source::{Token, tokens};
 
-/// A path that begins at `crate`, `super`, `self` or `grotto`, or stands in a `use`.
+/// A path that begins at `crate`, `super`, `self` or `grotto`, or is part of a `use`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Import {
-    /// From the crate's root, in full: `["world", "voxels", "Voxels"]`. Empty for the root itself.
+    /// The full path from the crate's root: `["world", "voxels", "Voxels"]`. Empty for the root itself.
     pub path: Vec<String>,
     pub line: usize,
     pub in_tests: bool,
@@ -46,7 +46,7 @@ pub fn of_source(module: &[String], source: &str) -> Vec<Import> {
             }
             "mod" if text(at + 2) == "{" => inline.push((text(at + 1), depth)),
             "use" if !matches!(text(at + 1), "::" | "<") => {
-                // Without a root it names a child of this module, or another crate: the rules tell.
+                // Without a root it names a child of this module or another crate; the rules tell which.
                 let here = full(module, &inline);
                 at = add(&tokens, at + 1, &here, Some(here.clone()), &mut imports);
                 continue;
@@ -64,13 +64,13 @@ pub fn of_source(module: &[String], source: &str) -> Vec<Import> {
     imports
 }
 
-/// The path of the module that the current token stands in.
+/// The path of the module that contains the current token.
 fn full(module: &[String], inline: &[(&str, usize)]) -> Vec<String> {
     let names = inline.iter().map(|(name, _)| (*name).to_owned());
     module.iter().cloned().chain(names).collect()
 }
 
-/// Adds the imports of the path or use tree at `at`, and gives the position behind it.
+/// Adds the imports of the path or use tree at `at`, and returns the position behind it.
 fn add(
     tokens: &[Token],
     at: usize,
@@ -88,7 +88,7 @@ fn add(
     after
 }
 
-/// Reads the path or use tree at `at`, adds the full path of each of its leaves, and gives the
+/// Reads the path or use tree at `at`, adds the full path of each of its leaves, and returns the
 /// position behind it. `prefix` is the path so far; `None` at the start of a path.
 fn tree(
     tokens: &[Token],

@@ -57,7 +57,7 @@ fn shader_layout(path: &str, name: &str) -> Layout {
     }
 }
 
-/// The layout of a Rust struct by the members that are named here; padding has no name there.
+/// The layout of a Rust struct, from the members named here; padding is not named.
 macro_rules! rust_layout {
     ($ty:ty { $($member:ident),* $(,)? }) => {
         Layout {
@@ -67,7 +67,7 @@ macro_rules! rust_layout {
     };
 }
 
-/// Of every struct that Rust declares for the shaders.
+/// Compares every struct that Rust declares for the shaders.
 #[test]
 fn shared_structs_are_laid_out_alike() {
     let declared = shared::declarations();

@@ -1,6 +1,6 @@
-//! The rules of the house, read from the sources: who may import whom, one shader a pass, documents
-//! that name what exists, and files that stay readable. Each rule is also shown a planted fault that
-//! it must find.
+//! The rules of the house, checked in the sources: which module may import which, one shader per pass,
+//! documents that name only what exists, and files that stay readable. Each rule must also find a planted
+//! fault.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -67,17 +67,17 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ("main", &["commands"]),
 ];
 
-/// What everyone may import.
+/// Modules that every module may import.
 const LEAVES: [&str; 2] = ["parameters", "shared"];
 
-/// Tests of a module may judge it with these, whatever the module itself may import. The judge's
-/// own tests get nothing more: it never sees what it judges.
+/// Tests of a module may use these to judge it, whatever the module itself may import. Tests of the judge
+/// itself may import nothing more: the judge never sees what it judges.
 const TESTS_MAY_IMPORT: [&str; 2] = ["measure", "reference"];
 
 /// Most lines of a source file or shader; unit tests do not count.
 const MOST_LINES: usize = 400;
 
-/// Files that are longer, each with the reason why it is better whole.
+/// Longer files, each with the reason why it is better not split.
 const LONG_FILES: [(&str, &str); 3] = [
     (
         "shaders/probes/blend.wesl",
@@ -162,7 +162,7 @@ fn objection(from: &[String], import: &Import, passes: &BTreeSet<String>) -> Opt
             LEAVES.contains(&target.as_str()) || allowed.contains(&target.as_str()) || for_tests;
         return (!fine).then(|| format!("`{own}` may not import `{target}`"));
     }
-    // Within passes/: subjects do not know each other, nor does one pass another.
+    // Within passes/: subjects do not import each other, nor does one pass import another.
     if own != "passes" {
         return None;
     }
@@ -179,7 +179,7 @@ fn objection(from: &[String], import: &Import, passes: &BTreeSet<String>) -> Opt
     };
     let sibling = pass_of(path)?;
     match from.get(2) {
-        // mod.rs itself would pass the sibling on to all.
+        // A re-export in mod.rs would give all modules access to the sibling.
         None => Some(format!(
             "`passes/{subject}/mod.rs` may not re-export `{sibling}`"
         )),
@@ -280,7 +280,7 @@ fn files_stay_readable() {
     for (known, reason) in LONG_FILES {
         assert!(
             long.iter().any(|(path, _)| path == known),
-            "{known} needs no excuse any more"
+            "{known} no longer needs a reason"
         );
         assert!(reason.len() > 20, "{known}: say why");
     }

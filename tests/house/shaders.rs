@@ -1,8 +1,8 @@
-//! The rules of `shaders/`: which folder may import which, and one shader a pass.
+//! The rules of `shaders/`: which folder may import which, and one shader per pass.
 
 use std::path::Path;
 
-/// Folder → folders that it may import besides itself. `generated` is what Rust writes for a kernel.
+/// Folder → folders that it may import besides itself. `generated` holds the modules that Rust writes for a kernel.
 const MAY_IMPORT: [(&str, &[&str]); 12] = [
     ("math", &[]),
     ("frame", &[]),
@@ -15,14 +15,14 @@ const MAY_IMPORT: [(&str, &[&str]); 12] = [
     ("surface_cache", PURE),
     ("view", PURE),
     ("path_trace", PURE),
-    // It measures the others.
+    // `bench` measures the others.
     ("bench", PURE),
 ];
 
 /// What every subject may import: it knows no other subject than the scene.
 const PURE: &[&str] = &["math", "frame", "color", "scene", "march", "light"];
 
-/// How one subject asks another for its light: subject, whom it asks, and the modules that answer.
+/// How one subject reads the light of another: subject, the other, and the modules of the other that it may import.
 const QUERIES: [(&str, &str, &[&str]); 5] = [
     (
         "surface_cache",
@@ -34,7 +34,7 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
         "surface_cache",
         &["query", "footprint", "lamp_visibility"],
     ),
-    // Views of the probes themselves read more of them than their light.
+    // Views of the probes themselves read more than their light.
     (
         "view",
         "probes",

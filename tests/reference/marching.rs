@@ -24,7 +24,7 @@ fn every_face_is_named_by_its_outward_normal() {
     let voxels = empty_but(UVec3::new(20, 21, 22), solid);
     let centre = solid.as_dvec3() + 0.5;
     for (face, normal) in FACE_NORMALS.iter().enumerate() {
-        // From inside the grid, and from outside of it.
+        // From inside the grid, and from outside.
         for away in [3.5, 40.5] {
             let ray = Ray::new(centre + away * normal.as_dvec3(), -normal.as_dvec3());
             let expected = Hit {
@@ -49,7 +49,7 @@ fn distances_count_in_multiples_of_the_direction() {
 }
 
 #[test]
-fn starting_in_stone_is_said() {
+fn a_ray_that_starts_in_a_solid_voxel_says_so() {
     let voxels = empty_but(UVec3::splat(9), IVec3::splat(8));
     let ray = Ray::new(DVec3::splat(8.5), DVec3::X);
     assert_eq!(march(&voxels, &ray), Outcome::Inside(1));
@@ -121,7 +121,7 @@ fn vector(low: f64, high: f64) -> impl Strategy<Value = DVec3> {
         .prop_map(|(x, y, z)| DVec3::new(x, y, z))
 }
 
-/// A grid with lumps of stone in air: whole cells empty, whole cells solid, and mixed ones.
+/// A grid with solid lumps in air: whole cells empty, whole cells solid, and mixed ones.
 fn lumps(size: UVec3, seed: u64, density: u64) -> Voxels {
     let hash = |p: IVec3, salt: u64| {
         let mut h = seed ^ salt;

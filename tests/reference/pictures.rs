@@ -89,7 +89,7 @@ fn views_of_data_show_the_surface_and_nothing_beyond_it() {
 }
 
 #[test]
-fn a_camera_in_stone_sees_what_the_stone_emits() {
+fn a_camera_in_a_solid_voxel_sees_its_emission() {
     let stage = Stage::new(UVec3::splat(9), &[(0.5, 3.0)], |_| 1).under(uniform_sky(1.0));
     let camera = square_camera(DVec3::splat(4.5), 0.0, 0.0);
     for (view, radiance) in [
@@ -105,7 +105,7 @@ fn a_camera_in_stone_sees_what_the_stone_emits() {
     }
 }
 
-/// From a world's file to its picture: lamps, materials and origin find their places.
+/// From a world's file to its picture, with its lamps, materials and origin.
 #[test]
 fn a_world_renders_from_its_file() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/furnace.ron");
@@ -135,7 +135,7 @@ fn a_world_renders_from_its_file() {
     }
 }
 
-/// Where the world lies in space is no concern of its light.
+/// The position of a world in space does not affect its light.
 #[test]
 fn moving_the_world_moves_the_picture_with_it() {
     let (stage, camera) = room();
@@ -171,7 +171,7 @@ fn the_same_arguments_give_the_same_bytes_on_any_number_of_threads() {
     assert_ne!(stage.rendered(&options), first);
 }
 
-/// One lamp chosen at random at every bounce has the mean of the sum over all of them.
+/// One lamp chosen at random at every bounce gives, on average, the sum over all lamps.
 #[test]
 fn the_choice_of_lamps_is_fair() {
     let (stage, camera) = room();
@@ -189,7 +189,7 @@ fn the_choice_of_lamps_is_fair() {
             ..room().0
         };
         one.lights.lamps = stage.lights.lamps.get(lamp).copied().into_iter().collect();
-        // Sky and emission count once, with the last, which has no lamp.
+        // Every picture holds sky and emission; the weight of the last, which has no lamp, makes them count once.
         let share = Cpu.mean(&one, &camera, View::Indirect, 16, 256);
         let weight = if lamp == stage.lights.lamps.len() {
             1.0 - stage.lights.lamps.len() as f64

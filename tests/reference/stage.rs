@@ -1,4 +1,4 @@
-//! Scenes to test with: a few flat materials, lamps, a camera, and the renderer over them.
+//! Test scenes: a few flat materials, lamps, a camera, and the renderer over them.
 
 use std::sync::atomic::AtomicBool;
 
@@ -16,7 +16,7 @@ use crate::support::scenes::voxels_from;
 pub use crate::support::scenes::{all_around, flat, square_camera, uniform_sky};
 use crate::support::shipped;
 
-/// A world in the small: everything that the path tracer looks at.
+/// A small world: everything that the path tracer reads.
 pub struct Stage {
     pub voxels: Voxels,
     pub origin: IVec3,
@@ -37,7 +37,7 @@ impl Stage {
         Self::of(size, list, voxel)
     }
 
-    /// As [`Self::new`], of any materials.
+    /// As [`Self::new`], with any materials.
     pub fn of(size: UVec3, list: Vec<Material>, voxel: impl Fn(IVec3) -> u8 + Sync) -> Self {
         let lights = Lights {
             lamps: Vec::new(),
@@ -53,7 +53,7 @@ impl Stage {
         }
     }
 
-    /// A world of ours under its first lamps.
+    /// A world that comes with grotto, under its first lamps.
     pub fn of_world(name: &str) -> (Self, Vec<Camera>) {
         let world = shipped(name);
         let stage = Self {
@@ -108,14 +108,14 @@ impl Stage {
     }
 }
 
-/// Who makes the pictures: every closed form is asked of the path tracers on both sides.
+/// Renders the pictures: every closed form is tested with the path tracers of the CPU and the GPU.
 pub trait Tracer {
     fn rendered(&self, stage: &Stage, options: &FilmOptions) -> Picture;
 
-    /// Largest relative error of what is not random.
+    /// Largest relative error of results without randomness.
     fn rounding(&self) -> f64;
 
-    /// By how much samples are fewer than asked for: a software adapter is slow.
+    /// Divides the number of samples: a software adapter is slow.
     fn haste(&self) -> u32 {
         1
     }

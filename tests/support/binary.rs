@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::root;
 
-/// What a command left behind.
+/// The result of a command.
 pub struct Ended {
     pub code: i32,
     pub stdout: String,
@@ -54,7 +54,7 @@ pub fn run(arguments: &[&str]) -> Ended {
     end(grotto().args(arguments))
 }
 
-/// Ends with this code, nothing on stdout, and one message with these parts.
+/// Asserts that the command ends with this code, nothing on stdout, and one message with these parts.
 pub fn refused(command: &mut Command, code: i32, parts: &[&str]) {
     let ended = end(command);
     assert_eq!(ended.code, code, "{command:?}\n{}", ended.stderr);

@@ -1,4 +1,4 @@
-//! The examples of shapes in `worlds/README.md`: one a shape, so that whoever adds a shape has it tested.
+//! The examples of shapes in `worlds/README.md`: one per shape, so that every new shape is tested.
 
 use grotto::world::World;
 use grotto::world::file::{self, Overrides};
@@ -19,7 +19,7 @@ pub fn shapes() -> Vec<(String, World)> {
     examples.map(|text| (text.clone(), world(&text))).collect()
 }
 
-/// The README calls sub-trees a and b, and leaves keys with defaults out.
+/// Puts shapes in place of the README's sub-trees a and b, and removes the `…` for keys with defaults.
 fn with_sub_trees(example: &str) -> String {
     let (a, b) = (
         "Sphere(radius: 6)",

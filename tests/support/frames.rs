@@ -1,4 +1,4 @@
-//! Whole frames of a small world, and what tests ask of pictures.
+//! Whole frames of a small world, and statistics of pictures for tests.
 
 use std::sync::atomic::AtomicBool;
 
@@ -12,7 +12,7 @@ use grotto::{
     world::{Camera, LayoutSpec, View, World},
 };
 
-/// A picture of everything, of the first frame, with neither exposure nor time.
+/// The full view of the first frame, at time 0 and without exposure.
 pub fn shot(camera: Camera, size: [u32; 2]) -> Shot {
     Shot {
         camera,
@@ -33,7 +33,7 @@ pub struct Drawn {
     pub frame: Frame,
     pub lights: Lights,
     pub probes: ProbeParameters,
-    /// What the next frame shows. Its number is set by [`draw`](Self::draw).
+    /// What the next frame shows. [`draw`](Self::draw) sets its frame number.
     pub shot: Shot,
 }
 
@@ -76,7 +76,7 @@ impl Drawn {
         self.frame.read_radiance(&self.gpu).expect("reads back")
     }
 
-    /// What the picture should come to: path tracing on the GPU.
+    /// The picture that frames should converge to: path traced on the GPU.
     pub fn path_traced(&self, view: View, spp: u32) -> Picture {
         let request = TraceRequest {
             camera: &self.shot.camera,

@@ -17,7 +17,7 @@ use grotto::{
 };
 use tempfile::TempDir;
 
-/// The repository: commands run here, and worlds lie below.
+/// Root of the repository: commands run here, and `worlds/` lies in it.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -27,7 +27,7 @@ pub fn folder() -> TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
-/// What lies in a folder, sorted.
+/// The entries of a folder, sorted.
 pub fn listing(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let mut paths: Vec<PathBuf> = entries
@@ -59,7 +59,7 @@ pub fn gpu_with(checks: ShaderChecks) -> Gpu {
     Gpu::open(None, checks).expect("the tests need a Vulkan device")
 }
 
-/// A text in a file below `shaders/`, and what takes its place wherever it stands.
+/// A file below `shaders/`, a text in it, and the text that replaces every occurrence.
 pub type Fault<'a> = (&'a str, &'a str, &'a str);
 
 /// The same device with faults planted into its shaders.

@@ -63,8 +63,8 @@ pub fn volume_of(layout: &LayoutSpec) -> Volume {
     Volume::new(layout).expect("a good layout")
 }
 
-/// A camera that sees 90° and looks along `yaw` and `pitch`: at distance d from a wall that it
-/// faces it sees a square of edge 2d, and every point of it equally often.
+/// A camera with a view of 90° along `yaw` and `pitch`. At distance d from a wall that it faces it sees a
+/// square of edge 2d, every part of it equally large.
 pub fn square_camera(position: DVec3, yaw_deg: f32, pitch_deg: f32) -> Camera {
     Camera {
         name: "square".into(),

@@ -1,4 +1,4 @@
-//! `grotto compare`, driven as a user drives it.
+//! `grotto compare`, run as a user runs it.
 
 use std::{fs, path::Path};
 
@@ -93,7 +93,7 @@ fn a_png_and_an_exr_of_the_same_picture_look_the_same() {
         assert_eq!(number(&json, "flip.max"), 0.0, "{json}");
         assert_eq!(number(&json, "abs_sum.max"), 0.0, "{json}");
     }
-    // A stop more is another picture.
+    // One stop brighter is another picture.
     let brighter = bench.compared(&["a.exr", "a.png", "--exposure", "1"]);
     assert!(number(&brighter, "flip.mean") > 0.05, "{brighter}");
 }
@@ -161,7 +161,7 @@ fn gates_end_with_four_and_one_line_each() {
     }
     let kept = bench.compare(&["a.exr", "b.exr", "--fail-over", "energy_ratio=1.6"]);
     assert_eq!(kept.status.code(), Some(0));
-    // Light against black has no finite ratio; the gate must not take that for small.
+    // Light against black has no finite ratio; the gate must not treat that as small.
     bench.write("black.exr", &Picture::new(48, 27));
     let dark = bench.compare(&["a.exr", "black.exr", "--fail-over", "energy_error=100"]);
     assert_eq!(dark.status.code(), Some(4), "{dark:?}");
@@ -286,7 +286,7 @@ fn damaged_files_end_in_a_message() {
     for at in (0..whole.len()).step_by(whole.len() / 300 + 1) {
         let mut flipped = whole.clone();
         flipped[at] ^= 0x55;
-        // Either is fine: a flip in the pixels is another picture.
+        // Either result is fine: a flipped bit in the pixels gives another picture.
         let _ = read(&path, &flipped);
     }
 }

@@ -1,4 +1,4 @@
-//! The suites of `grotto bench` that measure how still light is and how soon it follows.
+//! The suites of `grotto bench` that measure how stable light is and how quickly it responds.
 
 use std::fs;
 
@@ -61,7 +61,7 @@ fn more_hysteresis_responds_later() {
     assert!((18.0..60.0).contains(&slow), "{slow}");
 }
 
-/// Four frames to nine tenths of all bounces, and nothing of that is paid for with a shorter history.
+/// Four frames to nine tenths of all bounces, without a shorter history.
 #[test]
 fn a_lamp_that_is_switched_is_seen_at_once() {
     let frames = ["--frames", "12", "--response-frames", "64"];
@@ -72,15 +72,15 @@ fn a_lamp_that_is_switched_is_seen_at_once() {
     let json: Value = serde_json::from_str(&text(&output.stdout)).expect("one JSON object");
     let response = &json["rows"][0]["response"];
     assert_eq!(json["rows"][0]["hysteresis"].as_f64(), Some(0.97));
-    // A plain average takes more than a hundred for either.
+    // A plain average takes more than a hundred frames for either.
     for (change, most) in [("lamp_on", 4.0), ("lamp_off", 10.0)] {
         let frames = number(response, &format!("{change}.to_90"));
         assert!(frames <= most, "{change}: {response}");
     }
 }
 
-/// The wall that a world names is the one that opens: the dark room sees light come through it, and nothing
-/// of a lamp before it does, or when it is a wall elsewhere.
+/// The wall that a world names is the one that opens. The dark room sees light through that wall once it is open,
+/// but no lamp while it is closed, and no light if the named wall is elsewhere.
 #[test]
 fn a_world_names_the_wall_that_opens() {
     let bench = Bench::new();

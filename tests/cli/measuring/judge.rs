@@ -22,7 +22,7 @@ fn a_world_from_end_to_end() {
     assert_eq!(rows.len(), 1);
     let row = &rows[0];
     assert_eq!([&row["world"], &row["camera"]], ["cornell", "inside"]);
-    // Light is there, and is not that of another picture.
+    // There is light, and it is not that of another picture.
     let energy = number(row, "indirect.energy_ratio");
     assert!((0.6..1.6).contains(&energy), "{row}");
     let flip = number(row, "full.flip.mean");
@@ -127,7 +127,7 @@ fn a_mask_names_what_must_stay_dark() {
 }
 
 #[test]
-fn references_are_kept_and_damaged_ones_traced_anew() {
+fn references_are_kept_and_damaged_ones_traced_again() {
     let bench = Bench::new();
     let flags = [
         &[CORNELL, "--camera", "inside", "--layout", "layout1"],
@@ -158,7 +158,7 @@ fn references_are_kept_and_damaged_ones_traced_anew() {
         );
         assert_eq!(fs::read(&kept[0]).expect("stored"), whole, "kept again");
     }
-    // Another picture is another file; none is kept when none is wanted.
+    // The reference of another picture is another file.
     bench.judged(&[&flags[..], &["--seed", "1"]].concat());
     assert_eq!(bench.references().len(), 2);
 }

@@ -1,5 +1,5 @@
-//! What measures light, driven as a user drives it: `grotto compare`, `grotto judge`, and the suites of
-//! `grotto bench` about stability and response; and what that says of light.
+//! The commands that measure light, run as a user runs them: `grotto compare`, `grotto judge`, and the suites of
+//! `grotto bench` about stability and response. These tests also check the measured light.
 
 mod compare;
 mod dynamics;
@@ -34,7 +34,7 @@ fn command(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// The number at a path of keys, as in `flip.mean`.
+/// The number at a path of keys, such as `flip.mean`.
 fn number(json: &Value, path: &str) -> f64 {
     let found = path.split('.').fold(json, |value, key| &value[key]);
     found.as_f64().unwrap_or_else(|| panic!("{path} in {json}"))
@@ -84,7 +84,7 @@ impl Bench {
         object(&self.compare(&[arguments, &["--json"]].concat()))
     }
 
-    /// Comparing ends with this code, nothing on stdout, and a message with these parts.
+    /// Asserts that comparing ends with this code, nothing on stdout, and a message with these parts.
     fn refused(&self, arguments: &[&str], code: i32, parts: &[&str]) {
         let output = self.compare(arguments);
         let message = text(&output.stderr);
@@ -99,7 +99,7 @@ impl Bench {
         assert!(!message.contains("bug in grotto"), "{message}");
     }
 
-    /// `grotto judge` with these flags, and those that keep tests quick unless others are given.
+    /// `grotto judge` with these flags, and with defaults that keep tests quick.
     fn judging(&self, arguments: &[&str]) -> Command {
         let [out, cache] = ["out", "cache"].map(|name| self.path(name).display().to_string());
         let usual = [
@@ -121,13 +121,13 @@ impl Bench {
         output(&mut self.judging(arguments))
     }
 
-    /// What it printed, and what it said.
+    /// The JSON on stdout and the text on stderr.
     fn judged(&self, arguments: &[&str]) -> (Value, String) {
         let output = self.judge(&[arguments, &["--json"]].concat());
         (object(&output), text(&output.stderr))
     }
 
-    /// A file that judging wrote.
+    /// A file that `judge` wrote.
     fn result(&self, name: &str) -> String {
         fs::read_to_string(self.path("out").join(name)).expect("written")
     }

@@ -1,4 +1,4 @@
-//! `--shard I/N` of `reference` and `judge`, and `grotto merge`: parts make what one run makes, to the byte.
+//! `--shard I/N` of `reference` and `judge`, and `grotto merge`: merged parts equal the result of one run, byte for byte.
 
 use std::{
     collections::BTreeMap,
@@ -14,7 +14,7 @@ use super::{Bench, grotto, judge::SKIP, object, text};
 const ROOM: &str = "worlds/minimal.ron";
 
 impl Bench {
-    /// All files under a folder, but for those that parts are in.
+    /// All files under a folder, except the files of parts.
     fn files(&self, folder: &str) -> BTreeMap<PathBuf, Vec<u8>> {
         fn collect(root: &Path, folder: &Path, all: &mut BTreeMap<PathBuf, Vec<u8>>) {
             for entry in fs::read_dir(folder).expect("a folder") {
@@ -65,7 +65,7 @@ impl Bench {
         grotto(&[&["merge"], &parts[..], &["--out", out, "--json"]].concat())
     }
 
-    /// Merging ends with this code and a message with these words, and leaves `out` as it was.
+    /// Asserts that merging is refused with a message with these words, and leaves `out` unchanged.
     fn not_merged(&self, parts: &[&str], out: &str, words: &[&str]) {
         let before = self.path(out).exists().then(|| self.files(out));
         let output = self.merge(parts, out);
@@ -115,7 +115,7 @@ fn four_parts_of_a_reference_make_the_picture_of_one_run() {
     );
     assert!(bench.files("out") == bench.files("whole"));
     assert_eq!(bench.files("out").len(), 1);
-    // Once more into the same folder: it is the same picture.
+    // Merged once more into the same folder, the picture is the same.
     object(&bench.merge(&["1", "2", "3", "4"], "out"));
 
     // More parts than blocks: some hold no samples.
@@ -185,7 +185,7 @@ fn parts_that_make_no_whole_are_refused() {
         }
         bench.not_merged(&["1", empty], "out", &[empty]);
     }
-    // A part of another picture, of another number of parts, and one of nothing.
+    // Parts of other pictures and of another number of parts.
     for (flags, word) in [
         (
             &["--seed", "1", "--shard", "2/2"][..],
@@ -216,7 +216,7 @@ fn parts_that_make_no_whole_are_refused() {
         fs::write(&part, bytes).expect("writable");
         bench.not_merged(&["1", "2"], "out", &["part-2-of-2", word]);
     }
-    // What cannot be read is not overwritten without a word, and neither is another part.
+    // Neither a file that cannot be read nor the part of another picture is overwritten.
     let refused = bench.tracing("2", &["--shard", "2/2"]).wait_with_output();
     assert_eq!(refused.expect("it ends").status.code(), Some(2));
     let refused = bench.tracing("1", &["--shard", "1/2", "--seed", "7"]);
@@ -250,7 +250,7 @@ fn numbers_of_parts_are_checked() {
     assert_eq!(unshared.status.code(), Some(2));
 }
 
-/// Judges rows in parts, one after another as the caches of machines would be: each has its own.
+/// Judges rows in parts, one part after another. Each has a cache of its own, as on separate machines.
 fn judge_parts(bench: &Bench, count: u32, flags: &[&str]) {
     for index in 1..=count {
         let [folder, cache] = ["", "cache-"].map(|prefix| format!("{prefix}{index}"));
@@ -315,7 +315,7 @@ fn parts_of_a_judge_make_the_tables_and_pages_of_one_run() {
     }
     assert!(whole.len() > 4, "pictures too");
 
-    // Pictures belong to their parts.
+    // A part with a damaged picture is refused.
     let pictures = bench.path("2/pictures");
     let one = fs::read_dir(&pictures).expect("a folder").next();
     fs::write(one.expect("a picture").expect("an entry").path(), "").expect("writable");
@@ -361,7 +361,7 @@ fn parts_with_changes_of_light_make_the_same_tables() {
 }
 
 #[test]
-fn a_world_that_fails_is_told_of_once() {
+fn a_world_that_fails_is_reported_once() {
     let bench = Bench::new();
     let broken = bench.path("broken.ron");
     fs::write(&broken, "(title: ").expect("writable");

@@ -4,8 +4,8 @@ use std::fs;
 
 use super::{Bench, number};
 
-/// A closed room with stairs of one voxel, and a block that glows on its floor: what probes that stand
-/// voxels apart cannot tell.
+/// A closed room with stairs of one voxel, and a glowing block on its floor: details too small for probes that
+/// are several voxels apart.
 const STAIRS: &str = r#"(
     title: "Stairs, and a block that glows.",
     size: (32, 16, 32),

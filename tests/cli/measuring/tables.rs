@@ -1,4 +1,4 @@
-//! The tables of `grotto judge`: rows for settings, what is kept of work that is stopped, and pages.
+//! The tables of `grotto judge`: rows for settings, results of interrupted work, and pages.
 
 use std::{
     fs,
@@ -60,7 +60,7 @@ fn settings_make_rows_and_a_table_of_means() {
     }
     assert_eq!(bench.references().len(), 2, "one for each camera");
 
-    // What was set is what was rendered: without visibility the dark room is lit.
+    // The setting takes effect: without visibility the dark room is lit.
     assert!(number(&rows[1], "leak_ratio") > 10.0 * number(&rows[3], "leak_ratio"));
     assert_eq!(number(&rows[0], "leak_ratio"), 0.0, "no probes, no leak");
     assert_eq!(number(&rows[5], "indirect.energy_ratio"), 0.0);
@@ -123,7 +123,7 @@ fn what_is_stopped_keeps_its_rows() {
         assert!(start.elapsed() < Duration::from_secs(120), "no row yet");
         sleep(Duration::from_millis(20));
     }
-    // In the midst of the work there is a table, whole but for the rows to come.
+    // While the work runs there is a complete table of the finished rows.
     let early: Value = serde_json::from_slice(&fs::read(&path).expect("readable")).expect("JSON");
     assert_eq!(early["complete"], false);
     let kill = Command::new("kill")
@@ -147,7 +147,7 @@ fn what_is_stopped_keeps_its_rows() {
     let names = fs::read_dir(bench.path("out")).expect("a folder").count();
     assert_eq!(names, 4, "nothing half-written is left");
 
-    // What it had traced is kept, and all of the work makes a complete table.
+    // The traced references are kept, and a full run makes a complete table.
     let (whole, said) = bench.judged(&all[..all.len() - 1]);
     assert!(!said.contains("anew"), "{said}");
     assert_eq!(whole["rows"].as_array().map(Vec::len), Some(6));

@@ -24,7 +24,7 @@ fn report(out: &Path) -> Report {
     Report::read(out).expect("a report")
 }
 
-/// Those of `report` alone that `findings` are about.
+/// The rows of one check.
 fn rows(rows: &[Row], check: Check) -> Vec<&Row> {
     rows.iter().filter(|row| row.check == check).collect()
 }
@@ -46,7 +46,7 @@ fn twenty_five_scenes_have_no_unknown_failure() {
             .map_or(0, |count| count.passed + count.known)
     };
     for check in Check::ALL {
-        // Not every scene can be compared with a reference; all else applies to all.
+        // Not every scene can be compared with a reference; all other checks apply to all scenes.
         let least = if check == Check::Band { 5 } else { 25 };
         assert!(
             judged(check) >= least,
@@ -57,7 +57,7 @@ fn twenty_five_scenes_have_no_unknown_failure() {
     }
 }
 
-/// Every file under a folder but the times, with its bytes.
+/// Every file under a folder except the times, with its bytes.
 fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("a folder") {
@@ -77,7 +77,7 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 fn parts_make_the_whole_byte_for_byte() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    // With failures, whose files are to be joined as well.
+    // With failures, whose files must be joined too.
     let scenes = [
         "--scenes", "4", "--seed", "7", "--plant", "order", "--tries", "0",
     ];
@@ -163,7 +163,7 @@ fn bad_input_is_refused_with_a_remedy() {
     }
 }
 
-/// Plants a fault into a scene: the check must find it, and the scene must get simpler.
+/// Plants a fault into a scene: the check must find it, and the scene must become simpler.
 fn plant(fault: &str, seed: u32, check: Check) {
     let folder = folder();
     let number = seed.to_string();

@@ -1,5 +1,4 @@
-//! Lamps, sky, materials, tone mapping on the GPU against the same on the CPU,
-//! value for value.
+//! Lamps, sky, materials and tone mapping: the GPU against the CPU, value for value.
 
 use glam::{DVec3, IVec3, Vec3};
 use grotto::{
@@ -69,7 +68,7 @@ fn worst(gpu: &[[f32; 4]], cpu: &[DVec3], floor: f64) -> f64 {
     gpu.iter().zip(cpu).map(error).fold(0.0, f64::max)
 }
 
-/// Points and unit vectors that are spread but the same every time.
+/// Scattered points and unit vectors, the same in every run.
 fn scattered(index: u32) -> (DVec3, DVec3) {
     let turn = f64::from(index);
     let point = DVec3::new(
@@ -154,7 +153,7 @@ fn lamps_light_the_same_on_both_sides() {
     };
     let error = worst(&on_gpu, &on_cpu(&lamps()), 1e-2);
     assert!(error < 1e-4, "{error}");
-    // A lamp that the GPU did not have must show.
+    // The comparison must notice a lamp that the GPU lacks.
     assert!(worst(&on_gpu, &on_cpu(&lamps()[..2]), 1e-2) > 0.01);
 }
 
@@ -296,10 +295,10 @@ fn textures_look_the_same_on_both_sides() {
         };
         places.iter().map(|at| look(at).as_dvec3()).collect()
     };
-    // Texture units weigh texels with 8 bits.
+    // Texture units weight texels with 8 bits.
     let error = worst(&on_gpu, &on_cpu(1.0), 1.0);
     assert!(error < 0.012, "{error}");
-    // One mip level of difference must show.
+    // The comparison must notice a difference of one mip level.
     assert!(worst(&on_gpu, &on_cpu(2.0), 1.0) > 0.1);
 }
 
@@ -321,7 +320,7 @@ fn mean_colours_are_the_same_on_both_sides() {
         .collect();
     let error = worst(&on_gpu, &on_cpu, 0.1);
     assert!(error < 1e-5, "{error}");
-    // A neighbour's dither must show.
+    // The comparison must notice the dither of a neighbour.
     let beside: Vec<DVec3> = places
         .iter()
         .map(|at| set.mean_albedo(at.material, at.voxel + 1).as_dvec3())
@@ -359,6 +358,6 @@ fn the_tone_mapper_is_the_same_on_both_sides() {
     };
     let error = worst(&on_gpu, &on_cpu(1.0), 1.0);
     assert!(error < 0.25 / 255.0, "{error}");
-    // A twentieth of a stop must show.
+    // The comparison must notice a twentieth of a stop.
     assert!(worst(&on_gpu, &on_cpu(1.035), 1.0) > 0.5 / 255.0);
 }

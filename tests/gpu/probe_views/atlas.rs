@@ -1,4 +1,4 @@
-//! Layers of the atlases, flat.
+//! Layers of the atlases, drawn flat.
 
 use grotto::{
     frame::FrameError,
@@ -11,7 +11,7 @@ use half::f16;
 use super::{Watched, few_rays};
 use crate::support;
 
-/// Bytes of a row that is copied from a texture.
+/// Bytes of a row in a copy of a texture.
 const ROW: u32 = 512;
 
 /// A layer of a texture, rows from the top.
@@ -46,7 +46,7 @@ fn texels(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Vec<Vec<[f16; 4]>> 
         .collect()
 }
 
-/// Probes whose maps take many layers, for the adapter has tiny textures.
+/// Probes whose maps take many layers, because the adapter is limited to tiny textures.
 fn watched(size: [u32; 2]) -> Watched {
     let mut gpu = support::gpu();
     gpu.limits.max_texture_dimension_2d = 64;
@@ -71,7 +71,7 @@ fn shown(map: AtlasMap, layer: u32) -> Inspection {
 
 #[test]
 fn a_layer_fills_the_picture_texel_by_texel() {
-    // Two pixels a texel of irradiance with a stripe at both sides, and less than one of distances.
+    // Two pixels per texel of irradiance, with a stripe at both sides, and less than one pixel per texel of distances.
     let size = [50, 40];
     let mut watched = watched(size);
     let mut known = Vec::new();
@@ -115,7 +115,7 @@ fn a_layer_fills_the_picture_texel_by_texel() {
 }
 
 #[test]
-fn a_layer_that_there_is_not_is_told_with_how_many_there_are() {
+fn a_missing_layer_is_refused_with_the_number_of_layers() {
     let mut watched = watched([8, 8]);
     let layers = watched.frame.field().atlas().layers;
     let before = watched.look(shown(AtlasMap::Irradiance, layers - 1));
@@ -134,7 +134,7 @@ fn a_layer_that_there_is_not_is_told_with_how_many_there_are() {
 }
 
 #[test]
-fn distances_that_nobody_keeps_are_told_of() {
+fn distances_that_are_not_stored_are_refused() {
     let gpu = support::gpu();
     let mut exact = Watched::on(gpu, "house", "coarse", [8, 8], few_rays());
     assert!(!exact.frame.field().keeps_distances());

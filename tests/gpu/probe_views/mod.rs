@@ -23,7 +23,7 @@ use oracle::{Expected, Oracle};
 
 use crate::support::{self, frames, layout_of};
 
-/// A world that is watched by its first camera.
+/// A world seen by its first camera.
 struct Watched {
     gpu: Gpu,
     frame: Frame,
@@ -71,7 +71,7 @@ impl Watched {
         }
     }
 
-    /// What the probes as they are show in a view.
+    /// Draws a view of the probes without updating them.
     fn look(&mut self, wanted: Inspection) -> Picture {
         self.shot.view = wanted.view;
         self.frame.inspect(&self.gpu, wanted).expect("it fits");
@@ -95,14 +95,14 @@ impl Watched {
         })
     }
 
-    /// Who should be at each pixel, by the places that the field says.
+    /// Which probe should be at each pixel, from the places in the field.
     fn oracle(&mut self, lines: bool) -> Oracle {
         let depth = self.view(View::Depth);
         Oracle::new(&self.gpu, &self.frame, &self.shot.camera, &depth, lines)
     }
 }
 
-/// What takes little time: these pictures ask where probes are and what they do.
+/// Few rays, to save time: these pictures test where probes are and what states they have.
 fn few_rays() -> ProbeParameters {
     ProbeParameters {
         rays: 8,
@@ -123,12 +123,12 @@ fn unmoved() -> ProbeParameters {
 const ALIVE: Vec3 = Vec3::new(0.05, 0.52, 0.08);
 const MOVED: Vec3 = Vec3::new(0.89, 0.43, 0.01);
 const BACK_SIDE: Vec3 = Vec3::new(0.62, 0.08, 0.75);
-const FED: Vec3 = Vec3::new(0.04, 0.48, 0.58);
+const INDIRECT_ONLY: Vec3 = Vec3::new(0.04, 0.48, 0.58);
 const ASLEEP: Vec3 = Vec3::new(0.03, 0.11, 0.63);
 const DEAD: Vec3 = Vec3::new(0.53, 0.02, 0.02);
 
-/// Pixels of spheres, of lines, and of both that are not as expected. Each that belongs to no probe must be as
-/// in the picture without them.
+/// Number of pixels of spheres, of lines, and of wrong pixels among both. A pixel that belongs to no probe must be as
+/// in the picture without probes.
 fn faults(
     drawn: &Picture,
     plain: &Picture,
@@ -168,7 +168,7 @@ fn faults(
 }
 
 #[test]
-fn spheres_and_lines_are_where_probes_and_twins_stand_and_walls_hide_them() {
+fn spheres_and_lines_are_where_probes_and_back_side_probes_stand_and_walls_hide_them() {
     let mut watched = Watched::new("house", "house", [128, 72], few_rays());
     watched.settle(2);
     let plain = watched.view(View::Full);
@@ -183,7 +183,7 @@ fn spheres_and_lines_are_where_probes_and_twins_stand_and_walls_hide_them() {
     assert!(spheres > 150 && lines > 40, "{spheres} and {lines} pixels");
     assert_eq!(wrong, 0);
 
-    // The comparison sees what is a voxel off, what shines through walls, and lines without their end.
+    // The comparison notices probes that are a voxel off, probes drawn through walls, and lines without their end.
     let surfaces = oracle.clear_surfaces();
     let [.., through_walls] = faults(&drawn, &plain, &oracle, by_state);
     assert!(through_walls > 100, "{through_walls}");
@@ -245,7 +245,7 @@ fn in_a_furnace_every_sphere_shows_the_light_of_all_directions() {
         let plain = watched.view(View::Full);
         let light = watched.spheres(ProbeColour::Irradiance);
         let spheres = (0..light.rgb.len()).filter(|&at| marked.rgb[at] != plain.rgb[at]);
-        // Where there is no line: it shows what is behind.
+        // Where there is no line, the picture shows what is behind.
         spheres.flat_map(|at| light.rgb[at]).collect()
     };
     watched.settle(2);
@@ -271,7 +271,7 @@ fn surfaces_show_the_states_of_the_probes_that_light_them() {
     let green = watched.view(View::States);
     assert!(green.rgb.iter().all(|rgb| has_hue(*rgb, ALIVE)));
 
-    // Of those in pillars some move, and light what was lit by others.
+    // Some of the probes in pillars move, and light points that others lit before.
     let mut watched = Watched::new("furnace", "fine", [48, 27], few_rays());
     watched.settle(2);
     let mixed = watched.view(View::States);
@@ -285,7 +285,7 @@ fn painted_cubes_count_as_the_states_do() {
     let parameters = ProbeParameters {
         states: ProbeStates::On,
         warmup_frames: 1,
-        // No probe is merely restless: those that nobody sees are asleep, or feed those that somebody does.
+        // No probe is active through variability alone: probes that light no pixel are asleep or indirect-only.
         variability: 1.0,
         ..few_rays()
     };
@@ -319,7 +319,7 @@ fn painted_cubes_count_as_the_states_do() {
             assert!(cube.iter().all(|axis| f32::from_bits(axis[3]) == known));
         }
         let is = |state: Vec3| (colour - state).abs().max_element() < 1e-3;
-        alive += u32::from(is(ALIVE) || is(MOVED) || is(BACK_SIDE) || is(FED));
+        alive += u32::from(is(ALIVE) || is(MOVED) || is(BACK_SIDE) || is(INDIRECT_ONLY));
         sleeping += u32::from(is(ASLEEP));
         dead += u32::from(is(DEAD) && slot < field.volume().slots());
     }

@@ -1,4 +1,4 @@
-//! Who should be at each pixel: found on the CPU in f64, by walking along each camera ray in steps of the
+//! Which probe should be at each pixel. Found on the CPU in f64, by walking along each camera ray in steps of the
 //! distance to the nearest sphere or line.
 
 use glam::{DVec2, DVec3, Vec3};
@@ -6,7 +6,7 @@ use grotto::{
     frame::Frame, gpu::Gpu, measure::picture::Picture, probes::Layout as _, world::Camera,
 };
 
-/// A sphere of which both ends are the same, or a line.
+/// A line, or a sphere when both ends are equal.
 #[derive(Clone, Copy)]
 struct Shape {
     from: DVec3,
@@ -24,7 +24,7 @@ pub struct Expected {
     pub is_back_side: bool,
     pub is_moved: bool,
     pub level: u32,
-    /// 1 where it faces the camera, 0 at its rim.
+    /// 1 where the shape faces the camera, 0 at its rim.
     pub facing: f64,
 }
 
@@ -39,12 +39,12 @@ pub struct Oracle {
     moved: Vec<bool>,
 }
 
-// As docs/notes/probe_views.md and the shader have them: radii of spheres in spacings, of lines in those of spheres, and
-// the least of both in pixels.
+// As in docs/notes/probe_views.md and the shader: radii of spheres in probe spacings, radii of lines in radii of spheres,
+// and the least radius of each in pixels.
 const SPHERE: f64 = 0.08;
 const LINE: f64 = 0.2;
 const LEAST_PIXELS: [f64; 2] = [1.0, 0.6];
-/// Of the radius of a dead probe's sphere, what is a hole.
+/// Radius of the hole in a dead probe's sphere, as a share of the sphere's radius.
 const HOLE: f64 = 0.75;
 
 impl Oracle {
@@ -105,7 +105,7 @@ impl Oracle {
         }
     }
 
-    /// As if there were no voxels; gives where they were.
+    /// Removes all voxels; returns where they were.
     pub fn clear_surfaces(&mut self) -> Vec<f64> {
         let none = vec![f64::INFINITY; self.surfaces.len()];
         std::mem::replace(&mut self.surfaces, none)
@@ -115,7 +115,7 @@ impl Oracle {
         self.surfaces = surfaces;
     }
 
-    /// As if probes stood elsewhere, and lines led there.
+    /// Moves probes and the ends of their lines elsewhere.
     pub fn move_ends(&mut self, by: DVec3) {
         for shape in &mut self.shapes {
             if shape.from == shape.to {
@@ -125,7 +125,7 @@ impl Oracle {
         }
     }
 
-    /// Who is at a pixel, if anybody; `None` where a hair's breadth decides.
+    /// The probe at a pixel, if any; `None` where a hair's breadth decides.
     pub fn at(&self, pixel: u32) -> Option<Option<Expected>> {
         let exact = self.nearest(pixel, 1.0, 0.0);
         let who = |found: Option<Expected>| found.map(|found| (found.slot, found.is_line));
@@ -135,7 +135,7 @@ impl Oracle {
             .then_some(exact)
     }
 
-    /// With all radii times `grown`, and voxels farther away by `deeper`.
+    /// The nearest probe with all radii times `grown` and voxels farther away by `deeper`.
     fn nearest(&self, pixel: u32, grown: f64, deeper: f64) -> Option<Expected> {
         let ray = self.rays[pixel as usize];
         let mut nearest = self.surfaces[pixel as usize] + deeper;
@@ -164,14 +164,14 @@ impl Oracle {
 }
 
 impl Shape {
-    /// Of its axis, what is nearest to a point.
+    /// The point of the axis that is nearest to `point`.
     fn axis_point(&self, point: DVec3) -> DVec3 {
         let axis = self.to - self.from;
         let along = (point - self.from).dot(axis) / axis.length_squared().max(1e-12);
         self.from + along.clamp(0.0, 1.0) * axis
     }
 
-    /// Where a ray enters, unless it begins inside.
+    /// Where a ray enters the shape, unless it begins inside.
     fn met(&self, eye: DVec3, ray: DVec3) -> Option<f64> {
         let middle = (self.from + self.to) / 2.0 - eye;
         let bound = self.from.distance(self.to) / 2.0 + self.radius;

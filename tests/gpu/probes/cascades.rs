@@ -1,4 +1,4 @@
-//! How the levels of a volume share a point.
+//! How the levels of a volume share the lighting of a point.
 
 use glam::{IVec2, UVec3, Vec3};
 use grotto::{
@@ -35,12 +35,12 @@ fn points(around: Vec3) -> Vec<(Vec3, Vec3)> {
         .collect()
 }
 
-/// Each level's probes see a light of their own: what a point gets says who gave it.
+/// The probes of each level see a light of their own, so the light at a point tells which levels gave it.
 #[test]
 fn levels_share_a_point_as_the_cpu_says() {
     for eyes in [&[][..], &[Vec3::new(31.0, -8.0, 100.0)]] {
         let parameters = ProbeParameters {
-            // Points are asked for where they are.
+            // Points are gathered where they are.
             normal_bias: 0.0,
             ..Default::default()
         };
@@ -72,12 +72,12 @@ fn levels_share_a_point_as_the_cpu_says() {
 }
 
 #[test]
-fn what_a_hidden_cage_does_not_give_the_next_level_does() {
+fn the_next_level_gives_what_a_hidden_cage_does_not() {
     let volume = nested(false);
     let level_slots = volume.level_slots();
     let mut rig = Rig::new(volume, ProbeParameters::default());
     let middle = [(Vec3::new(0.5, 1.5, 0.0), Vec3::Y)];
-    // The finest level lies in stone.
+    // The finest level lies in solid voxels.
     rig.update(|slot, _| match slot / level_slots {
         0 => [7.0, 7.0, 7.0, -1.0],
         1 => [2.0, 2.0, 2.0, 1000.0],
@@ -85,15 +85,15 @@ fn what_a_hidden_cage_does_not_give_the_next_level_does() {
     });
     let found = rig.gather(&middle)[0];
     assert!((found[0] - 2.0).abs() < 0.01, "{found:?}");
-    // All of it does: there is no light left.
+    // All levels do: there is no light left.
     rig.update(|_, _| [7.0, 7.0, 7.0, -1.0]);
     assert_eq!(rig.gather(&middle)[0], [0.0; 4]);
 }
 
-/// A probe that has come shows the light of the coarser level until it has looked; one of the coarsest
-/// shows none. Those that stay keep what they have seen.
+/// A new probe shows the light of the coarser level until its first update; a new probe of the coarsest
+/// level shows none. Probes that stay keep their light.
 #[test]
-fn probes_that_come_show_what_the_coarser_level_knows() {
+fn new_probes_show_the_light_of_the_coarser_level() {
     let volume = nested(true);
     let mut rig = Rig::new(volume, ProbeParameters::default());
     let level_slots = rig.field.volume().level_slots();
@@ -122,7 +122,7 @@ fn probes_that_come_show_what_the_coarser_level_knows() {
         let stays = before
             .level_of(slot)
             .contains(volume.level_of(slot).point(slot));
-        // Share of the coarser cage around it that has looked.
+        // Weight of the probes in the coarser cage around it that have been updated.
         let known = volume
             .levels()
             .get(level as usize + 1)
@@ -138,14 +138,14 @@ fn probes_that_come_show_what_the_coarser_level_knows() {
             (true, _) => [light(slot), 1.0],
             (false, 0.3..) => [RADIANCE[level as usize + 1], 1.0],
             (false, 0.0) => [0.0, 0.0],
-            // Few of them, and hardly any of those near.
+            // Few probes, and hardly any of them near the camera.
             (false, _) => continue,
         };
         counts[level as usize] += u32::from(!stays);
         seeded[level as usize] += u32::from(!stays && expected[1] > 0.0);
         assert_eq!(updates[slot as usize], u32::from(stays), "slot {slot}");
         let map = rig.irradiance(slot);
-        // Borders too.
+        // Texels of the border too.
         for place in [
             IVec2::ZERO,
             IVec2::new(-1, 3),

@@ -66,7 +66,7 @@ fn chebyshev_hides_what_a_wall_separates() {
 }
 
 #[test]
-fn probes_in_stone_give_nothing_and_cost_their_neighbours_nothing() {
+fn probes_in_solid_voxels_give_nothing_and_cost_their_neighbours_nothing() {
     let mut rig = Rig::new(volume([2, 1, 1], 8.0), ProbeParameters::default());
     rig.update(|slot, _| match slot {
         0 => [7.0, 7.0, 7.0, -1.0],
@@ -76,7 +76,7 @@ fn probes_in_stone_give_nothing_and_cost_their_neighbours_nothing() {
     let near_solid = (Vec3::new(-3.0, 0.5, 0.5), Vec3::Y);
     let gathered = rig.gather(&[near_solid])[0];
     assert!((gathered[0] - 1.0).abs() < 2e-3, "{gathered:?}");
-    // A live probe that gets walled in forgets what it knew, and learns anew when it is freed.
+    // A live probe that becomes solid forgets its light, and starts again when it is freed.
     rig.update(|_, _| [0.0, 0.0, 0.0, -1.0]);
     assert_eq!(rig.gather(&[near_solid])[0], [0.0; 4]);
     rig.update(|_, _| [5.0, 5.0, 5.0, 100.0]);

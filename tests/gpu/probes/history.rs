@@ -1,4 +1,4 @@
-//! What becomes of the maps over many updates: averages, reactions, and numbers that are none.
+//! The maps over many updates: averages, reactions to change, and NaN.
 
 use glam::{DVec3, IVec2, IVec3};
 use grotto::{
@@ -10,7 +10,7 @@ use half::f16;
 use super::{Rig, texels, volume};
 
 #[test]
-fn nothing_that_is_not_a_number_is_ever_stored() {
+fn nan_and_infinity_are_never_stored() {
     let mut rig = Rig::new(volume([1, 1, 1], 4.0), ProbeParameters::default());
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1.0] {
         rig.update(|_, d| {
@@ -62,7 +62,7 @@ fn a_slow_average_reaches_its_goal() {
     assert!((found - 1.05).abs() < 0.001, "{found}");
 }
 
-/// Radiance that depends on the direction, and so on how an update's rays are turned.
+/// Radiance that depends on the direction, and so on the rotation of an update's rays.
 fn noisy(mean: f64, direction: DVec3) -> [f32; 4] {
     [(mean * (1.0 + 0.2 * (direction.x * 40.0).sin())) as f32; 4]
 }
@@ -104,7 +104,7 @@ fn light_that_is_known_to_change_is_followed_at_once_and_only_where_it_arrives()
     }
 }
 
-/// Where nothing changes for long there is nothing to follow, until something does.
+/// After long stillness the average takes in more updates, until the light changes.
 #[test]
 fn still_light_is_averaged_further_and_the_first_change_ends_that() {
     let parameters = ProbeParameters {
@@ -140,7 +140,7 @@ fn still_light_is_averaged_further_and_the_first_change_ends_that() {
 }
 
 #[test]
-fn light_that_nobody_announced_is_followed_when_it_stays() {
+fn unannounced_light_is_followed_when_it_stays() {
     let parameters = ProbeParameters {
         rays: 64,
         warmup_frames: 1,
@@ -157,7 +157,7 @@ fn light_that_nobody_announced_is_followed_when_it_stays() {
     assert!((later - 6.0).abs() < 0.5, "must drop its history: {later}");
 }
 
-/// A speck of light that few rays find, elsewhere for each probe, and soft light around it.
+/// A speck of light that few rays hit, in another place for each probe, and soft light around it.
 fn specks(slot: u32, direction: DVec3) -> [f32; 4] {
     let speck = sampling::fibonacci(slot, 16);
     [if direction.dot(speck) > 0.97 {
@@ -167,7 +167,7 @@ fn specks(slot: u32, direction: DVec3) -> [f32; 4] {
     }; 4]
 }
 
-/// In a still scene change-aware history is plain history: as still, and with the same mean, however
+/// In a still scene change-aware history equals plain history: as still, and with the same mean, however
 /// noisy the rays are.
 #[test]
 fn a_still_scene_is_as_still_and_as_bright_as_without_any_reaction() {
@@ -206,7 +206,7 @@ fn a_still_scene_is_as_still_and_as_bright_as_without_any_reaction() {
     }
 }
 
-/// After an edit the distances towards it start anew, and those elsewhere stay as they are.
+/// After an edit the distances towards it start again, and those elsewhere stay as they are.
 #[test]
 fn distances_follow_an_edit_where_it_is() {
     let parameters = ProbeParameters {
@@ -242,7 +242,7 @@ fn distances_follow_an_edit_where_it_is() {
         }
     }
     drop(distance);
-    // Another such change that nobody told of is averaged in slowly.
+    // Another change of distances, without an edit, is averaged in slowly.
     rig.update(|_, _| [1.0, 1.0, 1.0, 6.0]);
     let slow = rig.distance(0)(IVec2::new(0, 8))[0] * longest;
     assert!(slow < 3.3, "{slow}");
@@ -259,7 +259,7 @@ fn noise_leaves_the_average_where_it_belongs() {
     let mut rig = Rig::new(volume([4, 4, 1], 4.0), parameters);
     let (mut sum, mut count) = (0.0, 0.0);
     for frame in 0..240 {
-        // Every probe has its speck elsewhere.
+        // Every probe has its speck in another place.
         rig.update(|slot, d| {
             let speck = sampling::fibonacci(slot, 16);
             [if d.dot(speck) > 0.99 { 200.0 } else { 1.0 }; 4]
@@ -281,7 +281,7 @@ fn noise_leaves_the_average_where_it_belongs() {
     assert!((bias - 1.0).abs() < 0.05, "{bias}");
 }
 
-/// A bright speck keeps its energy unless the clamp is asked for.
+/// A bright speck keeps its energy unless the clamp is on.
 #[test]
 fn the_firefly_clamp_bites_only_when_it_is_on() {
     let speck = |_: u32, d: DVec3| [if d.z > 0.995 { 1000.0 } else { 1.0 }; 4];
@@ -300,7 +300,7 @@ fn the_firefly_clamp_bites_only_when_it_is_on() {
         texels(8).map(|place| irradiance(place)[0]).sum::<f64>() / 64.0
     };
     let (free, clamped) = (mean_of(0.0), mean_of(10.0));
-    // The cap z > 0.995 covers 0.25 % of the sphere; texels weigh the sphere nearly evenly.
+    // The cap z > 0.995 covers 0.25 % of the sphere; texels weight the sphere nearly evenly.
     assert!((free / 3.5 - 1.0).abs() < 0.3, "{free}");
     // Measured: 0.41.
     assert!(clamped < 0.6 * free, "{clamped} {free}");

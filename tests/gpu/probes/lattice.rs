@@ -1,4 +1,4 @@
-//! The GPU codes directions, places probes and finds cages as the CPU does.
+//! The GPU encodes directions, places probes and finds cages as the CPU does.
 
 use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
 use grotto::{
@@ -82,7 +82,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-/// Positions and cages of the GPU's volumes are those of the CPU's, wherever they have moved.
+/// Positions and cages of the GPU's volumes equal those of the CPU's, wherever the volumes have moved.
 #[test]
 fn the_gpu_places_probes_and_cages_as_the_cpu() {
     for (counts, cascades, eyes) in [
@@ -174,7 +174,7 @@ fn compare_cages(rig: &Rig, volume: &Volume, around: Vec3) {
             difference[*slot as usize] -= weight;
         }
         for (slot, off) in difference.iter().enumerate() {
-            // Far out f32 knows the place in a cell less well.
+            // Far from the origin f32 has less precision within a cell.
             assert!(off.abs() < 5e-3, "slot {slot} at {point:?} is off by {off}");
         }
     }
@@ -214,7 +214,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
-/// Without being asked for exact visibility, what does not fit is no fault.
+/// Unless exact visibility is requested, bits that do not fit are not an error.
 #[test]
 fn bits_that_do_not_fit_a_binding_give_way_to_distances() {
     let gpu = gpu();
@@ -265,7 +265,7 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
         message.contains("probes.") || message.contains("layout"),
         "{message}"
     );
-    // Most probes of the largest cages that are told exactly: 5.3 GB of bits, more than any binding.
+    // The most probes, with the largest cages that exact visibility allows: 5.3 GB of bits, more than any binding.
     let wide = Volume::new(&LayoutSpec {
         name: "wide".into(),
         counts: UVec3::splat(64),
@@ -285,7 +285,7 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
         message.contains("probes.visibility=exact") && message.contains("5328863232 bytes"),
         "{message}"
     );
-    // What the adapter's limits allow, and the memory that it shares with the CPU does not.
+    // A size that the adapter's limits allow, but not the memory that it shares with the CPU.
     if gpu.summary.is_software() && cfg!(target_os = "linux") {
         let refused = gpu.check_memory("a layout", u64::MAX);
         let error = refused.expect_err("16 EiB").to_string();

@@ -1,4 +1,4 @@
-//! What one update stores in the maps of a probe.
+//! The content of a probe's maps after one update.
 
 use std::f64::consts::PI;
 
@@ -7,8 +7,8 @@ use grotto::{parameters::ProbeParameters, probes::octahedral};
 
 use super::{Rig, texels, volume};
 
-/// A field of constant radiance and distance is stored as just that, borders included, in maps of
-/// every size.
+/// A field of constant radiance and distance is stored as those constants, borders included, in maps
+/// of every size.
 #[test]
 fn a_constant_field_is_its_own_average() {
     for (irradiance_texels, distance_texels, rays) in [(8, 16, 400), (6, 20, 97), (20, 5, 64)] {

@@ -36,11 +36,11 @@ fn volume(counts: [u32; 3], spacing: f32) -> Volume {
     ))
 }
 
-/// Probes whose rays are made up by the test.
+/// Probes whose rays the test makes up.
 struct Rig {
     gpu: Gpu,
     field: ProbeField,
-    due: ProbeSchedule,
+    schedule: ProbeSchedule,
     blend: ProbeBlend,
     voxels: GpuVoxels,
     parameters: ProbeParameters,
@@ -50,8 +50,8 @@ struct Rig {
 const SEED: u64 = 11;
 
 impl Rig {
-    /// Without voxels exact visibility would see nothing: Chebyshev's bound takes its place. Every probe
-    /// is due in every update.
+    /// Without voxels exact visibility would see nothing, so Chebyshev's bound takes its place. Every probe
+    /// is active in every update.
     fn new(volume: Volume, parameters: ProbeParameters) -> Self {
         let visibility = match parameters.visibility {
             Visibility::Exact | Visibility::Auto => Visibility::Chebyshev,
@@ -68,7 +68,7 @@ impl Rig {
         )
     }
 
-    /// Keeps exact visibility: the test runs the pass that looks around.
+    /// Keeps exact visibility: the test runs the visibility pass.
     fn seeing(volume: Volume, parameters: ProbeParameters, voxels: &Voxels, origin: IVec3) -> Self {
         let parameters = ProbeParameters {
             states: ProbeStates::Off,
@@ -76,13 +76,13 @@ impl Rig {
         };
         let gpu = gpu();
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
-        let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
+        let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         let voxels = GpuVoxels::upload(&gpu, voxels, origin).expect("fits");
         Self {
             gpu,
             field,
-            due,
+            schedule,
             blend,
             voxels,
             parameters,
@@ -104,13 +104,13 @@ impl Rig {
             .queue
             .write_buffer(self.field.rays(), 0, bytemuck::cast_slice(&rays));
         let mut recorder = Recorder::new(&self.gpu, None);
-        self.due.record(&mut recorder);
+        self.schedule.record(&mut recorder);
         self.blend.record(&mut recorder);
         recorder.submit(&self.gpu).expect("submits");
         self.frame += 1;
     }
 
-    /// The map of a slot with its border: texels by place, the border at −1 and n.
+    /// The map of a slot: texels by their coordinates, with the border at −1 and n.
     fn map(&self, slot: u32, texture: &wgpu::Texture, texels: u32) -> impl Fn(IVec2) -> [f64; 4] {
         let all: Vec<[f16; 4]> = self.gpu.read_texture(texture).expect("reads back");
         let [column, row, layer] = self.field.atlas().tile(slot);

@@ -1,4 +1,4 @@
-//! Where probes go when their lattice point lies in stone, and what they weigh there.
+//! Where probes move when their lattice point is solid, and their weights there.
 
 use glam::{IVec3, UVec3, Vec3};
 use grotto::{
@@ -59,12 +59,12 @@ fn placed(gpu: &Gpu, parameters: &ProbeParameters) -> (ProbeField, GpuVoxels) {
 fn places(gpu: &Gpu, parameters: &ProbeParameters) -> Vec<[f32; 4]> {
     let (field, _) = placed(gpu, parameters);
     let mut places = gpu.read_buffer(field.places()).expect("reads back");
-    // Their twins are not placed here.
+    // Back-side probes are not placed here.
     places.truncate(volume().slots() as usize);
     places
 }
 
-/// Squared voxels that a probe has to go, 4 for each solid neighbour beyond three, and much for a place beyond the grid.
+/// Squared distance that a probe moves (voxels), plus 4 for each solid neighbour beyond three.
 fn cost(from: IVec3, to: IVec3) -> i32 {
     let around = [IVec3::X, IVec3::Y, IVec3::Z]
         .into_iter()
@@ -108,7 +108,7 @@ fn probes_stay_in_the_world_where_its_walls_are_thin() {
 }
 
 #[test]
-fn probes_in_stone_move_to_the_best_air_within_reach_or_die() {
+fn probes_in_solid_voxels_move_to_the_best_air_within_reach_or_die() {
     let gpu = gpu();
     let parameters = ProbeParameters::default();
     let reach = (MOVE_REACH * SPACING).as_ivec3();
@@ -132,7 +132,7 @@ fn probes_in_stone_move_to_the_best_air_within_reach_or_die() {
                 dead += 1;
             }
             Some(best) => {
-                assert!(!is_solid(place), "slot {slot} is put into stone");
+                assert!(!is_solid(place), "slot {slot} is put into a solid voxel");
                 assert_eq!((cost(home, place), alive), (best, 1.0), "slot {slot}");
                 moved += 1;
             }
@@ -145,7 +145,7 @@ fn probes_in_stone_move_to_the_best_air_within_reach_or_die() {
 }
 
 #[test]
-fn without_relocation_probes_in_stone_are_dead_where_they_are() {
+fn without_relocation_probes_in_solid_voxels_are_dead_where_they_are() {
     let parameters = ProbeParameters {
         relocation: Relocation::Off,
         ..Default::default()
@@ -157,7 +157,7 @@ fn without_relocation_probes_in_stone_are_dead_where_they_are() {
     }
 }
 
-/// Weights of the probes at points, by slot: their shares, made to add up to 1 as the gather does. `share` is the
+/// Weights of the probes at points, by slot: their shares, normalised to add up to 1 as in the gather. `share` is the
 /// expression of a corner's share.
 fn weights(gpu: &Gpu, field: &ProbeField, points: &[Vec3], share: &str) -> Vec<Vec<f32>> {
     let source = WEIGHTS.replace("SHARE", share);
@@ -219,7 +219,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
-/// Shares by the places of the probes, by the lattice alone, and by Fibix's filter.
+/// Shares from the places of the probes, from the lattice alone, and from Fibix's filter.
 const CONTINUOUS: &str = "corner_share(cage, corner, probe_place(slot), point)";
 const LATTICE: &str = "lattice_weights(cage, corner).x * lattice_weights(cage, corner).y * lattice_weights(cage, corner).z";
 const ADJUSTED: &str = "adjusted_share(cage, corner, probe_place(slot).position_ws)";
@@ -273,8 +273,7 @@ impl Moved {
         weights(&self.gpu, &self.field, points, self.share)
     }
 
-    /// The most that a weight changes over steps so small that none may change much, across the
-    /// planes between cages too.
+    /// The largest change of a weight over a tiny step, across the planes between cages too.
     fn largest_jump(&self) -> f32 {
         const STEP: f32 = 1e-4;
         let shifted = |by: f32| -> Vec<Vec3> { self.points.iter().map(|p| p + by).collect() };
@@ -285,17 +284,17 @@ impl Moved {
     }
 }
 
-/// That weights are shares which add up to 1 is what `weights` asserts of all three.
+/// `weights` itself asserts for all three kinds that shares add up to 1.
 #[test]
 fn continuous_and_lattice_weights_are_shares_without_steps() {
-    // Where neighbours have changed places, shares are steep, but no step.
+    // Where neighbours have changed places, shares are steep but have no step.
     let jump = Moved::new(CONTINUOUS).largest_jump();
     assert!(jump < 0.02, "{jump}");
     let jump = Moved::new(LATTICE).largest_jump();
     assert!(jump < 1e-3, "{jump}");
 }
 
-/// The comparison above can tell: the source's weights have steps between cages.
+/// The comparison above can fail: the source's weights have steps between cages.
 #[test]
 fn adjusted_weights_are_shares_with_steps_between_cages() {
     let jump = Moved::new(ADJUSTED).largest_jump();
@@ -329,7 +328,7 @@ fn lattice_and_adjusted_weights_are_their_closed_forms() {
                     _ => lattice,
                 };
             }
-            // On a plane between cages either of them may be meant.
+            // On a plane between cages either cage is right.
             let fraction = ((point - volume().levels()[0].anchor()) / spacing).fract();
             let on_plane = (fraction - 0.5).abs().max_element() > 0.4999;
             let total: f32 = expected.iter().sum();
@@ -355,7 +354,7 @@ fn steps(reach: IVec3) -> impl Iterator<Item = IVec3> {
     })
 }
 
-/// Voxels from the middle of a voxel of air to the nearest stone along an axis, as rays would find.
+/// Distance (voxels) from the middle of an air voxel to the nearest solid voxel along an axis, as rays would find.
 fn clearance(voxel: IVec3) -> f32 {
     let free = |direction: &IVec3| {
         (0..6)
@@ -367,7 +366,7 @@ fn clearance(voxel: IVec3) -> f32 {
     nearest.expect("six") as f32 - 0.5
 }
 
-/// The source's algorithm, whose probes walk.
+/// The source's algorithm, in which probes walk.
 fn walking(relocation: SourceRelocation) -> ProbeParameters {
     ProbeParameters {
         method: Method::Source,
@@ -395,7 +394,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
     let walk = SourceWalk::with_memory(&gpu, &field, &voxels.resources(), 0.0);
     let walk = walk.expect("compiles").expect("probes walk");
     begin(&gpu, &walk);
-    let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
+    let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
     let reach = (MOVE_REACH * SPACING).as_ivec3();
     let voxel_of = |place: &[f32; 4]| Vec3::from_slice(place).floor().as_ivec3() - ORIGIN;
     let mut found: Vec<[f32; 4]> = Vec::new();
@@ -418,7 +417,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
         gpu.queue
             .write_buffer(field.rays(), 0, bytemuck::cast_slice(&rays));
         let mut recorder = Recorder::new(&gpu, None);
-        due.record(&mut recorder);
+        schedule.record(&mut recorder);
         walk.record(&mut recorder);
         recorder.submit(&gpu).expect("submits");
     }
@@ -452,14 +451,14 @@ fn walking_probes_stop_where_their_rays_are_free() {
 }
 
 #[test]
-fn a_probe_walks_only_when_it_has_been_in_stone_for_long() {
+fn a_probe_walks_only_after_a_long_time_in_a_solid_voxel() {
     let gpu = gpu();
     let parameters = walking(SourceRelocation::Surface);
     let (field, voxels) = placed(&gpu, &parameters);
     let walk = SourceWalk::new(&gpu, &field, &voxels.resources());
     let walk = walk.expect("compiles").expect("probes walk");
     begin(&gpu, &walk);
-    let due = ProbeSchedule::new(&gpu, &field).expect("compiles");
+    let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
     let rays = vec![[0.0f32, 0.0, 0.0, -1.0]; volume().slots() as usize * 8];
     gpu.queue
         .write_buffer(field.rays(), 0, bytemuck::cast_slice(&rays));
@@ -468,7 +467,7 @@ fn a_probe_walks_only_when_it_has_been_in_stone_for_long() {
     for frame in 1..=14 {
         field.begin_frame(&gpu, &parameters, 1, frame);
         let mut recorder = Recorder::new(&gpu, None);
-        due.record(&mut recorder);
+        schedule.record(&mut recorder);
         walk.record(&mut recorder);
         recorder.submit(&gpu).expect("submits");
         let places: Vec<[f32; 4]> = gpu.read_buffer(field.places()).expect("reads back");

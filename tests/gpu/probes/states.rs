@@ -1,4 +1,4 @@
-//! Which probes are due: by what surrounds them, by who asks, and after edits.
+//! Which probes are active: by their surroundings, by requests, and after edits.
 
 use std::collections::BTreeSet;
 
@@ -23,22 +23,22 @@ use crate::support::{
 };
 
 const SIZE: u32 = 56;
-/// Stone lies below this x.
+/// Voxels below this x are solid.
 const WALL: i32 = 16;
-/// Of each probe.
+/// Rays of each probe.
 const RAYS: u32 = 8;
 const COUNTS: UVec3 = UVec3::new(6, 3, 3);
 const SPACING: f32 = 8.0;
 
-/// A slab of stone beside open air, and probes from deep inside of it to far out: by column of the
-/// lattice two in stone, one before the wall, three with nothing around them.
+/// A solid slab beside open air, and probes from deep inside the slab to far outside. Of the lattice's columns
+/// two are in the slab, one is before the wall, and three have nothing around them.
 struct Slab {
     gpu: Gpu,
     on_cpu: Voxels,
     voxels: GpuVoxels,
     field: ProbeField,
     states: ProbeClassify,
-    due: ProbeSchedule,
+    schedule: ProbeSchedule,
     blend: ProbeBlend,
     parameters: ProbeParameters,
     frame: u64,
@@ -67,7 +67,7 @@ impl Slab {
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let slab = Self {
             states: ProbeClassify::new(&gpu, &field, &voxels.resources()).expect("compiles"),
-            due: ProbeSchedule::new(&gpu, &field).expect("compiles"),
+            schedule: ProbeSchedule::new(&gpu, &field).expect("compiles"),
             blend: ProbeBlend::new(&gpu, &field).expect("compiles"),
             gpu,
             on_cpu,
@@ -81,7 +81,7 @@ impl Slab {
         slab
     }
 
-    /// All rays of a probe are this long, or begin in stone (negative), and bring no light.
+    /// All rays of a probe have this length (negative: they begin in a solid voxel) and bring no light.
     fn set_rays(&self, slot: u32, length: f32) {
         let rays = [[0.0, 0.0, 0.0, length]; RAYS as usize];
         let offset = u64::from(slot) * size_of_val(&rays) as u64;
@@ -91,7 +91,7 @@ impl Slab {
             .write_buffer(self.field.rays(), offset, bytes);
     }
 
-    /// One update; the slots that were due in it.
+    /// Runs one update; returns the slots that were active in it.
     fn update(&mut self) -> BTreeSet<u32> {
         self.field
             .begin_frame(&self.gpu, &self.parameters, 1, self.frame);
@@ -101,18 +101,18 @@ impl Slab {
             self.field.set_placed();
         }
         let is_edited = self.field.changes.shown_first().is_some();
-        self.due.record(&mut recorder);
+        self.schedule.record(&mut recorder);
         self.blend.record(&mut recorder);
         recorder.submit(&self.gpu).expect("submits");
         self.frame += 1;
         if is_edited {
-            // Without an alert, so that intervals are those of light that is steady.
+            // No alert, so that intervals are those of steady light.
             self.field.changes = Default::default();
         }
         let list = self.field.active_slots(&self.gpu).expect("reads back");
-        let due: BTreeSet<u32> = list.iter().copied().collect();
-        assert_eq!(due.len(), list.len(), "a slot twice");
-        due
+        let active: BTreeSet<u32> = list.iter().copied().collect();
+        assert_eq!(active.len(), list.len(), "a slot is listed twice");
+        active
     }
 
     fn updates(&self) -> Vec<u32> {
@@ -153,12 +153,12 @@ impl Slab {
         changes.begin_frame(0.0, self.frame as u32);
     }
 
-    /// A pixel that shows this point of a surface gathers, as in pass `view/shade`.
+    /// Gathers for a pixel that shows this point of a surface, as in pass `view/shade`.
     fn look_at(&self, point: Vec3, normal: Vec3) {
         self.ask(point, normal, 0.0);
     }
 
-    /// `by_ray`: 1 for the hit of a probe's ray, 0 for a pixel.
+    /// Gathers at a point. `by_ray`: 1 for the hit of a probe's ray, 0 for a pixel.
     fn ask(&self, point: Vec3, normal: Vec3, by_ray: f32) {
         let kernel = Kernel::new(
             &self.gpu,
@@ -217,26 +217,29 @@ fn fewest_and_most(updates: &[u32], slots: &BTreeSet<u32>) -> [u32; 2] {
     [fewest, most].map(|count| count.expect("some slots"))
 }
 
-/// Those that take turns: each of `slots` was updated `times`.
+/// Each of `slots`, which take turns, was updated `times` times.
 #[track_caller]
 fn assert_each(updates: &[u32], slots: &BTreeSet<u32>, times: u32) {
     let found = fewest_and_most(updates, slots);
     assert_eq!(found, [times; 2], "fewest and most updates of {slots:?}");
 }
 
-/// Of all others that are due some may sleep and have their turn: about a tenth of them in a frame.
+/// Besides `awake` only sleeping probes whose turn it is are active: about a tenth of them per frame.
 #[track_caller]
-fn assert_due(due: &BTreeSet<u32>, awake: &BTreeSet<u32>, asleep: &BTreeSet<u32>) {
-    assert!(awake.is_subset(due), "{awake:?} are awake: {due:?}");
-    let others = due - awake;
-    assert!(others.is_subset(asleep), "{asleep:?} are asleep: {due:?}");
+fn assert_active(active: &BTreeSet<u32>, awake: &BTreeSet<u32>, asleep: &BTreeSet<u32>) {
+    assert!(awake.is_subset(active), "{awake:?} are awake: {active:?}");
+    let others = active - awake;
+    assert!(
+        others.is_subset(asleep),
+        "{asleep:?} are asleep: {active:?}"
+    );
     assert!(
         others.len() <= asleep.len().div_ceil(5),
         "a tenth: {others:?}"
     );
 }
 
-/// With states, and no heed to variability: new probes have some.
+/// With classification, but ignoring variability, which new probes have.
 fn on() -> ProbeParameters {
     ProbeParameters {
         states: Sleep::On,
@@ -246,11 +249,11 @@ fn on() -> ProbeParameters {
 }
 
 #[test]
-fn stone_is_dead_what_nobody_sees_sleeps_and_what_lights_pixels_is_alive() {
+fn solid_is_dead_unseen_is_asleep_and_what_lights_pixels_is_alive() {
     let mut slab = Slab::new(on());
     let (near, far) = (columns(2..3), columns(3..6));
     for frame in 0..2 {
-        // New ones are due until they have warmed up.
+        // New probes are active until they have warmed up.
         assert_eq!(slab.update(), columns(2..6), "frame {frame}");
     }
     // The middle of each cage before the wall.
@@ -259,7 +262,7 @@ fn stone_is_dead_what_nobody_sees_sleeps_and_what_lights_pixels_is_alive() {
     }
     let before = slab.updates();
     for _ in 0..20 {
-        assert_due(&slab.update(), &near, &far);
+        assert_active(&slab.update(), &near, &far);
     }
     let after = slab.updates();
     let updates: Vec<u32> = after.iter().zip(before).map(|(a, b)| a - b).collect();
@@ -277,7 +280,7 @@ fn stone_is_dead_what_nobody_sees_sleeps_and_what_lights_pixels_is_alive() {
 }
 
 #[test]
-fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
+fn unrequested_probes_sleep_and_wake_when_they_are_looked_at() {
     let mut slab = Slab::new(ProbeParameters {
         alive_frames: 5,
         ..on()
@@ -296,7 +299,7 @@ fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
     // The request carries the number of the last frame.
     let others = &all - &seen;
     for _ in 0..4 {
-        assert_due(&slab.update(), &seen, &others);
+        assert_active(&slab.update(), &seen, &others);
         assert_eq!(slab.counts().alive, 4);
     }
     slab.update();
@@ -304,7 +307,7 @@ fn what_nobody_asks_for_sleeps_and_wakes_when_it_is_looked_at() {
 }
 
 #[test]
-fn what_feeds_the_picture_is_due_at_once_when_light_changes() {
+fn indirect_only_probes_are_active_at_once_when_light_changes() {
     let mut slab = Slab::new(on());
     for _ in 0..2 {
         slab.update();
@@ -318,8 +321,8 @@ fn what_feeds_the_picture_is_due_at_once_when_light_changes() {
     assert_each(&updates, &indirect_only, 5);
     assert_each(&updates, &asleep, 2);
     slab.field.changes.begin_frame(1.0, slab.frame as u32);
-    assert_due(&slab.update(), &indirect_only, &asleep);
-    // A lamp that wanders is no reason to hurry.
+    assert_active(&slab.update(), &indirect_only, &asleep);
+    // A slowly moving lamp is no reason for extra updates.
     for _ in 0..200 {
         slab.field.changes.begin_frame(0.02, slab.frame as u32);
     }
@@ -327,7 +330,7 @@ fn what_feeds_the_picture_is_due_at_once_when_light_changes() {
 }
 
 #[test]
-fn restless_probes_before_surfaces_are_due_in_every_frame() {
+fn variable_probes_before_surfaces_are_active_in_every_frame() {
     let mut slab = Slab::new(ProbeParameters {
         variability: 0.1,
         ..on()
@@ -335,8 +338,8 @@ fn restless_probes_before_surfaces_are_due_in_every_frame() {
     for _ in 0..2 {
         slab.update();
     }
-    // New probes are: nobody asks, but those before the wall do not sleep yet.
-    assert_due(&slab.update(), &columns(2..3), &columns(3..6));
+    // New probes vary: nobody requests them, but those before the wall do not sleep yet.
+    assert_active(&slab.update(), &columns(2..3), &columns(3..6));
 }
 
 #[test]
@@ -355,7 +358,7 @@ fn an_edit_wakes_what_it_touches_at_once_and_kills_what_it_covers() {
     slab.set_rays(covered, -1.0);
     // Longest distance: 1.5 · √3 · 8 = 20.8. The column before the wall is 22.5 from the box.
     let (touched, untouched) = (columns(3..6), columns(2..3));
-    assert_due(&slab.update(), &touched, &untouched);
+    assert_active(&slab.update(), &touched, &untouched);
     assert_eq!(slab.counts().dead, 19);
     let mut living = all.clone();
     living.remove(&covered);
@@ -364,12 +367,12 @@ fn an_edit_wakes_what_it_touches_at_once_and_kills_what_it_covers() {
     let updates = slab.watch(3);
     assert_each(&updates, &awake, 3);
     assert!(fewest_and_most(&updates, &untouched)[1] <= 1, "{updates:?}");
-    // What is covered was due once more, to be forgotten.
+    // The covered probe was active once more, to forget its light.
     assert_eq!(slab.updates()[covered as usize], 0);
     let updates = slab.watch(10);
     assert_each(&updates, &living, 1);
     assert_eq!(updates[covered as usize], 0);
-    // And back to life: new, so that it is due until it has warmed up.
+    // Uncovered, it is alive and new, so it is active until it has warmed up.
     slab.fill(IVec3::new(43, 27, 27), IVec3::new(45, 29, 29), 0);
     slab.set_rays(covered, 100.0);
     assert!(slab.update().contains(&covered));
@@ -386,7 +389,7 @@ fn probes_that_an_edit_walls_in_are_no_longer_far() {
     };
     slab.update();
     assert_eq!(far(&slab), columns(3..6));
-    // One voxel of stone, exactly a spacing away from the probe along each axis, and no nearer.
+    // One solid voxel, exactly a spacing away from the probe along each axis, and no nearer.
     let slot = 5 + 6 * (2 + 3 * 2);
     let voxel = slab.field.volume().position(slot).floor().as_ivec3() + 8;
     slab.fill(voxel, voxel, 1);
@@ -401,7 +404,7 @@ fn probes_that_an_edit_walls_in_are_no_longer_far() {
 }
 
 #[test]
-fn without_states_all_are_due_that_are_not_in_stone() {
+fn without_states_all_probes_outside_solid_voxels_are_active() {
     let mut slab = Slab::new(ProbeParameters {
         states: Sleep::Off,
         ..on()

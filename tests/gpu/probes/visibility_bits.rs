@@ -1,4 +1,4 @@
-//! What probes see, and where their twins stand.
+//! The visibility bits of probes, and the places of back-side probes.
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
@@ -46,7 +46,7 @@ pub fn rooms() -> Voxels {
     voxels
 }
 
-/// The passes that place probes and look around.
+/// The passes that place probes and find their visibility.
 struct Placed {
     field: ProbeField,
     states: ProbeClassify,
@@ -120,7 +120,7 @@ fn is_surface(voxels: &Voxels, voxel: IVec3) -> bool {
             .any(|step| voxels.material(voxel + step) != 0)
 }
 
-/// Whether nothing stands between: `None` where the way runs along an edge, which rounding decides.
+/// Whether the way is free; `None` where it runs along an edge, so that rounding decides.
 fn sees(voxels: &Voxels, from: DVec3, to: DVec3) -> Option<bool> {
     let ways = (0..6).map(|i| {
         let nudge = sampling::fibonacci(i, 6) * 2e-3;
@@ -135,7 +135,7 @@ fn sees(voxels: &Voxels, from: DVec3, to: DVec3) -> Option<bool> {
 }
 
 #[test]
-fn a_probe_sees_what_marching_says_and_its_twin_the_rest() {
+fn a_probe_sees_what_marching_says_and_its_back_side_probe_the_rest() {
     let gpu = gpu();
     let voxels = rooms();
     let placed = placed(&gpu, &voxels);
@@ -193,7 +193,7 @@ fn a_probe_sees_what_marching_says_and_its_twin_the_rest() {
 }
 
 #[test]
-fn where_there_is_no_surface_or_no_air_there_are_no_twins() {
+fn without_surfaces_or_air_there_are_no_back_side_probes() {
     let gpu = gpu();
     let empty = Voxels::empty(UVec3::splat(SIZE as u32));
     let mut solid = empty.clone();
@@ -208,7 +208,7 @@ fn where_there_is_no_surface_or_no_air_there_are_no_twins() {
     }
 }
 
-/// Only what an edit touches is looked at again, and that is enough.
+/// Only probes that an edit touches find their visibility again, and that is enough.
 #[test]
 fn after_an_edit_probes_see_as_fresh_ones_do() {
     let gpu = gpu();
@@ -237,7 +237,7 @@ fn after_an_edit_probes_see_as_fresh_ones_do() {
     assert_eq!(placed_before.bits(&gpu), fresh.bits(&gpu));
     assert_ne!(before, fresh.bits(&gpu), "the edit must matter");
     assert_eq!(placed_before.places(&gpu), fresh.places(&gpu));
-    // A region elsewhere would have missed it.
+    // An update of another region would have missed the change.
     let mut missed = placed(&gpu, &rooms());
     let elsewhere = IVec3::splat(500);
     missed.field.changes.edit(elsewhere, elsewhere, ORIGIN, 1);
@@ -259,7 +259,7 @@ pub fn nested(cascades: u32) -> Volume {
     .expect("a good layout")
 }
 
-/// What has come is looked at, and what stays keeps what it saw: all of it as if the volume had begun there.
+/// New probes find their visibility, and others keep theirs. The result is as if the volume had begun there.
 #[test]
 fn after_a_move_the_probes_of_every_level_see_as_if_they_had_begun_there() {
     let gpu = gpu();
@@ -289,7 +289,7 @@ fn after_a_move_the_probes_of_every_level_see_as_if_they_had_begun_there() {
     assert_eq!(moved.bits(&gpu), fresh.bits(&gpu));
     let visibility_bits = fresh.field.visibility_bits().expect("exact");
     assert!(!visibility_bits.back_side());
-    // And that is what marching says.
+    // The bits agree with marching.
     let (places, bits) = (fresh.places(&gpu), fresh.bits(&gpu));
     let volume = fresh.field.volume();
     let mut seen = [0; 3];

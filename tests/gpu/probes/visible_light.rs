@@ -1,4 +1,4 @@
-//! The light of probes that know what they see, at the faces of two rooms with a thin wall between them.
+//! The light of probes with exact visibility, at the faces of two rooms with a thin wall between them.
 
 use glam::{IVec3, UVec3, Vec3};
 use grotto::{
@@ -34,10 +34,10 @@ fn line_on(face: u8, step: f32, count: u32) -> Vec<(Vec3, Vec3)> {
         .collect()
 }
 
-/// Between the rooms of [`rooms`], in the first.
+/// In the first of the two [`rooms`], near the wall between them.
 const EYE: Vec3 = Vec3::new(-3.0, -2.0, 0.5);
 
-/// `rays`: what a probe finds, by its slot and where it stands.
+/// `rays`: the radiance that a probe's rays find, by its slot and place.
 fn lit(volume: Volume, rays: impl Fn(u32, Vec3) -> [f32; 3]) -> Rig {
     let rig = Rig::seeing(volume, exact(), &rooms(), ORIGIN);
     lit_around(rig, EYE, rays)
@@ -83,7 +83,7 @@ fn gathers_the_constant(rig: &Rig) {
     }
 }
 
-/// Each probe another light (red); green where it stands in the second room, blue in the first.
+/// Each probe has another light (red); green for probes in the second room, blue for those in the first.
 fn lit_by_rooms(volume: Volume) -> Rig {
     lit(volume, |slot, place| {
         let random = sampling::rotation(3, u64::from(slot)).xyz().as_vec3();
@@ -111,8 +111,8 @@ fn light_is_continuous_over_a_surface_and_from_level_to_level() {
     }
 }
 
-/// Probes in one room light nothing in the other, thin as the wall may be, nor beyond the last level: of two of
-/// these volumes it ends inside the rooms.
+/// Probes in one room light nothing in the other, however thin the wall is. This holds beyond the last level too,
+/// which ends inside the rooms for two of these volumes.
 #[test]
 fn light_stays_on_its_side_of_a_wall() {
     let mut lit_points = [0; 3];
@@ -131,10 +131,10 @@ fn light_stays_on_its_side_of_a_wall() {
     assert!(lit_points.iter().all(|count| *count > 60), "{lit_points:?}");
 }
 
-/// A pit between the probes of the finest level, too narrow for them to see its floor: the next level lights that,
-/// and going up its wall the one takes over from the other without a step.
+/// A pit between the probes of the finest level, too narrow for them to see its floor. The next level lights the floor;
+/// up the wall of the pit the finest level takes over without a step.
 #[test]
-fn what_a_hidden_cage_does_not_give_the_next_level_does_by_degrees() {
+fn the_next_level_gives_by_degrees_what_a_hidden_cage_does_not() {
     let mut voxels = Voxels::empty(UVec3::splat(32));
     let mut fill = |low: [i32; 3], high: [i32; 3], material| {
         voxels.fill_box(

@@ -1,4 +1,4 @@
-//! Worlds made voxels: the CPU's reference against the definition, and the GPU against the CPU.
+//! Voxelising worlds: the CPU's reference against the definition, and the GPU against the CPU.
 
 mod worlds;
 
@@ -199,7 +199,7 @@ fn compare_values(gpu: &Gpu, world: &World, count: usize) {
         let p = Vec3::from_slice(&point[..3]).as_dvec3();
         // The GPU has no infinity.
         let wanted = shape.eval(p).min(1e30);
-        // Between steps the two may round a height to different ones.
+        // Near the edge of a step the two may round a height to different steps.
         if far_from_steps(p) {
             assert!(
                 (f64::from(value) - wanted).abs() < 2e-3 || wanted == 1e30 && value > 9e29,

@@ -1,4 +1,4 @@
-//! The worlds that are made voxels here.
+//! The worlds that these tests voxelise.
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::world::materials::Condition;

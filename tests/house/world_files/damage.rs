@@ -1,4 +1,4 @@
-//! Whatever becomes of a file's bytes, there is a world or one problem with a remedy.
+//! However a file's bytes are damaged, reading it gives a world or one problem with a remedy.
 
 use grotto::world::file::Problem;
 use proptest::prelude::*;
@@ -18,7 +18,7 @@ proptest! {
                 break;
             }
             let at = index.index(bytes.len());
-            // Mostly characters that mean something here.
+            // Mostly characters that have a meaning in world files.
             let signs = b"()[]{},:\"\\/*-.0123456789eNr#'";
             let byte = if byte < 230 { signs[usize::from(byte) % signs.len()] } else { byte };
             match edit {

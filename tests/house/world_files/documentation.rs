@@ -1,4 +1,4 @@
-//! `worlds/README.md` names every key, and its example is sound.
+//! `worlds/README.md` names every key, and its example is valid.
 
 use glam::DVec3;
 use grotto::world::sdf::{Sdf, Shape};
@@ -100,7 +100,7 @@ fn every_shape_has_an_example() {
     }
 }
 
-/// What culling relies on: values change no faster than stated, and all stone lies within the bounds.
+/// Culling relies on this: values change no faster than stated, and all solid voxels lie within the bounds.
 #[test]
 fn the_bounds_of_the_examples_hold() {
     for (text, world) in examples::shapes() {

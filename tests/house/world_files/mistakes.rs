@@ -1,12 +1,12 @@
-//! Single mistakes in a sound world.
+//! Single mistakes in a valid world.
 
 use super::{FULL, read, refused, with};
 
-/// Each of these edits is refused where it stands, with a word of what is wrong and of the remedy.
+/// Each of these edits is refused at its place, with a message that names the mistake and the remedy.
 #[test]
-fn mistakes_are_shown_where_they_stand() {
-    // What to replace, what with, the offending text, in the message, in the remedy.
-    #[rustfmt::skip] // One line a case.
+fn mistakes_are_shown_at_their_place() {
+    // Text to replace, its replacement, the offending text, part of the message, part of the remedy.
+    #[rustfmt::skip] // One line per case.
     let cases: &[[&str; 5]] = &[
         ["title:", "titl:", "titl", "not a key", "did you mean `title`"],
         ["origin:", "wibble:", "wibble", "not a key", "`origin`"],
@@ -108,7 +108,7 @@ fn mistakes_are_shown_where_they_stand() {
         let line = 1 + before.matches('\n').count();
         let problem = refused(read(&with(old, new)));
         let (found_line, _) = problem.line_and_column().expect("it has a place");
-        // Of two equal names the second is at fault; what is missing shows at the end of what
+        // Of two equal names the second is at fault. A missing key is shown at the end of the value that
         // should hold it.
         let lines = match (*remedy, offending.is_empty() || new.is_empty()) {
             ("rename", _) => line - 1..=line + 40,
@@ -211,7 +211,7 @@ fn too_much_of_anything_is_refused() {
 }
 
 #[test]
-fn a_long_line_is_not_shown_but_its_place_is_told() {
+fn a_long_line_is_not_shown_but_its_place_is() {
     let title = "x".repeat(100_000);
     let text = format!("(title: \"{title}\", size: (8, 8, 8), shape: Emty)");
     let report = read(&text).expect_err("refused");
@@ -235,10 +235,10 @@ fn features_that_crowd_the_cells_are_refused() {
     assert!(problem.to_string().contains("overlap"), "{problem}");
 }
 
-/// Whatever a file says, its escape sequences do not reach the terminal: neither from a sound world, which has none,
-/// nor from a message about an unsound one.
+/// Escape sequences in a file never reach the terminal: a valid world has none, and messages about an invalid one
+/// write them out.
 #[test]
-fn what_terminals_obey_is_refused_and_written_out() {
+fn escape_sequences_are_refused_and_written_out() {
     let sequences = ["\u{1b}[31m", "\u{9b}31m", "\u{202e}", "\u{7}"];
     for sequence in sequences {
         let escaped: String = sequence.chars().flat_map(char::escape_unicode).collect();
@@ -259,7 +259,7 @@ fn what_terminals_obey_is_refused_and_written_out() {
             let report = read(&with(old, &new)).expect_err("must be refused");
             let rendered = format!("{report:?}{report}");
             let obeyed = |c: &char| c.is_control() && *c != '\n' || *c == '\u{202e}';
-            // The report's own colours, where it has any, are not the file's.
+            // The report's own colours, if any, do not come from the file.
             let found: Vec<char> = rendered.chars().filter(obeyed).collect();
             assert!(found.is_empty(), "{new:?}: {found:?} {rendered}");
         }

@@ -1,4 +1,4 @@
-//! World files as people write them: sound ones, and all the ways in which they can be wrong.
+//! World files as people write them: valid ones, and all the ways in which they can be wrong.
 
 mod damage;
 mod documentation;
@@ -22,7 +22,7 @@ fn sound(text: &str) -> World {
     read(text).unwrap_or_else(|report| panic!("{report:?}"))
 }
 
-/// The one problem of a text that must be refused.
+/// The single problem of a text that must be refused.
 #[track_caller]
 fn refused(result: Result<World, miette::Report>) -> Problem {
     let report = result.expect_err("must be refused");

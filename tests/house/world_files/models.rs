@@ -78,7 +78,7 @@ fn models_become_boxes_and_materials() {
 fn equal_colours_of_models_share_a_material() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("three.vox"), model(Vec::new())).expect("written");
-    // Under another name the colours are no others.
+    // Under another name the colours are the same.
     fs::write(folder.path().join("copy.vox"), model(Vec::new())).expect("written");
     let copies: String = (0..100)
         .map(|i| {
@@ -169,13 +169,13 @@ fn models_that_cannot_be_are_refused() {
     fs::create_dir(&worlds).expect("a folder");
     let good = model(Vec::new());
     let mut nested = good.clone();
-    // The first chunk within MAIN claims to hold others.
+    // The first chunk within MAIN claims to have children.
     nested[28..32].copy_from_slice(&12_u32.to_le_bytes());
     let endless = model(vec![dot_vox::SceneNode::Group {
         attributes: dict(&[]),
         children: vec![0],
     }]);
-    // Two ways from each group to the next: 2⁶⁰ ways in all.
+    // Two paths from each group to the next: 2⁶⁰ paths in all.
     let mut doubling: Vec<_> = (1..=60)
         .map(|next| dot_vox::SceneNode::Group {
             attributes: dict(&[]),

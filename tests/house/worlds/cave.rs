@@ -1,4 +1,4 @@
-//! `worlds/cave.ron` is the cave that it is modelled on, to the block where numbers are known.
+//! `worlds/cave.ron` matches the cave that it is modelled on, to the block where numbers are known.
 
 use std::sync::LazyLock;
 
@@ -54,7 +54,7 @@ fn block(x: i32, y: i32, z: i32) -> IVec3 {
 fn skylights_have_their_columns() {
     let top = CAVE.voxels_below_ground().filter(|voxel| voxel.y == 16);
     let open: Vec<IVec3> = top.filter(|voxel| CAVE.at(*voxel) == 0).collect();
-    // One lies around the origin, the other around (13, −19): a plane between them parts them.
+    // One lies around the origin, the other around (13, −19): a plane between them separates them.
     let first = open
         .iter()
         .filter(|voxel| voxel.x - 2 * voxel.z < 26)
@@ -76,7 +76,7 @@ fn air_spans_what_it_should() {
 }
 
 /// Both counts are those of the cave with its floor and its mushrooms: the faces between air
-/// and anything solid below the top of the rock. The floor's noise is another one than the
+/// and anything solid below the top of the rock. The floor's noise differs from the
 /// original's, hence the tolerance.
 #[test]
 fn air_and_exposed_faces_are_as_many_as_in_the_original() {

@@ -1,4 +1,4 @@
-//! The worlds that come with grotto are what their titles say, judged by their voxels on the CPU.
+//! The worlds that come with grotto match their titles, judged by their voxels on the CPU.
 
 use std::{f64::consts::PI, sync::atomic::AtomicBool};
 
@@ -37,7 +37,7 @@ impl Built {
         local.cmpge(IVec3::ZERO).all() && local.cmplt(self.world.size.as_ivec3()).all()
     }
 
-    /// The air that hangs together with the voxel at `from`, or none if it reaches the box's border.
+    /// The air connected with the voxel at `from`; `None` if it reaches the box's border.
     fn closed_air(&self, from: Vec3) -> Option<Vec<IVec3>> {
         let size = self.world.size;
         let mut seen = vec![false; (size.x * size.y * size.z) as usize];
@@ -70,13 +70,13 @@ impl Built {
         volume_of(layout_of(&self.world, name))
     }
 
-    /// Whether a probe stands in stone.
+    /// Whether a probe lies in a solid voxel.
     fn in_solid(&self, position_ws: Vec3) -> bool {
         self.at(position_ws.floor().as_ivec3()) != 0
     }
 
-    /// What the rays of a coarse picture of a camera meet.
-    fn sights(&self, camera: &Camera) -> Vec<Outcome> {
+    /// The outcomes of the rays of a coarse picture of a camera.
+    fn outcomes(&self, camera: &Camera) -> Vec<Outcome> {
         let [width, height] = [96, 54];
         let size = DVec2::new(f64::from(width), f64::from(height));
         let basis = camera.basis(size.x / size.y);
@@ -90,7 +90,7 @@ impl Built {
     }
 }
 
-/// The least box of voxels that holds all of these: its lowest corner and its highest.
+/// The smallest box that holds all of these voxels: its lowest corner and its highest.
 fn bounds(air: &[IVec3]) -> [Vec3; 2] {
     let low = air.iter().copied().reduce(IVec3::min).expect("some air");
     let high = air.iter().copied().reduce(IVec3::max).expect("some air");
@@ -118,14 +118,14 @@ fn cameras_stand_in_the_air_and_see_something() {
     for name in names {
         let built = build(name);
         for camera in &built.world.cameras {
-            let sights = built.sights(camera);
-            let hits = sights
+            let outcomes = built.outcomes(camera);
+            let hits = outcomes
                 .iter()
-                .filter(|sight| matches!(sight, Outcome::Hit(_)));
-            let share = hits.count() as f64 / sights.len() as f64;
+                .filter(|outcome| matches!(outcome, Outcome::Hit(_)));
+            let share = hits.count() as f64 / outcomes.len() as f64;
             assert!(
                 share > 0.3,
-                "{name}, camera {}: {share} of its rays meet stone from the air",
+                "{name}, camera {}: {share} of its rays hit solid voxels from the air",
                 camera.name
             );
         }
@@ -168,12 +168,12 @@ fn closed_worlds_see_no_sky_and_their_probes_enclose_them() {
 }
 
 #[test]
-fn open_worlds_are_open_where_they_mean_to_be() {
+fn open_worlds_are_open_only_where_intended() {
     for name in ["beam", "door", "split"] {
         let mut built = build(name);
         let camera = built.world.cameras[0].position;
         assert!(built.closed_air(camera).is_none(), "{name} lets light in");
-        // With the one opening walled up, nothing is left.
+        // With the one opening walled up, the air is closed.
         let (low, high) = match name {
             "beam" => (IVec3::new(-8, 0, 16), IVec3::new(9, 8, 19)),
             "door" => (IVec3::new(-3, 0, 12), IVec3::new(4, 8, 14)),
@@ -202,12 +202,13 @@ fn the_small_emitter_shows_one_face_and_no_camera_sees_it() {
     let faces = neighbours.filter(|voxel| built.at(*voxel) == emitter);
     assert_eq!(faces.count(), 1);
     for camera in &built.world.cameras {
-        let sees = |sight: &Outcome| matches!(sight, Outcome::Hit(hit) if hit.material == emitter);
-        assert!(!built.sights(camera).iter().any(sees), "{}", camera.name);
+        let sees =
+            |outcome: &Outcome| matches!(outcome, Outcome::Hit(hit) if hit.material == emitter);
+        assert!(!built.outcomes(camera).iter().any(sees), "{}", camera.name);
     }
 }
 
-/// What the floor below the emitter receives is L times the form factor of a square above it.
+/// The floor below the emitter receives L times the form factor of a square above it.
 #[test]
 fn the_small_emitter_gives_the_floor_its_form_factor() {
     let built = build("small_emitter");
@@ -233,7 +234,7 @@ fn the_small_emitter_gives_the_floor_its_form_factor() {
                 seed: 1,
                 view: View::Irradiance,
                 antialias: false,
-                // What the emitter sends itself, and nothing that bounces.
+                // Direct light of the emitter, without bounces.
                 max_bounces: 1,
             },
         },
@@ -242,7 +243,7 @@ fn the_small_emitter_gives_the_floor_its_form_factor() {
     );
     let slope = (0.5 / 8.0) / f64::hypot(1.0, 0.5 / 8.0);
     let form_factor = 4.0 / PI * slope * slope.atan();
-    // Paths that are left to chance hit the emitter with this probability.
+    // Random paths hit the emitter with the form factor as their probability.
     let error = 3.0 * ((1.0 - form_factor) / (form_factor * f64::from(samples))).sqrt();
     let ratio = f64::from(picture.rgb[0][0]) / (100.0 * form_factor);
     assert!(

@@ -1,5 +1,5 @@
-//! Bodies of glowing voxels over a floor. They are black, so that from every side they have one radiance, and
-//! what a point receives depends on their outline alone.
+//! Bodies of glowing voxels over a floor. The bodies are black, so they have the same radiance from every side,
+//! and the light at a point depends on their outline alone.
 
 use std::f64::consts::PI;
 
@@ -21,8 +21,8 @@ fn form_factor(point: DVec3, normal: DVec3, corners: &[DVec3]) -> f64 {
     sum.abs() / (2.0 * PI)
 }
 
-/// The form factor from a point of a floor to a box above it: that of the faces that it sees, which hide
-/// nothing of each other.
+/// The form factor from a point of a floor to a box above it: the sum over the faces that the point sees, which
+/// do not hide each other.
 fn form_factor_of_box(point: DVec3, low: DVec3, high: DVec3) -> f64 {
     let mut sum = 0.0;
     for axis in 0..3 {
@@ -52,8 +52,8 @@ fn form_factor_of_box(point: DVec3, low: DVec3, high: DVec3) -> f64 {
     sum
 }
 
-/// A glowing box of 5 × 3 × 4 voxels, of which the floor sees three faces, lights it as the polygons do that
-/// the faces are: exact, for voxels are what the box is made of.
+/// A glowing box of 5 × 3 × 4 voxels, of which the floor sees three faces, lights the floor as the polygons of
+/// those faces do. This is exact, because a box of voxels is a box.
 pub fn a_glowing_box_over_a_floor(tracer: &dyn Tracer) {
     let (low, high) = (IVec3::new(14, 6, 13), IVec3::new(19, 9, 17));
     let size = UVec3::new(32, 12, 32);
@@ -84,7 +84,7 @@ fn form_factors_of_boxes() {
         (x / a * (y / a).atan() + y / b * (x / b).atan()) / (2.0 * PI)
     };
     let (low, high) = (DVec3::new(0.0, 2.0, 0.0), DVec3::new(3.0, 2.5, 1.0));
-    // From below its corner the box shows nothing but its bottom.
+    // From below a corner only the bottom of the box is visible.
     let found = form_factor_of_box(DVec3::ZERO, low, high);
     assert!((found - corner(1.5, 0.5)).abs() < 1e-12, "{found}");
     let beside = form_factor_of_box(DVec3::new(4.0, 0.0, 0.5), low, high);
@@ -101,12 +101,12 @@ fn form_factors_of_boxes() {
 }
 
 /// A sphere of radius R at distance d over a floor has the form factor (R/d)²·cos θ (Howell's catalogue,
-/// B-45 without its horizon). No body of voxels is a sphere, but what lies within one lights less and what
-/// contains one lights more: the two bounds hold exactly, and lie near each other.
+/// B-45 without its horizon). No body of voxels is a sphere, but a body within the sphere lights less
+/// and a body around it lights more. The two bounds hold exactly and lie near each other.
 pub fn a_ball_of_voxels_is_a_sphere_from_afar(tracer: &dyn Tracer) {
     let radius = 32.0f64;
     let centre = DVec3::new(48.0, 65.0, 48.0);
-    // The floor's point that is seen, off the axis.
+    // The visible point of the floor, off the axis.
     let point = DVec3::new(62.0, 1.0, 40.0);
     let offset = centre - point;
     let distance = offset.length();
@@ -120,7 +120,7 @@ pub fn a_ball_of_voxels_is_a_sphere_from_afar(tracer: &dyn Tracer) {
             UVec3::new(96, 100, 96),
             &[(0.5, 0.0), (0.0, 2.0)],
             |voxel| {
-                // The centre of a voxel, and from there half an edge away from the middle or towards it.
+                // The centre of a voxel, moved half an edge away from the middle or towards it.
                 let from_middle = (voxel.as_dvec3() + 0.5 - centre).abs();
                 let reach = (from_middle + corner).max(DVec3::ZERO);
                 match voxel.y {
@@ -149,7 +149,7 @@ pub fn a_ball_of_voxels_is_a_sphere_from_afar(tracer: &dyn Tracer) {
         around.mean > truth - 3.0 * around.standard_error,
         "{around:?}, truth {truth}"
     );
-    // Bounds that lie apart would say nothing.
+    // Bounds that lie far apart would prove nothing.
     assert!(
         around.mean - within.mean < 0.12 * truth,
         "{within:?}, {around:?}, truth {truth}"

@@ -1,5 +1,5 @@
-//! Scenes whose light is known by formula. Random results must lie within three standard errors or
-//! 1 % of it, results without randomness within rounding.
+//! Scenes whose light is known from a formula. Random results must lie within three standard errors or
+//! 1 % of the formula, results without randomness within rounding.
 
 mod emitters;
 mod open_air;
@@ -33,8 +33,8 @@ fn assert_agrees(estimate: MeanEstimate, truth: f64) {
     );
 }
 
-/// The mean of what each pixel is of the radiance that the formula gives for the point of the plate or floor
-/// that its centre shows: `truth` takes shares of the picture's edges, from its top left.
+/// Mean over the pixels of radiance divided by the formula's radiance for the point at the pixel's centre.
+/// `truth` takes that centre as shares of the picture's width and height, from its top left.
 fn ratio(picture: &Picture, truth: impl Fn(f64, f64) -> f64) -> MeanEstimate {
     let ratios = picture.rgb.iter().enumerate().map(|(index, rgb)| {
         let index = index as u32;
@@ -113,7 +113,7 @@ fn the_walls_absorb_the_power_of_the_lamp(tracer: &dyn Tracer) {
     );
 }
 
-/// Every one of them, as a test of its own on the CPU.
+/// Each closed form is a test of its own on the CPU.
 macro_rules! on_the_cpu {
     ($($form:ident)*) => {
         pub const FORMS: &[(&str, fn(&dyn Tracer))] = &[$((stringify!($form), $form)),*];
@@ -139,7 +139,7 @@ on_the_cpu! {
     a_ball_of_voxels_is_a_sphere_from_afar
 }
 
-/// The comparison above can fail: 3 % of light too little is seen.
+/// The comparison above can fail: it notices 3 % too little light.
 #[test]
 fn a_lost_bounce_would_be_noticed() {
     let furnace = Stage::closed_box(7, 0.5, 2.0);

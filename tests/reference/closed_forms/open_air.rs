@@ -37,7 +37,7 @@ pub fn a_lamp_over_a_plane(tracer: &dyn Tracer) {
     }
 }
 
-/// An open floor under a uniform sky of radiance L sends back a·L, and nothing comes twice.
+/// An open floor under a uniform sky of radiance L reflects a·L, and light bounces only once.
 pub fn a_uniform_sky_over_a_plane(tracer: &dyn Tracer) {
     let stage = floor(64, 0.25).under(uniform_sky(3.0));
     let camera = square_camera(DVec3::new(32.0, 9.0, 32.0), 0.0, -90.0);
@@ -64,7 +64,7 @@ pub fn a_graded_sky_over_a_plane(tracer: &dyn Tracer) {
     );
 }
 
-/// Of a hemisphere of sky, a wall of infinite height takes half: the point at its foot sees a·L/2.
+/// A wall of infinite height hides half of the sky: the point at its foot reflects a·L/2.
 /// (A wall of height h at distance d leaves ½(1 + cos θ) with tan θ = h/d for an endless wall.)
 pub fn a_long_wall_hides_its_share_of_the_sky(tracer: &dyn Tracer) {
     // A wall of height 8 along z; black, so that it reflects nothing. The floor pixel that is seen

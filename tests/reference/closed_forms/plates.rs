@@ -9,14 +9,14 @@ use grotto::world::{Camera, View};
 use super::super::stage::{Cpu, Stage, Tracer, options, square_camera};
 use super::{assert_agrees, ratio};
 
-/// What two equal squares, face to face, send each other: L₁ = a·∫K·L₂ on the lower one, which does not
-/// emit, and L₂ = e + a·∫K·L₁ on the upper one, with the kernel of parallel planes K = h²/(π d⁴). Solved by
-/// Nyström's method (Kress 2014, chapter 12) on the points of Gauss and Legendre, bounce after bounce: the
-/// kernel is smooth, so that 24 points along an edge of four times the distance leave an error of 1e-9.
+/// The light between two equal squares, face to face: L₁ = a·∫K·L₂ on the lower one, which does not emit, and
+/// L₂ = e + a·∫K·L₁ on the upper one, with the kernel of parallel planes K = h²/(π d⁴). Solved bounce by bounce
+/// with Nyström's method (Kress 2014, chapter 12) on Gauss-Legendre points. The kernel is smooth: for an edge of
+/// four times the distance, 24 points along it leave an error of 1e-9.
 struct FacingPlates {
     distance: f64,
     albedo: f64,
-    /// Points of either plate, with the area that each stands for.
+    /// Points of either plate, with the area that each represents.
     points: Vec<(DVec2, f64)>,
     /// Radiance of the lower plate at the points.
     lower: Vec<f64>,
@@ -88,7 +88,7 @@ fn gauss_legendre(n: u32) -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// Plates of 16 × 16 at distance 4, the upper one emitting 5: under it a camera that sees the lower one.
+/// Plates of 16 × 16 at distance 4, the upper one emitting 5, and below it a camera that sees the lower one.
 fn close_plates(albedo: f32) -> (Stage, Camera) {
     let size = UVec3::new(24, 6, 24);
     let stage = Stage::new(size, &[(albedo, 0.0), (albedo, 5.0)], |voxel| {
@@ -116,8 +116,8 @@ fn film(camera: &Camera, samples: u32) -> FilmOptions<'_> {
     }
 }
 
-/// Between two facing plates light goes to and fro: each has, point for point, the radiance that solves
-/// both of their integral equations.
+/// Light bounces back and forth between two facing plates: point for point, their radiance solves both
+/// integral equations.
 pub fn plates_that_light_each_other(tracer: &dyn Tracer) {
     let albedo = f64::from(CLOSE_ALBEDO);
     let plates = FacingPlates::solve(16.0, 4.0, [albedo; 2], 5.0);
@@ -126,7 +126,7 @@ pub fn plates_that_light_each_other(tracer: &dyn Tracer) {
     let lower = tracer.rendered(&stage, &film(&down, samples));
     let at = |x: f64, z: f64| DVec2::new(x, z) * 16.0;
     assert_agrees(ratio(&lower, |x, z| plates.lower_at(at(x, z))), 1.0);
-    // The upper plate as seen from below: bounced light is what it sends besides its own.
+    // The upper plate as seen from below: its bounced light is all but its own emission.
     let up = Camera {
         pitch_deg: 90.0,
         ..down
@@ -136,8 +136,8 @@ pub fn plates_that_light_each_other(tracer: &dyn Tracer) {
     assert_agrees(ratio(&upper, back), 1.0);
 }
 
-/// The solver knows the form factor of plates that do not reflect, and light that comes back counts:
-/// without it the plates above would be judged wrong.
+/// For plates that do not reflect the solver gives the form factor. Light that comes back matters: without it
+/// the test above would fail.
 #[test]
 fn one_bounce_between_plates_is_not_enough() {
     let mean = |plates: &FacingPlates| {
@@ -182,7 +182,7 @@ pub fn two_facing_plates(tracer: &dyn Tracer) {
             _ => 0,
         }
     });
-    // From half way the camera sees exactly the lower plate.
+    // From halfway the camera sees exactly the lower plate.
     let half = f64::from(n) / 2.0;
     let camera = square_camera(DVec3::new(4.0 + half, 1.0 + half, 4.0 + half), 0.0, -90.0);
     assert_agrees(

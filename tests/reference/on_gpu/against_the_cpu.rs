@@ -1,4 +1,4 @@
-//! Light, channel by channel and block by block, is that of the CPU's path tracer.
+//! Light agrees with the CPU's path tracer, channel by channel and block by block.
 
 use glam::{DVec3, Vec3};
 use grotto::measure::picture::Picture;
@@ -42,7 +42,7 @@ fn mean(runs: &[Picture], channel: usize, pixels: &[usize]) -> (f64, f64) {
     (sum / size, variance.sqrt() / size)
 }
 
-/// Whether two sets of runs are of the same light: their means over the picture within 1 % or three
+/// Whether two sets of runs show the same light: their means over the picture within 1 % or three
 /// standard errors of each other, over each block of 8×8 pixels within 1 % or 4.5 of them.
 fn agree(a: &[Picture], b: &[Picture]) -> Result<(), String> {
     let (width, height) = (a[0].width as usize, a[0].height as usize);
@@ -99,7 +99,7 @@ fn it_agrees_with_the_cpu_in_every_view() {
     for (view, antialias) in [
         (View::Indirect, false),
         (View::Irradiance, false),
-        // Spread over the pixel, lamps are chosen at random at the first surface too.
+        // With samples spread over the pixel, lamps are chosen at random at the first surface too.
         (View::Full, true),
         (View::Direct, true),
     ] {
@@ -107,7 +107,7 @@ fn it_agrees_with_the_cpu_in_every_view() {
             [&tracer as &dyn Tracer, &Cpu].map(|tracer| runs(tracer, &scene, view, antialias));
         agree(&on_gpu, &on_cpu).unwrap_or_else(|difference| panic!("{view:?}: {difference}"));
     }
-    // What is not random agrees pixel by pixel.
+    // Results without randomness agree pixel by pixel.
     for view in [View::Direct, View::Albedo, View::Normal, View::Depth] {
         for (name, (stage, camera)) in [("room", room()), ("outdoors", outdoors())] {
             let film = FilmOptions {
@@ -127,7 +127,7 @@ fn it_agrees_with_the_cpu_in_every_view() {
     }
 }
 
-/// Light that is wrong by little is found: in the scene, and in each of the shaders' estimates.
+/// Small errors of light are found: in the scene, and in each of the shaders' estimates.
 #[test]
 fn planted_faults_are_found() {
     let tracer = OnGpu::open();

@@ -1,4 +1,4 @@
-//! More samples make less noise, and neither long sums nor an early end lose any of them.
+//! More samples make less noise, and no sample is lost in long sums or when rendering stops early.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -60,7 +60,7 @@ fn least_squares_slope(points: &[(f64, f64)]) -> f64 {
 
 /// More samples than one sum takes, all of them equal: none may be lost.
 #[test]
-fn long_sums_lose_nothing_and_slices_change_nothing() {
+fn long_sums_lose_nothing_and_chunks_change_nothing() {
     let tracer = OnGpu::with(ShaderChecks::Checked);
     let floor = Stage::new(UVec3::new(64, 8, 64), &[(0.125, 0.0)], |voxel| {
         u8::from(voxel.y == 0)
@@ -77,7 +77,7 @@ fn long_sums_lose_nothing_and_slices_change_nothing() {
         assert!((f64::from(rgb[0]) / truth - 1.0).abs() < 1e-4, "{rgb:?}");
     }
 
-    // Slices follow the clock, which is never the same twice.
+    // Dispatch chunks depend on the clock and so differ between runs; the picture does not.
     let (stage, camera) = room();
     let film = FilmOptions {
         size: [40, 24],

@@ -1,4 +1,4 @@
-//! Scenes of colours and of every kind of light.
+//! Scenes with colours and every kind of light.
 
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::world::{Camera, Colour, Lamp, LampKind, Material, Pattern, Sky, Sun};
@@ -15,7 +15,7 @@ fn coloured(albedo: Vec3, emission: Vec3, pattern: Pattern) -> Material {
     }
 }
 
-/// A rough cave lit by nothing but coloured lights in its walls.
+/// A rough cave lit only by coloured lights in its walls.
 pub fn glow() -> (Stage, Camera) {
     let list = vec![
         coloured(
