@@ -1,4 +1,4 @@
-//! Pass `probes/seed`: gives new probes of a volume that has moved an estimate until their first update.
+//! Pass `probes/seed`: new probes of a volume that has moved show the next coarser level until their first update.
 
 use super::ProbeField;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
