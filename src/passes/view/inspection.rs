@@ -64,7 +64,7 @@ pub enum InspectionError {
     },
     #[error(
         "these probes store no maps of distance, because their visibility is exact. \
-        --set probes.visibility=chebyshev stores the maps."
+         --set probes.visibility=chebyshev stores the maps."
     )]
     NoDistances,
 }

@@ -75,7 +75,9 @@ impl ProbeField {
         // as with large cages.
         let visibility_bits = VisibilityBits::new(&volume, parameters).filter(|visibility_bits| {
             parameters.visibility == Visibility::Exact
-                || gpu.check_buffer(VISIBILITY_BITS, visibility_bits.bytes()).is_ok()
+                || gpu
+                    .check_buffer(VISIBILITY_BITS, visibility_bits.bytes())
+                    .is_ok()
         });
         let back_side = visibility_bits
             .as_ref()
