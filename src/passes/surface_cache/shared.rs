@@ -15,8 +15,8 @@ crate::shared! {
         pub edited_frame: u32,
         /// Places for faces of one direction, minus 1: a power of two minus 1.
         pub bucket_mask: u32,
-        /// Most batches of rays that faces send in a frame. `rays_rows` and `blend_rows` are the rows of workgroups of the
-        /// passes over rays and over faces.
+        /// Most batches of rays that faces send in a frame. `rays_rows` and `blend_rows` are the rows of workgroups
+        /// of the passes over rays and over faces.
         pub most_batches: u32,
         pub rays_rows: u32,
         pub blend_rows: u32,
@@ -57,8 +57,8 @@ crate::shared! {
         pub(super) listed: u32 => "atomic<u32>",
         /// Batches of rays that the listed faces request.
         pub(super) batches: u32 => "atomic<u32>",
-        /// Factor by which the intervals between batches of a face are stretched, so that the batches of a frame fit their
-        /// buffer; 0: not yet known.
+        /// Factor by which the intervals between batches of a face are stretched, so that the batches of a frame
+        /// fit their buffer; 0: not yet known.
         pub(super) stretch: u32 => "atomic<u32>",
         /// Frames from batch to batch of a face that has settled.
         pub(super) calm: u32 => "atomic<u32>",
