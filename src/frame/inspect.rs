@@ -1,4 +1,4 @@
-//! What a frame draws of the probes themselves: made when it is asked for.
+//! What a frame draws of the probes themselves. Each pass is made when it is requested.
 
 use super::FrameError;
 use crate::{
@@ -71,9 +71,9 @@ impl Inspect {
         Ok(made)
     }
 
-    /// Records what lies between the camera rays and the tone mapper. They show `view`.
+    /// Records the passes between the camera rays and the tone mapper. The picture shows `view`.
     pub fn record(&self, recorder: &mut Recorder<'_>, shade: &Shade, view: View) {
-        // Also below an atlas: pixels ask for probes, and looking at them must not put them to sleep.
+        // Runs below an atlas too: pixels request probes, and viewing the atlas must not put the probes to sleep.
         if view == View::States {
             let states = self.states.as_ref();
             let states = states.expect("`Frame::inspect` comes before a view of states");

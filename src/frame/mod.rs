@@ -1,9 +1,9 @@
 //! The whole frame on one page, as data flow.
 //!
 //! ```text
-//! probes/classify (new probes, volumes that move, edits) ─ where probes stand ─ probes/schedule ─ which are updated
-//!     ├ probes/visibility (exact visibility) ─ what they see
-//!     └ probes/seed (volumes that move) ─ what new ones show until they have looked
+//! probes/classify (new probes, volumes that move, edits) ─ where probes are ─ probes/schedule ─ which are updated
+//!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
+//!     └ probes/seed (volumes that move) ─ what new probes show until their first update
 //! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐
 //!     └────────────── atlas of the last frame ◄───────────┤                │
 //! view/camera_rays ─ surfaces ─ surface_cache/{allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/tonemap ─ display
@@ -71,7 +71,7 @@ pub struct Frame {
     lights: GpuLights,
     gain: CommonGain,
     resting: RestingLamps,
-    /// Of the last frame, at their reference intensities.
+    /// Lights of the last frame, at their reference intensities.
     lights_before: Option<Lights>,
     field: ProbeField,
     faces: SurfaceCache,
@@ -80,7 +80,7 @@ pub struct Frame {
 
 impl Frame {
     /// # Errors
-    /// [`FrameError`] when the adapter cannot hold the picture or the probes, or the layout is none.
+    /// [`FrameError`] when the adapter cannot hold the picture or the probes, or when the layout is invalid.
     pub fn new(
         gpu: &Gpu,
         stage: Stage,
@@ -162,7 +162,7 @@ impl Frame {
         self.frames += 1;
     }
 
-    /// Records the picture of a shot by the lights and the probes of the last frame, as they are. The
+    /// Records the picture of a shot by the lights and the probes of the last frame, without updates. The
     /// shot's size must be the frame's.
     pub fn show(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, shot: &Shot) {
         debug_assert_eq!(shot.size, self.size, "the shot's size is the frame's");
@@ -172,12 +172,12 @@ impl Frame {
         self.passes.record_picture(recorder, shot);
     }
 
-    /// What the next pictures show of the probes themselves. Before the first one of view
+    /// Sets what the next pictures show of the probes themselves. Must be called before the first picture of view
     /// [`View::States`](crate::world::View::States).
     ///
     /// # Errors
-    /// [`FrameError`] for a layer that there is not, and when the adapter cannot hold what it takes; the
-    /// frame is as before then.
+    /// [`FrameError`] for a layer that does not exist, and when the adapter cannot hold the buffers; the frame is then
+    /// unchanged.
     pub fn inspect(&mut self, gpu: &Gpu, wanted: Inspection) -> Result<(), FrameError> {
         if wanted != self.passes.inspect.wanted {
             let resources = resources(&self.stage, &self.view, &self.lights);
@@ -191,7 +191,7 @@ impl Frame {
         Ok(())
     }
 
-    /// Frames that the probes have lived through.
+    /// Frames since the probes were made.
     pub fn frames(&self) -> u32 {
         self.frames
     }
@@ -201,10 +201,10 @@ impl Frame {
         self.size
     }
 
-    /// Makes the picture anew at another size; the probes keep their light.
+    /// Makes the picture at another size; the probes keep their light.
     ///
     /// # Errors
-    /// [`FrameError::Gpu`] when the adapter cannot hold it; the frame is as before then.
+    /// [`FrameError::Gpu`] when the adapter cannot hold it; the frame is then unchanged.
     pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), FrameError> {
         let resources = resources(&self.stage, &self.view, &self.lights);
         let wanted = self.passes.inspect.wanted;
@@ -213,11 +213,10 @@ impl Frame {
         Ok(())
     }
 
-    /// Replaces the probes: another layout, or parameters that their buffers depend on. An atlas that was
-    /// shown no longer is.
+    /// Replaces the probes: another layout, or parameters that their buffers depend on. The view of an atlas ends.
     ///
     /// # Errors
-    /// [`FrameError`] when the adapter cannot hold them; the frame is as before then.
+    /// [`FrameError`] when the adapter cannot hold them; the frame is then unchanged.
     pub fn replace_probes(
         &mut self,
         gpu: &Gpu,
@@ -235,7 +234,7 @@ impl Frame {
         self.field = field;
         self.faces = faces;
         self.frames = 0;
-        // Probes without a history know of no change.
+        // New probes have no history that a change could make out of date.
         self.gain = CommonGain::default();
         self.resting.forget();
         self.lights_before = None;
@@ -245,7 +244,7 @@ impl Frame {
     /// Follows an edit of the CPU's copy of the voxels.
     ///
     /// # Errors
-    /// [`FrameError::Gpu`] when the adapter cannot hold the bricks; the frame is as before then.
+    /// [`FrameError::Gpu`] when the adapter cannot hold the bricks; the frame is then unchanged.
     pub fn apply(&mut self, gpu: &Gpu, voxels: &Voxels, edit: &Edit) -> Result<(), FrameError> {
         let emitters = edit
             .region
@@ -273,7 +272,7 @@ impl Frame {
     /// keep their light.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] with the place; the frame is as before then.
+    /// [`GpuError::Shader`] with the place; the frame is then unchanged.
     pub fn rebuild_passes(&mut self, gpu: &Gpu) -> Result<(), FrameError> {
         self.resize(gpu, self.size)
     }
@@ -283,7 +282,7 @@ impl Frame {
         &self.passes.tonemap.display
     }
 
-    /// The picture on the display, as values in [0, 1].
+    /// The picture after tone mapping, as display values in [0, 1].
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
@@ -316,7 +315,8 @@ impl Frame {
         &self.faces
     }
 
-    /// Shadow rays of the last frame; `pixels`: whether the picture's own count, as in views of direct light.
+    /// Counts the shadow rays of the last frame; `pixels`: whether to count the picture's own, as in views of direct
+    /// light.
     ///
     /// # Errors
     /// [`GpuError::Shader`]; [`GpuError::Device`] when the device is lost.

@@ -1,4 +1,4 @@
-//! A frame on another device, when its own is lost.
+//! Moves a frame to another device when its own is lost.
 
 use super::{Frame, FrameError, Stage};
 use crate::{
@@ -8,9 +8,9 @@ use crate::{
 };
 
 impl Frame {
-    /// The same picture on a device that was opened again ([`Gpu::reopened`]). Light is found anew: it was on the
-    /// device that is lost. `voxels` is the CPU's copy with all edits; without one nothing was edited, and
-    /// the world is built again.
+    /// The same picture on a device that was opened again ([`Gpu::reopened`]). Light must be found again, because the
+    /// lost device held it. `voxels` is the CPU's copy with all edits. `None` means that nothing was edited; the world
+    /// is then built again.
     ///
     /// # Errors
     /// [`FrameError`] when the adapter cannot hold it; [`crate::gpu::GpuError::Device`] when this device is lost

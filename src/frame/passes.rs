@@ -16,7 +16,7 @@ use crate::{
     },
 };
 
-/// For pictures of one size, lit by one field of probes.
+/// The passes for pictures of one size, lit by one field of probes.
 pub(super) struct Passes {
     uses_cache: bool,
     pub camera_rays: CameraRays,
@@ -95,7 +95,7 @@ impl Passes {
         self.tonemap(recorder, radiance);
     }
 
-    /// A picture of another view by the light of the last frame.
+    /// A picture of another shot, by the light of the last frame.
     pub fn record_picture(&self, recorder: &mut Recorder<'_>, shot: &Shot) {
         let surfaces = self.trace_camera(recorder);
         let light = (ProbeLight, FaceLight);
@@ -107,8 +107,8 @@ impl Passes {
 /// One method for each step of a frame: its arguments are what the step reads of this frame, its result is what it
 /// writes. A value exists only once its pass is recorded, so the compiler checks the order of the passes.
 impl Passes {
-    /// Reads `update`: probes that are new, were moved, or stand near an edit. What the last frame left stays valid
-    /// for all others.
+    /// Reads `update`: probes that are new, were moved, or are near an edit. The places of all other probes stay valid
+    /// from the last frame.
     fn place_probes(&self, recorder: &mut Recorder<'_>, update: Placement) -> PlacedProbes {
         if update.is_needed {
             self.classify.record(recorder);
@@ -141,7 +141,7 @@ impl Passes {
         ActiveList
     }
 
-    /// Gives the visible faces their places in the table.
+    /// Gives the visible faces places in the table.
     fn allocate_seen(&self, recorder: &mut Recorder<'_>, _: &Surfaces) -> SeenFaces {
         if self.uses_cache {
             self.allocate.record(recorder);
@@ -149,7 +149,7 @@ impl Passes {
         SeenFaces
     }
 
-    /// Then the faces that rays of the last frame requested.
+    /// Gives places to the faces that rays of the last frame requested.
     fn allocate_requested(&self, recorder: &mut Recorder<'_>, _: SeenFaces) -> ListedFaces {
         if self.uses_cache {
             self.allocate.record_requested(recorder);
@@ -157,7 +157,7 @@ impl Passes {
         ListedFaces
     }
 
-    /// Reads the light of probes and faces of the last frame: one bounce more per frame.
+    /// Reads the light of probes and faces of the last frame: each frame adds one bounce.
     fn trace_probes(&self, recorder: &mut Recorder<'_>, _: &ActiveList) -> ProbeRays {
         self.probe_trace.record(recorder);
         ProbeRays
@@ -209,10 +209,10 @@ impl Passes {
     }
 }
 
-/// What pass `probes/classify` and the passes after it have to do in a frame.
+/// What pass `probes/classify` and the passes after it must do in a frame.
 pub(super) struct Placement {
     pub is_needed: bool,
-    /// Probes know by visibility bits what they see.
+    /// Visibility bits tell which surfaces each probe sees.
     pub marks_visibility: bool,
     /// A volume that follows the camera has probes that are new.
     pub has_fresh: bool,
@@ -230,12 +230,12 @@ struct Surfaces;
 struct SeenFaces;
 struct ListedFaces;
 struct FaceRays;
-/// Of the listed faces: irradiance of each quadrant, and which lamps the face sees wholly or not at all.
+/// For each listed face, the irradiance of each quadrant, and which lamps the face sees wholly or not at all.
 struct FaceLight;
 /// Linear HDR radiance of each pixel.
 struct Radiance;
 
-/// What subjects give to each other: the scene, the light of the probes, and that of surfaces.
+/// What subjects offer to each other: the scene, the light of the probes, and the light of surfaces.
 pub fn offer<'a>(
     field: &'a ProbeField,
     cache: &'a SurfaceCache,

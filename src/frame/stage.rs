@@ -1,4 +1,4 @@
-//! A world's voxels and materials on the GPU: what a frame is of.
+//! A world's voxels and materials on the GPU: what a frame shows.
 
 use std::mem;
 
@@ -14,23 +14,23 @@ use crate::{
     world::{World, materials::MaterialSet, voxels::Voxels},
 };
 
-/// A world on the GPU, before anyone looks at it: its voxels and what they are made of.
+/// A world on the GPU, without a camera: its voxels and materials.
 pub struct Stage {
     pub voxels: GpuVoxels,
     pub materials: GpuMaterials,
-    /// The faces of its voxels that shine.
+    /// The faces of its emissive voxels.
     pub emitters: GpuEmitters,
-    /// What building it took; `None` for voxels that came from the CPU.
+    /// The cost of building the voxels; `None` for voxels from the CPU.
     pub built: Option<BuildReport>,
 }
 
-/// Buffers that larger ones have taken the place of.
+/// Buffers that larger ones have replaced.
 pub(super) struct Replaced {
     voxels: Option<GpuVoxels>,
     emitters: Option<GpuEmitters>,
 }
 
-/// What it took to build a world's voxels on the GPU.
+/// The cost of building a world's voxels on the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildReport {
     pub voxelise: VoxeliseReport,
@@ -39,7 +39,7 @@ pub struct BuildReport {
 }
 
 impl Stage {
-    /// Voxelises the world, bakes its textures, and finds what shines in it.
+    /// Voxelises the world, bakes its textures, and finds its emissive faces.
     ///
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold it.
@@ -72,7 +72,7 @@ impl Stage {
         })
     }
 
-    /// From voxels that are already on the CPU; `world` gives the materials and the place.
+    /// Makes a stage from voxels that are already on the CPU; `world` gives the materials and the place.
     ///
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold it.
@@ -85,11 +85,11 @@ impl Stage {
         })
     }
 
-    /// Replaces what is too small for edited voxels and what shines of them, if that is another; gives what was
-    /// replaced. Passes must be bound anew then.
+    /// Replaces the buffers that are too small for edited voxels and for `emitters`, a changed list. Returns the replaced
+    /// buffers, if any; passes must then be bound again.
     ///
     /// # Errors
-    /// [`GpuError`] when the adapter cannot hold them; all is as before then.
+    /// [`GpuError`] when the adapter cannot hold them; the stage is then unchanged.
     pub(super) fn make_room(
         &mut self,
         gpu: &Gpu,

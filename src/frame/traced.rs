@@ -1,4 +1,4 @@
-//! A picture of a stage that is path-traced, where a [`Frame`](super::Frame) is lit by probes.
+//! A path-traced picture of a stage, without the probes of a [`Frame`](super::Frame).
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
@@ -25,43 +25,43 @@ pub struct TraceRequest<'a> {
     pub camera: &'a Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// A traceable one.
+    /// A traceable view.
     pub view: View,
     /// Samples (paths) per pixel: 1 to [`PathTrace::MOST_SAMPLES`].
     pub spp: u32,
     pub seed: u32,
-    /// Whether textures are seen; else every texture is its mean.
+    /// Whether faces show their textures; else each face shows the mean of its texture.
     pub textures: bool,
-    /// Spreads the samples over the pixel; else all look through its centre.
+    /// Whether samples are spread over the pixel; else all go through its centre.
     pub antialias: bool,
 }
 
-/// What came of a [`TraceRequest`].
+/// The result of a [`TraceRequest`].
 pub struct Traced {
     /// Linear Rec. 709 radiance, or the view's data; depth in voxels, 0 where there is no surface.
     pub picture: Picture,
-    /// Samples that every pixel holds: fewer than were asked for when it was cancelled. Views
-    /// without randomness need none, and say what was asked for.
+    /// Samples that every pixel holds: fewer than requested if tracing was cancelled. Views without randomness need
+    /// no samples, and report the requested number.
     pub spp: u32,
 }
 
-/// The path tracer of a stage, for pictures of one size. An edit of the stage takes a new one.
+/// The path tracer of a stage, for pictures of one size. An edit of the stage needs a new path tracer.
 pub struct TracedFrame {
     view: wgpu::Buffer,
     lights: GpuLights,
     pass: PathTrace,
-    /// What the samples so far are of.
+    /// What the samples so far show.
     shown: Option<(GpuShot, Lights)>,
 }
 
 /// Path-traces a picture on the GPU.
 ///
-/// The picture depends on the arguments and the adapter alone. `progress` is told (samples done,
-/// samples in all), counted in tiles. Once `cancel` is set the rest is left out; pixels without a
+/// The picture depends only on the arguments and the adapter. `progress` receives (samples done,
+/// samples in all), counted in tiles. Once `cancel` is set, the rest is left out; pixels without a
 /// sample then show the light that is not random.
 ///
 /// # Errors
-/// When the adapter cannot hold the picture, and when it fails on the way.
+/// [`GpuError`] when the adapter cannot hold the picture, or fails while tracing.
 pub fn trace(
     gpu: &Gpu,
     stage: &Stage,
@@ -83,7 +83,7 @@ pub fn trace(
     })
 }
 
-/// Path-traces some blocks of a picture, as [`trace`] does all.
+/// Path-traces some blocks of a picture, as [`trace`] does for all blocks.
 ///
 /// # Errors
 /// As [`trace`].
@@ -105,7 +105,7 @@ pub fn trace_blocks(
 }
 
 impl TraceRequest<'_> {
-    /// None where nothing about the picture is random.
+    /// The blocks of the picture: none where nothing about the picture is random.
     pub fn blocks(&self) -> Blocks {
         let is_random = self.antialias || self.view.is_random();
         Blocks::of(if is_random { self.spp } else { 0 })
@@ -126,7 +126,7 @@ impl TraceRequest<'_> {
 }
 
 impl TracedFrame {
-    /// `antialias` spreads the samples over each pixel; else all look through its centre.
+    /// `antialias` spreads the samples over each pixel; else all go through the pixel's centre.
     ///
     /// # Errors
     /// [`GpuError`] when the adapter cannot hold the picture, and when a shader does not compile.
@@ -146,7 +146,7 @@ impl TracedFrame {
         })
     }
 
-    /// What shows the picture so far, as linear HDR and on a display.
+    /// Makes the passes that show the picture so far, as linear HDR and on a display.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -164,7 +164,7 @@ impl TracedFrame {
     }
 
     /// Records as many samples of a shot as a frame has time for. Restarts first when the shot or its lights have
-    /// changed. The shot's size must be the frame's, and its view a traceable one.
+    /// changed. The shot's size must be the frame's, and its view must be traceable.
     ///
     /// # Errors
     /// [`GpuError`] when the device does not take the work.
@@ -184,7 +184,7 @@ impl TracedFrame {
         Ok(())
     }
 
-    /// Learns from the milliseconds that the samples of a recorded frame took, frame by frame.
+    /// Learns the milliseconds that the samples of a recorded frame took. Must be called for each frame in order.
     pub fn took(&mut self, ms: f64) {
         self.pass.took(ms);
     }
@@ -194,7 +194,7 @@ impl TracedFrame {
         self.pass.samples()
     }
 
-    /// Tells the GPU what to trace, and says whether the samples so far are of something else.
+    /// Tells the GPU what to trace, and returns whether the samples so far show something else.
     fn look(&mut self, gpu: &Gpu, shot: &Shot, lights: &Lights) -> bool {
         assert!(
             shot.view.is_traceable(),

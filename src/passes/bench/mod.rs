@@ -1,4 +1,4 @@
-//! What no frame has: kernels that measure.
+//! Kernels that measure. No frame runs them.
 
 pub mod rays;
 pub mod shadow_count;

@@ -1,5 +1,5 @@
-//! Pass `bench/rays`: rays of one kind at a time, by either marcher, for `grotto bench traversal`
-//! and for the tests that hold the two equal.
+//! Pass `bench/rays`: traces rays of one kind at a time, with either marcher, for `grotto bench traversal`
+//! and for the tests that require the same hits of both marchers.
 
 use std::time::{Duration, Instant};
 
@@ -12,10 +12,10 @@ use crate::{
     world::voxels::{CELL, grid_cells},
 };
 
-/// Most rays that a workgroup of 64 threads takes from its queue: measured best of 128 … 1024.
+/// Most rays that a workgroup of 64 threads takes from its queue: the best measured of 128 … 1024.
 const MOST_RAYS_PER_GROUP: u32 = 512;
-/// Runs before those that are timed, and how long they go on at least on a GPU: it lowers its clock while
-/// the CPU compares hits, and takes its time to raise it.
+/// Runs before the timed ones, and the least time that these runs take on a GPU. A GPU lowers its clock while the
+/// CPU compares hits, and raises it slowly.
 const WARM_UP: u32 = 3;
 const WARM_UP_TIME: Duration = Duration::from_millis(200);
 /// Workgroups that keep a large GPU busy: with fewer rays, the queues are shorter.
@@ -25,17 +25,17 @@ const BUSY_GROUPS: u32 = 4096;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayKind {
     Camera,
-    /// From the camera rays' hits to the light that [`RayBench::aim`] was told.
+    /// From the camera rays' hits to the light that [`RayBench::aim`] received.
     Shadow,
     /// From voxels' centres in given directions.
     Probe,
 }
 
-/// Who marches.
+/// How rays are marched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marcher {
     BrickMap,
-    /// One voxel a step over one bit a voxel: the judge.
+    /// One voxel per step over one bit per voxel: the reference.
     PlainDda,
 }
 
@@ -64,15 +64,15 @@ impl FoundHit {
 
 /// Some timed repeats of the same rays.
 pub struct TimedRun {
-    /// What the kernel wrote: [`RayKind::timed_words`] a ray.
+    /// What the kernel wrote: [`RayKind::timed_words`] per ray.
     pub results: Vec<u32>,
     /// GPU milliseconds of each repeat; empty where the adapter cannot tell.
     pub times_ms: Vec<f64>,
 }
 
 impl RayKind {
-    /// Words that a timed kernel writes for each ray, whoever marches: the voxel and the face that
-    /// were hit; of a shadow ray, whether it is blocked.
+    /// Words that a timed kernel writes for each ray, with either marcher: the voxel and the face that
+    /// were hit; for a shadow ray, whether it is blocked.
     pub fn timed_words(self) -> usize {
         match self {
             Self::Camera | Self::Probe => 2,
@@ -84,7 +84,7 @@ impl RayKind {
 crate::shared! {
     in bench;
 
-    /// The rays of a kernel.
+    /// What a kernel knows about its rays.
     struct GpuRayBench as RayBench {
         /// Where shadow rays go: towards a point in grid space (towards_lamp 1), or along a direction.
         target_gs: [f32; 3],
@@ -106,8 +106,8 @@ pub enum ShadowTarget {
 }
 
 impl ShadowTarget {
-    /// Whether the face of a voxel that a ray hit looks towards the light: all of its points do, or
-    /// none. No face does where the ray began in stone.
+    /// Whether the face of a voxel that a ray hit looks towards the light. Either all points of a face do, or
+    /// none. False where the ray began in a solid voxel.
     fn lights(self, voxel: UVec3, face: u32) -> bool {
         let axis = face as usize / 2;
         if axis > 2 {
@@ -122,16 +122,16 @@ impl ShadowTarget {
     }
 }
 
-/// Which rays: a picture's, and from probes.
+/// Which rays: those of a picture, and those from probes.
 pub struct RaySet<'a> {
     /// The `View` uniform.
     pub view: &'a wgpu::Buffer,
     /// At most [`MAX_EDGE`] along an edge.
     pub size: [u32; 2],
-    /// How many of its rays along each edge make a pixel. Shadow rays go out one of each pixel after
-    /// another, so that neighbours are as far apart as the pixels are.
+    /// Camera rays along each edge of a pixel. Shadow rays are ordered in rounds with one ray per pixel, so that
+    /// neighbours in the order are as far apart as pixels are.
     pub rays_per_edge: u32,
-    /// Voxels (grid space) whose centres send `directions` each.
+    /// Voxels (grid space). Each centre sends one ray in each of `directions`.
     pub probes: &'a [UVec3],
     pub directions: &'a [Vec3],
 }
@@ -149,11 +149,11 @@ pub struct RayBench<'a> {
     directions: wgpu::Buffer,
     size: [u32; 2],
     rays_per_edge: u32,
-    /// As in the uniform, which is made for each run.
+    /// Content of the uniform, which is made for each run.
     rays: GpuRayBench,
     rays_per_group: u32,
     shadow_starts: Option<wgpu::Buffer>,
-    /// Whether camera and shadow rays too are marched as rays that scatter, which pass `probes/trace` does.
+    /// Whether camera and shadow rays are also marched as incoherent rays, as in pass `probes/trace`.
     pub scattered: bool,
 }
 
@@ -193,9 +193,8 @@ impl<'a> RayBench<'a> {
         })
     }
 
-    /// Marches the camera rays and lists those whose surface faces the light, in Morton order of the
-    /// pixels, so that the threads of a subgroup start from a block of the picture: from there the
-    /// [`RayKind::Shadow`] rays go.
+    /// Marches the camera rays and lists the hits that face the light: the [`RayKind::Shadow`] rays start there. The list
+    /// is in Morton order of the pixels, so that the threads of a subgroup start from a block of the picture.
     ///
     /// # Errors
     /// As [`RayBench::hits`].
@@ -244,7 +243,7 @@ impl<'a> RayBench<'a> {
         }
     }
 
-    /// What every ray of a kind hits, in how many steps.
+    /// What every ray of a kind hits, and in how many steps.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost, [`GpuError::Shader`].
@@ -258,7 +257,7 @@ impl<'a> RayBench<'a> {
         gpu.read_buffer_range(&found, 0, u64::from(self.rays(kind)) * 8)
     }
 
-    /// Marches all rays of a kind `repeats` times, after some that warm the GPU up.
+    /// Marches all rays of a kind `repeats` times, after some runs that warm up the GPU.
     ///
     /// # Errors
     /// As [`RayBench::hits`].
@@ -358,7 +357,7 @@ impl<'a> RayBench<'a> {
     }
 }
 
-/// The bits of a number below 2¹⁶ spread to every second place.
+/// Spreads the bits of a number below 2¹⁶ to every second place.
 fn morton(number: u32) -> u32 {
     let spread = [
         (8, 0x00ff_00ff),
@@ -376,7 +375,7 @@ fn extent_of(voxels: &GpuVoxels) -> UVec3 {
     grid_cells(voxels.size) * CELL
 }
 
-/// One bit a voxel over the whole extent.
+/// One bit per voxel over the whole extent.
 fn build_bits(gpu: &Gpu, voxels: &GpuVoxels) -> Result<wgpu::Buffer, GpuError> {
     let words = (extent_of(voxels).as_u64vec3().element_product() / 32).max(4);
     let bits = gpu.storage_buffer("voxel_bits", words * 4)?;

@@ -2,11 +2,11 @@
 
 use crate::gpu::{Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
-/// What of a frame sends shadow rays.
+/// The parts of a frame that send shadow rays.
 pub struct Senders<'a> {
-    /// What its camera rays hit, as they left it.
+    /// What the camera rays of the frame hit, as pass `view/camera_rays` wrote it.
     pub surfaces: &'a wgpu::Buffer,
-    /// Width and height in pixels; `None` where the picture's own shadow rays do not count.
+    /// Width and height in pixels; `None`: the picture's own shadow rays are not counted.
     pub pixels: Option<[u32; 2]>,
     pub probe_rays: u32,
     /// Workgroups of pass `surface_cache/trace`, where there is a surface cache.

@@ -1,16 +1,16 @@
-//! Samples of a picture in blocks. Each block is summed alone, so that the picture does not depend on who traces which
-//! blocks.
+//! Samples of a picture in blocks. Each block is summed alone, so that the picture does not depend on which process
+//! traces which blocks.
 
 use std::ops::Range;
 
 use crate::measure::{block_sums::BlockSums, picture::Picture};
 
-/// Most blocks of a picture.
+/// Largest number of blocks of a picture.
 const MOST_BLOCKS: u32 = 64;
 /// Fewest samples of a block but the last: reading one back must cost less than tracing it.
 const LEAST_SAMPLES: u32 = 8;
 
-/// The samples of a picture in blocks, which are summed one by one and then added as [`BlockSums`] says.
+/// The samples of a picture in blocks. Each block is summed alone; [`BlockSums`] adds the blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Blocks {
     samples: u32,
@@ -42,22 +42,22 @@ impl Blocks {
 
 /// Some blocks of a picture.
 pub struct Sampled {
-    /// What is not random: linear Rec. 709 radiance, or the view's data.
+    /// The light that is not random: linear Rec. 709 radiance, or the view's data.
     pub certain: Picture,
     pub sums: BlockSums,
-    /// Of each pixel the sum and the number of samples of the block in which it was cancelled.
+    /// If tracing was cancelled within a block: for each pixel, the sum and the number of that block's samples.
     pub(super) unfinished: Option<Vec<[f32; 4]>>,
     /// Samples that every pixel holds.
     pub samples: u32,
 }
 
 impl Sampled {
-    /// Whether it was not cancelled.
+    /// Whether all samples were traced, without cancellation.
     pub fn is_complete(&self) -> bool {
         self.unfinished.is_none()
     }
 
-    /// Of a picture whose first blocks these are.
+    /// The picture so far, if these are its first blocks.
     pub fn picture(&self, blocks: Blocks) -> Picture {
         let samples = blocks.samples(&self.sums.blocks()).end;
         let Some(unfinished) = &self.unfinished else {

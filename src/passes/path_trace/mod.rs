@@ -1,4 +1,4 @@
-//! The truth that probes are judged by, sample by sample.
+//! The path tracer, whose pictures are the ground truth for the probes.
 
 mod blocks;
 mod schedule;

@@ -1,11 +1,11 @@
-//! Long work in slices that none holds the GPU for long, however slow it is: tiles of a picture times
-//! samples, as many at a time as measured times allow.
+//! Splits long work into dispatch chunks that do not hold the GPU for long, however slow the GPU is. A chunk is some
+//! samples of some tiles of a picture, as many as measured times allow.
 
 use std::ops::Range;
 
-/// Milliseconds that a slice should take. The least that any supported device may be held is 50.
+/// Milliseconds that a chunk should take. No supported device may be held for more than 50.
 const TARGET_MS: f64 = 20.0;
-/// A slice is at most so many times the one before: parts of a picture differ in cost.
+/// Largest ratio of a chunk to the chunk before: parts of a picture differ in cost.
 const GROWTH: f64 = 4.0;
 
 /// Some samples of some tiles. Places count tiles in the order of `tile_of` of
@@ -14,21 +14,21 @@ const GROWTH: f64 = 4.0;
 pub struct Chunk {
     pub places: Range<u32>,
     pub samples: Range<u32>,
-    /// 0: places are tiles, row by row; else log2 of their number when they are scattered.
+    /// 0: places are tiles, row by row; else tiles are scattered, and this is log2 of the number of places.
     pub scatter_bits: u32,
     /// Tiles × samples.
     pub work: u64,
 }
 
-/// What has been done of a picture, and how much to do next.
+/// How much of a picture is done, and how much to do next.
 #[derive(Clone, Debug)]
 pub struct Schedule {
     tiles: u32,
     samples: u32,
-    /// The samples that every tile gets in this round, and the next place.
+    /// The samples that every tile gets in this round; `place` is the next place.
     round: Range<u32>,
     place: u32,
-    /// Tiles × samples that the next slice may have.
+    /// Tiles × samples that the next chunk may have.
     work: f64,
 }
 
@@ -59,7 +59,7 @@ impl Schedule {
         }
     }
 
-    /// From the beginning, with what has been learnt of the speed; `samples` of each tile.
+    /// Starts again with `samples` of each tile, and keeps what was learnt about the speed.
     pub fn restart(&mut self, samples: u32) {
         self.samples = samples;
         self.round = 0..0;
@@ -80,7 +80,7 @@ impl Schedule {
         self.complete() == self.samples
     }
 
-    /// Tiles × samples that are done, for a bar of progress.
+    /// Tiles × samples that are done, for a progress bar.
     pub fn done(&self) -> u64 {
         let tiles = u64::from(self.tiles);
         let share = f64::from(self.place) / f64::from(self.places());
@@ -89,7 +89,7 @@ impl Schedule {
         u64::from(self.complete()) * tiles + round as u64
     }
 
-    /// The next slice; `None` when all is done.
+    /// The next chunk; `None` when all is done.
     pub fn next_chunk(&mut self) -> Option<Chunk> {
         if self.place == 0 {
             let first = self.round.end;
@@ -112,7 +112,7 @@ impl Schedule {
         } else {
             let wanted = (self.work / self.round.len() as f64).max(1.0) as u32;
             tiles = 0;
-            // Some places hold no tile; none of them is left for a slice of its own.
+            // Some places hold no tile. They join this chunk, so that no chunk consists of them alone.
             while self.place < self.places() && (tiles < wanted || !self.holds_tile(self.place)) {
                 tiles += u32::from(self.holds_tile(self.place));
                 self.place += 1;
@@ -130,14 +130,14 @@ impl Schedule {
         })
     }
 
-    /// Learns from the milliseconds that a slice of so much work took, be it the last or an older one.
+    /// Learns from the milliseconds that a chunk of this much work took, the last chunk or an older one.
     pub fn took(&mut self, work: u64, ms: f64) {
         let work = work as f64;
-        // The rest of a round says little of the speed, unless it was too much already.
+        // The small rest of a round says little about the speed, unless even the rest took too long.
         if work * 2.0 < self.work && ms < TARGET_MS {
             return;
         }
-        // A clock that stood still says that there is room.
+        // A time of 0 from a coarse clock means that a larger chunk is affordable.
         let affordable = (work * TARGET_MS / ms.max(1e-3)).min(work * GROWTH);
         let most = f64::from(self.tiles) * f64::from(self.samples);
         self.work = affordable.min(most).max(1.0);
@@ -161,7 +161,7 @@ impl Schedule {
 mod tests {
     use super::*;
 
-    /// As `tile_of` of the shader.
+    /// Same as `tile_of` of the shader.
     fn tile_of(place: u32, bits: u32) -> u32 {
         match bits {
             0 => place,
@@ -169,7 +169,8 @@ mod tests {
         }
     }
 
-    /// Runs it with a device that takes `ms_per_work` a tile and sample, and gives the longest slice.
+    /// Runs a schedule on a device that takes `ms_per_work` per tile and sample, and returns the time of the longest
+    /// chunk.
     fn run(tiles: u32, samples: u32, ms_per_work: f64) -> f64 {
         let mut schedule = Schedule::new(tiles, samples);
         let in_all = u64::from(tiles) * u64::from(samples);
@@ -206,12 +207,12 @@ mod tests {
     }
 
     #[test]
-    fn every_tile_gets_every_sample_once_and_no_slice_is_long() {
+    fn every_tile_gets_every_sample_once_and_no_chunk_is_long() {
         for tiles in [1, 2, 3, 100, 1000] {
             for samples in [0, 1, 7, 300] {
                 for ms_per_work in [1e-6, 1e-3, 0.3, 4.0, 30.0] {
                     let longest = run(tiles, samples, ms_per_work);
-                    // One tile with one sample is the least that there is.
+                    // One tile with one sample is the smallest chunk.
                     let allowed = 50f64.max(ms_per_work + 1.0);
                     assert!(
                         longest <= allowed,
@@ -223,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_restart_keeps_what_was_learnt_of_the_speed() {
+    fn a_restart_keeps_what_was_learnt_about_the_speed() {
         let mut schedule = Schedule::new(64, 1000);
         for _ in 0..6 {
             let chunk = schedule.next_chunk().expect("more to do");

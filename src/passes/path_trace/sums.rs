@@ -1,4 +1,4 @@
-//! What the path tracer knows of each pixel.
+//! What the path tracer stores for each pixel.
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
@@ -7,9 +7,9 @@ use crate::{
 
 /// The buffers of a picture.
 pub struct Sums {
-    /// RGB: what is not random.
+    /// RGB: the light that is not random.
     certain: wgpu::Buffer,
-    /// RGB: sum of samples; A: their number. The samples that `totals` does not hold yet.
+    /// RGB: sum of the samples that `totals` does not hold yet; A: their number.
     sums: wgpu::Buffer,
     totals: wgpu::Buffer,
     size: [u32; 2],
@@ -40,14 +40,14 @@ impl Sums {
         ]
     }
 
-    /// Forgets all samples, and keeps what is not random.
+    /// Forgets all samples, and keeps the light that is not random.
     pub fn clear(&self, recorder: &mut Recorder<'_>) {
         for buffer in [&self.sums, &self.totals] {
             recorder.encoder.clear_buffer(buffer, 0, None);
         }
     }
 
-    /// What is not random: linear radiance, or the view's data (depth in voxels).
+    /// The light that is not random: linear radiance, or the view's data (depth in voxels).
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
@@ -61,8 +61,8 @@ impl Sums {
         })
     }
 
-    /// The sum of each pixel's samples since [`clear`](Self::clear), and their number. `samples` is the number that
-    /// is expected.
+    /// The sum of each pixel's samples since [`clear`](Self::clear), and the number of samples. `samples` is the
+    /// expected number.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.

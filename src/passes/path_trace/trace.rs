@@ -1,6 +1,6 @@
-//! Pass `path_trace/trace`: an unbiased picture of the world, sample by sample. Knows no probes.
+//! Pass `path_trace/trace`: an unbiased picture of the world, sample by sample. It uses no probes.
 //!
-//! The loop over the samples is here too. The window, `grotto reference` and `grotto judge` share it.
+//! The loop over the samples, which the window, `grotto reference` and `grotto judge` share, is here too.
 
 use std::{
     collections::VecDeque,
@@ -22,18 +22,18 @@ use crate::{
 crate::shared! {
     in path_trace;
 
-    /// What a dispatch is to do.
+    /// The work of one dispatch.
     pub struct GpuTraceJob as TraceJob {
         /// Tiles of this dispatch, in the order of `tile_of`.
         pub first_tile: u32,
         pub end_tile: u32,
-        /// Tiles along a row of the picture, and in all.
+        /// Tiles along a row of the picture, and tiles in all.
         pub tiles_across: u32,
         pub tiles: u32,
         /// Samples of this dispatch.
         pub first_sample: u32,
         pub end_sample: u32,
-        /// log2 of the places that scattered tiles are counted in; 0: they are counted row by row.
+        /// log2 of the number of places among which tiles are scattered; 0: tiles are counted row by row.
         pub scatter_bits: u32,
         /// 1: samples spread over the pixel; 0: all of them look through its centre.
         pub antialias: u32,
@@ -54,16 +54,16 @@ pub struct PathTrace {
     job: wgpu::Buffer,
     sums: Sums,
     size: [u32; 2],
-    /// Spreads the samples over each pixel; else all look through its centre.
+    /// Whether samples are spread over each pixel; else all go through the pixel's centre.
     antialias: bool,
     schedule: Schedule,
     /// Number of the sample that the schedule counts as 0.
     first_sample: u32,
-    /// Work of the steps whose times are not known yet, the oldest first.
+    /// Work of each step whose time is not known yet, the oldest first.
     pending: VecDeque<u64>,
 }
 
-/// The last step of [`PathTrace`] where its pictures are shown: the mean so far, as linear HDR.
+/// Shows the pictures of [`PathTrace`]: the mean so far, as linear HDR.
 pub struct Resolve {
     kernel: Kernel,
     bindings: Bindings,
@@ -75,11 +75,11 @@ pub struct Resolve {
 impl PathTrace {
     /// Bytes of each of the three buffers.
     pub const BYTES_PER_PIXEL: u64 = Sums::BYTES_PER_PIXEL;
-    /// Most samples that a pixel's sums hold with a relative error far below 1e-5.
+    /// Largest number of samples that a pixel's sums hold with a relative error far below 1e-5.
     pub const MOST_SAMPLES: u32 = 1 << 20;
 
-    /// For pictures of `size` pixels. `antialias` spreads the samples over each pixel; else all look through its
-    /// centre. `resources` are those of the voxels, the view, the lights, the materials and what shines.
+    /// For pictures of `size` pixels. `antialias` spreads the samples over each pixel; else all go through the pixel's
+    /// centre. `resources` are those of the voxels, the view, the lights, the materials and the emitters.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].
@@ -122,9 +122,10 @@ impl PathTrace {
         })
     }
 
-    /// Starts again after the view or the lights have changed: forgets all samples, and finds what is not random.
+    /// Starts again after the view or the lights have changed: forgets all samples, and finds the light that is not
+    /// random.
     ///
-    /// It is a submission of its own. The next frame then shows nothing of what was before.
+    /// The restart is a submission of its own, so the next frame shows no earlier samples.
     ///
     /// # Errors
     /// [`GpuError`] when the device does not take the work.
@@ -137,8 +138,8 @@ impl PathTrace {
         Ok(())
     }
 
-    /// Records the next samples, as many as measured times allow. One step a submission: its numbers are in one
-    /// uniform.
+    /// Records the next samples, as many as measured times allow. A submission may hold only one step, because all
+    /// steps write the same uniform.
     pub fn step(&mut self, gpu: &Gpu, recorder: &mut Recorder<'_>) {
         let Some(mut chunk) = self.schedule.next_chunk() else {
             return;
@@ -149,7 +150,7 @@ impl PathTrace {
         self.record(gpu, recorder, &self.trace, &chunk);
     }
 
-    /// Learns how long the oldest step took whose time was not known yet.
+    /// Learns the time (milliseconds) of the oldest step whose time was not known yet.
     pub fn took(&mut self, ms: f64) {
         if let Some(work) = self.pending.pop_front() {
             self.schedule.took(work, ms);
@@ -161,10 +162,10 @@ impl PathTrace {
         self.schedule.complete()
     }
 
-    /// Traces the blocks `wanted` of `blocks`, reads the sum of each and adds these up. It begins by finding what is
-    /// not random.
+    /// Finds the light that is not random, then traces the blocks `wanted` of `blocks`, and reads and adds their
+    /// sums.
     ///
-    /// `progress` is told (samples done, samples in all), counted in tiles. Once `cancel` is set, the rest is left out.
+    /// `progress` receives (samples done, samples in all), counted in tiles. Once `cancel` is set, the rest is left out.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
@@ -242,7 +243,7 @@ impl PathTrace {
         });
     }
 
-    /// What shows the picture so far; `resources` are those of the view.
+    /// Makes the kernel that shows the picture so far; `resources` are those of the view.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].
@@ -275,7 +276,7 @@ impl PathTrace {
     }
 }
 
-/// Submits what is recorded, waits for it, and gives the milliseconds that both took.
+/// Submits what `record` records, waits for it, and returns the milliseconds of all three steps.
 fn timed(gpu: &Gpu, record: impl FnOnce(&mut Recorder<'_>)) -> Result<f64, GpuError> {
     let start = Instant::now();
     let mut recorder = Recorder::new(gpu, None);

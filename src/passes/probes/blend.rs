@@ -1,4 +1,4 @@
-//! Pass `probes/blend`: averages the rays of a frame into the maps of each probe that is due.
+//! Pass `probes/blend`: averages the rays of a frame into the maps of each active probe.
 
 use super::{ProbeField, source::Source};
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};

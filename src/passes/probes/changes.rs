@@ -1,19 +1,20 @@
-//! What pass `probes/blend` is told of changes.
+//! What pass `probes/blend` knows of changes.
 
 use crate::{
     parameters::ProbeParameters,
     probes::changes::{Changes, EDITS},
 };
 
-/// Share of its variability that a probe keeps per update after a change: late bounces come in while it fades.
+/// Share of its variability that a probe keeps per update after a change. Late bounces arrive while the variability
+/// fades.
 const VARIABILITY_KEPT: f32 = 0.9;
 
 crate::shared! {
     in probes;
 
-    /// What changes in the world, and what probes make of it.
+    /// What changes in the world, and how probes respond.
     pub struct GpuChanges as Changes {
-        /// How sure it is that light changes now: 0 to 1.
+        /// Certainty that light changes now: 0 to 1.
         pub alert: f32,
         /// Standard deviations of a probe's own noise beyond which its light counts as changed.
         pub deviations: f32,
@@ -29,7 +30,7 @@ crate::shared! {
     pub struct GpuEditSphere as EditSphere {
         pub centre_ws: [f32; 3],
         pub radius: f32,
-        /// Number of the first frame that saw it.
+        /// Number of the first frame that shows the edit.
         pub frame: u32,
         pub _pad: [u32; 3],
     }

@@ -1,4 +1,5 @@
-//! Pass `probes/classify`: where each probe stands by what is stone, and whether there are surfaces around it.
+//! Pass `probes/classify`: places each probe outside solid voxels where it can, and finds whether there are surfaces
+//! around it.
 
 use super::ProbeField;
 use crate::{
@@ -36,7 +37,7 @@ impl ProbeClassify {
         })
     }
 
-    /// For a new field, and after edits. After [`ProbeField::begin_frame`], before pass `probes/schedule`.
+    /// Needed for a new field, and after edits. Runs after [`ProbeField::begin_frame`], before pass `probes/schedule`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
         recorder.run(&self.kernel, &self.bindings, self.groups);
     }

@@ -33,13 +33,13 @@ crate::shared! {
         pub hysteresis: f32,
         pub warmup_frames: u32,
         pub firefly_clamp: f32,
-        /// Farthest along an axis that a probe in stone moves, in spacings; 0: probes keep to the lattice.
+        /// Farthest along an axis that a probe in a solid voxel moves, in spacings; 0: probes stay on the lattice.
         pub move_reach: f32,
-        /// Slots of all levels; the twin of slot s is s + lattice_slots.
+        /// Slots of all levels; the back-side probe of slot s is s + lattice_slots.
         pub lattice_slots: u32,
-        /// Words of `probe_visibility` before those of the twins.
+        /// Words of `probe_visibility` before those of the back-side probes.
         pub visibility_lattice_words: u32,
-        /// Share of the surfaces in its cages that a probe must miss to get a twin; 1: none gets one.
+        /// A probe that misses more than this share of the surfaces in its cages gets a back-side probe; 1: none does.
         pub back_side_share: f32,
         pub _pad: u32,
     }
@@ -51,14 +51,14 @@ const BACK_SIDE_SHARE: f32 = 0.1;
 /// Share of history that an update keeps when no lamp and no voxel has changed for long: more noise is averaged away.
 const STILL_HYSTERESIS: f32 = 0.998;
 
-/// Share of its history that a probe keeps at most. When nothing has changed for long there is nothing to follow.
+/// Largest share of its history that a probe keeps. It rises when nothing has changed for long.
 fn hysteresis(parameters: &ProbeParameters, stillness: f32) -> f32 {
     let still = STILL_HYSTERESIS.max(parameters.hysteresis);
     parameters.hysteresis + (still - parameters.hysteresis) * stillness
 }
 
 impl GpuProbeInfo {
-    /// Of a field in a frame.
+    /// The uniform of a field in a frame.
     pub(super) fn new(field: &ProbeField, parameters: &ProbeParameters, frame: u64) -> Self {
         let (volume, atlas) = (field.volume(), field.atlas());
         let visibility_bits = field.visibility_bits();

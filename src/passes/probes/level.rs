@@ -13,55 +13,55 @@ crate::shared! {
     pub const LEVELS: usize = MAX_LEVELS as usize;
 
     /// A window of probes on an endless lattice (src/probes/level.rs). Each level has twice the spacing of
-    /// the one before it.
+    /// the level before it.
     pub struct GpuProbeLevel as ProbeLevel {
         /// World-space position of the window's lowest corner.
         pub first_ws: [f32; 3],
         pub first_slot: u32,
-        /// Between lattice points (voxels).
+        /// Distance between lattice points (voxels).
         pub spacing: [f32; 3],
         /// Distances are stored in units of this (voxels).
         pub longest: f32,
         pub inverse_spacing: [f32; 3],
-        /// Cells over which the next level takes over.
+        /// Width in cells of the edge over which the next level takes over.
         pub fade: f32,
-        /// World-space middle of what the level lights, and from there to its end in cells.
+        /// World-space middle of what the level lights; `reach` is the distance from there to its end in cells.
         pub middle_ws: [f32; 3],
         /// Frames since most of the level was new.
         pub age: u32,
         pub reach: [f32; 3],
-        /// First word of `probe_visibility` that is the level's, and words of each of its probes.
+        /// First word of the level in `probe_visibility`; `visibility_words` is the number of words per probe.
         pub visibility_first_word: u32,
         /// World-space position of lattice point (0, 0, 0).
         pub anchor_ws: [f32; 3],
         pub visibility_words: u32,
-        /// Lattice point at the window's lowest corner, and that modulo the counts.
+        /// Lattice point at the window's lowest corner; `wrap` is the same modulo the counts.
         pub base: [i32; 3],
-        /// Words of a probe's sight in a row of bricks along x, and in a layer of rows.
+        /// Words of a probe's visibility bits in a row of bricks along x; `visibility_layer`: in a layer of rows.
         pub visibility_row: u32,
         pub wrap: [u32; 3],
         pub visibility_layer: u32,
-        /// The same corner in the frame before.
+        /// `base` in the frame before.
         pub base_before: [i32; 3],
         pub _pad4: u32,
-        /// Where there is a choice, probes in stone move towards this point.
+        /// Where there is a choice, probes in solid voxels move towards this point.
         pub inwards_ws: [f32; 3],
         pub _pad5: u32,
-        /// Voxels of the box that a probe's sight covers.
+        /// Voxels, along each axis, of the box that a probe's visibility bits cover.
         pub visibility_counts: [u32; 3],
         pub _pad6: u32,
     }
 }
 
-/// Longest distance that a probe keeps, in diagonals of its cage.
+/// Longest distance that a probe stores, in diagonals of its cage.
 const LONGEST: f32 = 1.5;
 /// Cells at the edge of a level over which the next one takes over.
 const FADE_CELLS: f32 = 1.0;
-/// A place that all probes lie on the same side of.
+/// A coordinate far beyond every probe.
 const FAR: f32 = 1e30;
 
 impl GpuProbeLevel {
-    /// The levels of a volume in a frame; those that it does not have are 0.
+    /// The levels of a volume in a frame; levels that the volume does not have are 0.
     pub fn all(
         volume: &Volume,
         motion: &Motion,
@@ -89,8 +89,8 @@ impl GpuProbeLevel {
         all
     }
 
-    /// The place of a level, and where it was `before`; the rest is 0. Of a volume that `moves` where a
-    /// probe in stone goes must not depend on where the window is.
+    /// The place of a level, now and `before`; the rest is 0. In a volume that `moves`, the destination of a probe in
+    /// a solid voxel must not depend on the window's place.
     fn new(level: &Level, before: &Level, moves: bool) -> Self {
         Self {
             first_ws: level.first().to_array(),

@@ -1,4 +1,4 @@
-//! The field of probes: which are updated, what their rays find, and the maps that keep it.
+//! The field of probes: which probes are updated, what their rays find, and the maps that store it.
 
 pub mod blend;
 mod changes;

@@ -1,4 +1,4 @@
-//! Pass `probes/seed`: what probes of a volume that has moved show until they have looked.
+//! Pass `probes/seed`: new probes of a volume that has moved show the next coarser level until their first update.
 
 use super::ProbeField;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};

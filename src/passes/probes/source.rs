@@ -1,4 +1,4 @@
-//! What a field of probes has besides under `probes.method=source`, for passes that know it as constants alone.
+//! What a field of probes has in addition under `probes.method=source`. Most passes see it only as constants.
 
 use crate::{
     gpu::{Gpu, GpuError},
@@ -8,12 +8,12 @@ use crate::{
     probes::MOVE_REACH,
 };
 
-/// Of a field whose algorithm is not grotto's own.
+/// Additional data of a field whose algorithm is not grotto's own.
 pub struct Source {
     weights: SourceWeights,
     depth: SourceDepth,
     pub relocation: SourceRelocation,
-    /// What each probe knows of its place: `shaders/probes/source_walk.wesl`.
+    /// What each probe knows about its place: `shaders/probes/source_walk.wesl`.
     pub walks: wgpu::Buffer,
 }
 
@@ -64,8 +64,8 @@ impl Source {
     }
 }
 
-/// Longest distance that a probe keeps, in diagonals of its cage, where the source rejects longer ones: what no cage can
-/// ask for, however far its probe has moved. `None` where it does not.
+/// Longest distance that a probe stores, in diagonals of its cage, where the source rejects longer ones. No cage needs
+/// a longer one, however far its probe has moved. `None` where nothing is rejected.
 pub fn longest(parameters: &ProbeParameters) -> Option<f32> {
     let source = &parameters.source;
     if parameters.method == Method::Grotto || source.depth == SourceDepth::Clamp {

@@ -1,4 +1,4 @@
-//! Pass `probes/source_walk`: probes leave stone by what their rays find, under `probes.method=source`.
+//! Pass `probes/source_walk`: moves probes out of solid voxels by what their rays find, under `probes.method=source`.
 
 use super::ProbeField;
 use crate::{
@@ -18,7 +18,7 @@ pub struct SourceWalk {
 impl SourceWalk {
     /// Voxels that a probe keeps from surfaces under [`SourceRelocation::Clear`].
     pub const CLEARANCE: f32 = 1.0;
-    /// Share of what is known of a probe's place that it keeps per update.
+    /// Share of what a probe knows about its place that it keeps per update.
     pub const KEPT: f32 = 0.95;
 
     /// `None` where probes do not walk. `resources` are those of the voxels.
@@ -33,7 +33,7 @@ impl SourceWalk {
         Self::with_memory(gpu, field, resources, Self::KEPT)
     }
 
-    /// The same, where probes keep this share of what they know: 0 forgets all before the last update.
+    /// The same with a share `kept` in place of [`Self::KEPT`]; with 0, probes know only their last update.
     ///
     /// # Errors
     /// As [`new`](Self::new).

@@ -1,4 +1,4 @@
-//! What is kept of each probe besides its maps.
+//! What is stored of each probe besides its maps.
 
 use crate::probes::atlas;
 
@@ -7,10 +7,10 @@ use crate::probes::atlas;
 pub enum ProbeClass {
     /// In every frame.
     Alive,
-    /// Now and then: it lights what the rays of those alive hit.
+    /// Every few frames: it lights only what the rays of alive probes hit.
     IndirectOnly,
     Asleep,
-    /// Never: it lies in stone.
+    /// Never: it lies in a solid voxel.
     Dead,
 }
 
@@ -22,25 +22,25 @@ crate::shared! {
     /// Bits of a probe's flags that are its class.
     const CLASS_BITS: u32 = 3;
 
-    /// Set in a probe's flags when there is no stone within a spacing of it.
+    /// Set in a probe's flags when no solid voxel lies within a spacing of it.
     const STATE_FAR: u32 = 4;
 
     /// What a probe knows of its own light.
     pub struct GpuProbeState as ProbeState {
-        /// So far; 0 for a probe in stone.
+        /// Updates so far; 0 for a probe in a solid voxel.
         pub updates: u32,
-        /// Mean of its rays.
+        /// Mean luminance of its rays.
         pub luminance: f32,
         /// How much its light changes now.
         pub variability: f32,
-        /// What pass `probes/classify` knows of it, and its class.
+        /// What pass `probes/classify` found about it, and its class.
         pub flags: u32,
     }
 
-    /// Where a probe stands.
+    /// Where a probe is.
     pub struct GpuProbePlace as ProbePlace {
         pub position_ws: [f32; 3],
-        /// 0 for a probe in stone, 1 for others, 2 for one that has a twin.
+        /// 0: in a solid voxel; 1: outside; 2: outside, with a back-side probe.
         pub alive: f32,
     }
 }
@@ -49,7 +49,7 @@ const _: () = assert!(size_of::<GpuProbeState>() as u64 == atlas::STATE_BYTES);
 const _: () = assert!(size_of::<GpuProbePlace>() as u64 == atlas::PLACE_BYTES);
 
 impl GpuProbeState {
-    /// Whether no stone lies within a spacing of the probe.
+    /// Whether no solid voxel lies within a spacing of the probe.
     pub fn is_far(&self) -> bool {
         self.flags & STATE_FAR != 0
     }

@@ -1,4 +1,4 @@
-//! Pass `probes/trace`: every ray of the probes that are due, shaded where it hits.
+//! Pass `probes/trace`: traces every ray of the active probes and shades its hit.
 
 use super::ProbeField;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
@@ -33,7 +33,7 @@ impl ProbeTrace {
         let mut all = resources.to_vec();
         all.extend(field.resources());
         all.push(("probe_rays_out", field.rays().as_entire_binding()));
-        // The buffer of the rays fits a binding, so that their number fits an u32.
+        // The buffer of the rays fits a binding, so the number of rays fits a u32.
         let rays = field.atlas().slots * field.rays_per_probe();
         let groups = rays.div_ceil(kernel.workgroup_size[0]);
         Ok(Self {

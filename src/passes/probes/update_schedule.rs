@@ -1,4 +1,4 @@
-//! When probes are updated and who asks for them: what passes `probes/schedule`, `probes/classify`,
+//! When probes are updated, and what requests them: data that passes `probes/schedule`, `probes/classify`,
 //! `probes/trace` and `probes/blend` share.
 
 use glam::Vec3;
@@ -13,7 +13,7 @@ use crate::{
 crate::shared! {
     in probes;
 
-    /// When each probe is updated, and who asks for it.
+    /// When each probe is updated, and what requests it.
     pub struct GpuUpdateSchedule as UpdateSchedule {
         /// Box of voxels that changed since pass `probes/classify` last ran (grid space).
         pub changed_low_gs: [f32; 3],
@@ -22,50 +22,51 @@ crate::shared! {
         pub changed_high_gs: [f32; 3],
         /// One of the STATES_ constants.
         pub states: u32,
-        /// Frames that a probe stays as it is asked for after it was last asked for.
+        /// Frames for which a request of a probe is remembered.
         pub alive_frames: u32,
-        /// Frames from update to update of a probe that only the rays of other probes ask for.
+        /// Frames from update to update of a probe that only the rays of other probes request.
         pub indirect_interval: u32,
-        /// Of a probe that nobody asks for.
+        /// Frames from update to update of a probe without requests.
         pub asleep_interval: u32,
-        /// Rows of workgroups of pass `probes/trace`, and of those with a workgroup a probe.
+        /// Rows of workgroups of pass `probes/trace`, and of passes with a workgroup per probe.
         pub rays_rows: u32,
         pub probe_rows: u32,
-        /// Unrest from which a probe is updated in every frame, whoever asks.
+        /// Variability from which a probe is updated in every frame, whatever requests it.
         pub least_variability: f32,
-        /// Frames from update to update of a probe that is asked for and whose light is still.
+        /// Frames from update to update of a requested probe whose light is still.
         pub still_interval: u32,
         pub _pad: u32,
     }
 }
 
-/// How many probes are in each state, as pass `probes/schedule` last judged them: those of the lattice and their twins.
+/// How many probes are in each state, as pass `probes/schedule` last classified them: probes of the lattice and
+/// back-side probes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StateCounts {
-    /// Updated in every frame, or now and then because the rays of others need them.
+    /// Updated in every frame, or every few frames because only the rays of other probes request them.
     pub alive: u32,
-    /// Refreshed now and then.
+    /// Without requests, updated rarely.
     pub sleeping: u32,
-    /// In stone: neither updated nor gathered.
+    /// In a solid voxel: neither updated nor gathered.
     pub dead: u32,
     /// Updated in the last frame.
     pub updated: u32,
-    /// How many of those that are not dead are twins: beyond the probes of the lattice.
+    /// How many of the probes that are not dead are back-side probes, which the lattice does not count.
     pub back_side: u32,
 }
 
 impl StateCounts {
-    /// Each probe is in one state.
+    /// All probes: each is in exactly one state.
     pub fn total(&self) -> u32 {
         self.alive + self.sleeping + self.dead
     }
 }
 
-/// Frames between updates of a probe that only the rays of other probes ask for.
+/// Frames between updates of a probe that only the rays of other probes request.
 const INDIRECT_INTERVAL: u32 = 4;
-/// Frames between updates of a probe that nobody asks for.
+/// Frames between updates of a probe without requests.
 const ASLEEP_INTERVAL: u32 = 10;
-/// By how much the times between other updates grow when no lamp and no voxel has changed for long.
+/// Factor of the intervals of requested probes when no lamp and no voxel has changed for long.
 const STILL_INTERVAL: u32 = 2;
 
 crate::shared! {
@@ -74,39 +75,39 @@ crate::shared! {
     /// Threads of a workgroup of pass `probes/trace`.
     const RAY_GROUP: u32 = 64;
 
-    /// What `active_list` begins with: how many probes are due.
+    /// What `active_list` begins with: the number of active probes.
     struct GpuActiveListHead as ActiveListHead {
         count: u32,
     }
 
-    /// Workgroups that the due probes take.
+    /// Workgroups for the active probes.
     pub(super) struct GpuProbeDispatch as ProbeDispatch {
         /// Of pass `probes/trace`.
         pub(super) ray_groups: [u32; 3],
         /// Counts while the list grows.
         pub(super) count: u32 => "atomic<u32>",
-        /// Of passes with one for each probe.
+        /// Of passes with one workgroup per probe.
         pub(super) probe_groups: [u32; 3],
         pub(super) _pad: u32,
     }
 
-    /// In the list: the rays of the probe ask for others.
+    /// Set in an entry of the list: the rays of the probe request other probes.
     const MAKES_REQUESTS: u32 = 1 << 31;
 
-    /// Probes outside of stone are updated in every frame.
+    /// Probes outside solid voxels are updated in every frame.
     const STATES_OFF: u32 = 0;
 
-    /// Those that nobody asks for sleep.
+    /// Probes without requests sleep.
     const STATES_ON: u32 = 1;
 }
 
 const HEAD_BYTES: u64 = size_of::<GpuActiveListHead>() as u64;
-/// Alerts above this are of a lamp that is switched, or of an edit, and not of one that wanders.
+/// Alerts above this come from a switched lamp or an edit, not from a lamp that moves.
 const SUDDEN: f32 = 0.5;
 /// Farther than any world reaches (voxels).
 const EVERYWHERE: f32 = 1e9;
 
-/// Buffers of the plan of one probe field.
+/// Buffers of the update schedule of one probe field.
 pub(super) struct UpdateSchedule {
     slots: u32,
     rays_rows: u32,
@@ -124,7 +125,7 @@ impl UpdateSchedule {
         let all = u64::from(slots);
         Ok(Self {
             slots,
-            // The buffer of the rays fits a binding, so that their number fits an u32.
+            // The buffer of the rays fits a binding, so the number of rays fits a u32.
             rays_rows: rectangle((slots * rays).div_ceil(RAY_GROUP))[1],
             probe_rows: rectangle(slots)[1],
             is_placed: false,
@@ -135,7 +136,7 @@ impl UpdateSchedule {
         })
     }
 
-    /// Writes the plan of the next frame.
+    /// Writes the schedule of the next frame.
     pub fn begin_frame(
         &self,
         gpu: &Gpu,
@@ -159,7 +160,7 @@ impl UpdateSchedule {
                 ProbeStates::On => STATES_ON,
             },
             alive_frames: parameters.alive_frames,
-            // Where light changes at once, what feeds the picture is wanted at once.
+            // After a sudden change, indirect-only probes must follow at once.
             indirect_interval: if changes.alert() > SUDDEN {
                 1
             } else {
@@ -175,7 +176,7 @@ impl UpdateSchedule {
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&update_schedule));
         if frame == 0 {
-            // The probes begin anew, and nobody has asked for them yet.
+            // The probes start again, without requests.
             let none = vec![0; self.work.size() as usize];
             for requests in [&self.work, &self.face_requests] {
                 gpu.queue.write_buffer(requests, 0, &none);
@@ -183,7 +184,7 @@ impl UpdateSchedule {
         }
     }
 
-    /// Whether pass `probes/classify` has not run yet: then it places every probe.
+    /// Whether pass `probes/classify` has not run yet. Its first run places every probe.
     pub fn places_all(&self) -> bool {
         !self.is_placed
     }
@@ -199,12 +200,12 @@ impl UpdateSchedule {
         ]
     }
 
-    /// What pass `probes/schedule` reads of pass `surface_cache/trace`.
+    /// The requests that pass `probes/schedule` reads from pass `surface_cache/trace`.
     pub fn face_requests(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         ("face_requests", self.face_requests.as_entire_binding())
     }
 
-    /// `active_list` of pass `surface_cache/trace`.
+    /// The buffer that pass `surface_cache/trace` binds as `active_list`.
     pub fn requests_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         ("active_list", self.face_requests.as_entire_binding())
     }
@@ -213,7 +214,7 @@ impl UpdateSchedule {
         &self.dispatch
     }
 
-    /// Slots of the probes that were due, in no particular order.
+    /// Slots of the probes that were active, in no particular order.
     pub fn active_slots(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
         let count = self.head(gpu)?.count as usize;
         let list: Vec<u32> =
@@ -228,7 +229,7 @@ impl UpdateSchedule {
         Ok(gpu.read_buffer_range(&self.work, 0, HEAD_BYTES)?[0])
     }
 
-    /// Of the probes with these `probe_states`.
+    /// Counts the probes with these `probe_states`.
     pub fn count(
         &self,
         gpu: &Gpu,
@@ -245,7 +246,7 @@ impl UpdateSchedule {
             match state.class() {
                 ProbeClass::Alive | ProbeClass::IndirectOnly => counts.alive += 1,
                 ProbeClass::Asleep => counts.sleeping += 1,
-                // A slot that no twin has taken is no probe.
+                // A slot without a back-side probe counts as no probe.
                 ProbeClass::Dead => counts.dead += u32::from(!is_back_side),
             }
             counts.back_side += u32::from(is_back_side && state.class() != ProbeClass::Dead);

@@ -1,5 +1,5 @@
-//! Pass `probes/visibility`: what each probe sees of the surfaces around it, and where its twin stands. After
-//! pass `probes/classify`.
+//! Pass `probes/visibility`: which of the surfaces around it each probe sees, and where its back-side probe is. Runs
+//! after pass `probes/classify`.
 
 use super::ProbeField;
 use crate::{

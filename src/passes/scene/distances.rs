@@ -34,7 +34,7 @@ impl Distances {
         })
     }
 
-    /// Whatever the grid says of empty cells is overwritten.
+    /// Overwrites all that the grid holds for empty cells.
     pub fn record(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, voxels: &GpuVoxels) {
         let UVec3 { x, y, z } = grid_cells(voxels.size);
         let resources = [

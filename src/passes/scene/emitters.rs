@@ -5,15 +5,15 @@ use crate::{
     lights::{Emitters, emitters::FACINGS},
 };
 
-/// Ways that faces look, and materials that may shine.
+/// One group per direction of faces and emissive material.
 const MOST_GROUPS: usize = FACINGS * 255;
-/// Faces for which there is room beyond those that there are, and one more for so many of these.
+/// Spare room of the list: SPARE_FACES faces, and one more for every SPARE_SHARE faces in it.
 const SPARE_FACES: usize = 1024;
 const SPARE_SHARE: usize = 4;
 
 /// The bindings of `shaders/scene/emitters.wesl`, with room for more.
 pub struct GpuEmitters {
-    /// What they hold.
+    /// The list that the buffers hold.
     pub known: Emitters,
     room: usize,
     groups: wgpu::Buffer,
@@ -21,8 +21,8 @@ pub struct GpuEmitters {
 }
 
 impl GpuEmitters {
-    /// A list that the adapter cannot hold is left empty: then emissive voxels are found by chance
-    /// alone, which is as right, and noisier.
+    /// A list that the adapter cannot hold is left empty. Rays then find emissive voxels only by chance, which is
+    /// unbiased too, but noisier.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] when not even an empty list fits.

@@ -25,7 +25,7 @@ impl GpuLights {
         }
     }
 
-    /// What the next frames are lit by. `gain` is the factor by which pictures are brighter ([`lights::CommonGain`]);
+    /// Sets the lights of the next frames. `gain` is the factor by which pictures are brighter ([`lights::CommonGain`]);
     /// `still_since` says since when each lamp rests ([`lights::RestingLamps`]).
     pub fn set(&self, gpu: &Gpu, lights: &Lights, gain: Vec3, still_since: &[u32]) {
         let bytes = lights.to_bytes(gain, still_since);

@@ -11,7 +11,7 @@ use crate::{
 /// The bindings of `shaders/scene/materials.wesl`.
 pub struct GpuMaterials {
     pub table: wgpu::Buffer,
-    /// The baked masks: one layer a tile, all mip levels.
+    /// The baked masks: one layer per tile, all mip levels.
     pub masks: wgpu::TextureView,
     pub sampler: wgpu::Sampler,
 }
@@ -24,7 +24,7 @@ impl GpuMaterials {
         Ok(Self {
             table: gpu.storage_buffer_of("materials", &materials.to_bytes())?,
             masks: texture.create_view(&wgpu::TextureViewDescriptor {
-                // Also when there is only one layer.
+                // Needed when there is only one layer.
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 ..Default::default()
             }),

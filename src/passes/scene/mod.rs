@@ -1,4 +1,4 @@
-//! What is seen and what lights it: voxels, materials, lights, emissive faces.
+//! The scene on the GPU: voxels, materials, lights, emissive faces.
 
 pub mod distances;
 mod emitters;

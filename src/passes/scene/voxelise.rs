@@ -1,12 +1,13 @@
-//! Pass `scene/voxelise`: the world's shape, rules and features into the brick map, on the GPU.
+//! Pass `scene/voxelise`: turns the world's shape, rules and features into the brick map, on the GPU.
 //!
-//! `classify` decides every cell that the shape's bound decides at its centre and lists the others;
-//! `stone` finds which of their voxels are stone; `survey` gives buried cells their material and
-//! lists those beside air; `exposed` settles the ones of a single material; `fill` makes the bricks
-//! of all that is left, and `place` enters them into the grid. The counts are read back between them, so that every buffer has the size
-//! that it needs, and so that the work goes out in slices: no dispatch holds the GPU for long.
+//! `classify` evaluates the shape at the centre of every cell: the shape's bound decides most cells, and the others
+//! become candidates. `solid` finds the solid voxels of the candidates. `survey` gives buried cells their material
+//! and lists the cells beside air. `exposed` finishes the listed cells of a single material. `fill` makes the bricks
+//! of all remaining cells, and `place` enters the bricks into the grid. Counts are read back between these steps,
+//! so that every buffer has the size that it needs. The work is dispatched in chunks: no dispatch holds the GPU for
+//! long.
 //!
-//! What becomes of what is defined in `world::generate`, the CPU's reference.
+//! `world::generate`, the CPU's reference, defines which voxels result.
 
 use std::time::{Duration, Instant};
 
@@ -24,28 +25,28 @@ use crate::world::voxels::{CELL, grid_cells};
 crate::shared! {
     in scene;
 
-    /// What the kernels are told.
+    /// The input of the kernels.
     pub struct GpuVoxeliseJob as Job {
         /// Extent of the world in voxels.
         pub size: [u32; 3],
-        /// First item of this dispatch: a thread's or a workgroup's, by entry point.
+        /// First item of this dispatch. An item belongs to a thread or a workgroup, depending on the entry point.
         pub first: u32,
         /// Extent in cells that the world touches.
         pub cells: [u32; 3],
         /// One past the last item.
         pub end: u32,
-        /// Where in `features` the rows and the parts begin (words); 0 parts when there are none.
+        /// Offsets of the rows and of the parts in `features` (words); without features, `part_count` is 0.
         pub rows_at: u32,
         pub parts_at: u32,
         pub part_count: u32,
-        /// `fill`: entries are cells of stone throughout, not indices of stone records.
+        /// `fill`: entries are cells that are solid throughout, not indices of solid records.
         pub all_solid: u32,
         /// Entries of `fill`, for `place`.
         pub entry_count: u32,
         pub _pad: [u32; 3],
     }
 
-    /// What they count.
+    /// What the kernels count.
     pub struct GpuVoxeliseCounters as Counters {
         pub candidates: u32 => "atomic<u32>",
         /// Entries of `fill` among the candidates.
@@ -56,7 +57,7 @@ crate::shared! {
         pub bricks: u32 => "atomic<u32>",
     }
 
-    /// Words of a stone record: its cell and sixteen words of its mask.
+    /// Words of a solid record: its cell and sixteen words of its mask.
     const RECORD_WORDS: u32 = 17;
 }
 
@@ -65,7 +66,7 @@ const RECORD_BYTES: u64 = 4 * RECORD_WORDS as u64;
 /// Bytes of an entry of `fill`.
 const ENTRY_BYTES: u64 = 8;
 
-/// The entry points in their order.
+/// The entry points, in the order in which they run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Classify,
@@ -76,16 +77,16 @@ enum Stage {
     Place,
 }
 
-/// What voxelisation did and took.
+/// What a voxelisation produced, and its time and memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VoxeliseReport {
     /// Sum of the dispatches; none where the adapter cannot time them.
     pub gpu_ms: Option<f64>,
-    /// Its parts: classify, stone, survey, exposed, fill, place.
+    /// Its parts: classify, solid, survey, exposed, fill, place.
     pub stages_ms: [f64; 6],
-    /// From start to end, compilation left out, read-backs of counts included.
+    /// From start to end, without compilation, with the read-backs of counts.
     pub wall_ms: f64,
-    /// Cells that had to be looked into.
+    /// Cells that the shape's bound left undecided, or that hold features.
     pub candidates: u32,
     /// Bricks in use.
     pub bricks: u32,
@@ -179,7 +180,7 @@ impl Voxelise {
         let counted = work.counted()?;
 
         let candidate_count = u64::from(counted.candidates);
-        let solid_records = held.take(gpu, "stone records", candidate_count * RECORD_BYTES)?;
+        let solid_records = held.take(gpu, "solid records", candidate_count * RECORD_BYTES)?;
         let mixed = held.take(gpu, "mixed cells", candidate_count * ENTRY_BYTES)?;
         let lists = [
             ("candidates", &candidates),
@@ -214,7 +215,7 @@ impl Voxelise {
         let masks = held.take(gpu, "masks", bricks * MASK_BYTES)?;
         let materials = held.take(gpu, "voxel_materials", bricks * MATERIAL_BYTES)?;
         let parts = [(&mixed, counted.mixed, 0), (&varied, counted.varied, 1)];
-        // All bricks before any is placed: until then the grid tells where stone is.
+        // All bricks are filled before any is placed: until then the grid tells which cells are solid.
         for stage in [Stage::Fill, Stage::Place] {
             for (entries, count, all_solid) in parts {
                 work.job.all_solid = all_solid;
@@ -277,7 +278,7 @@ impl Memory {
     }
 }
 
-/// Sends a kernel's workgroups out in slices and sums their times.
+/// Dispatches a kernel's workgroups in chunks and sums the times of the chunks.
 struct Work<'a> {
     gpu: &'a Gpu,
     timing: Timing,
@@ -290,14 +291,14 @@ struct Work<'a> {
     features: Vec<u32>,
 }
 
-/// Slices double while they take less than half of this, and halve above it: far enough below the
-/// 50 ms after which a slow device would be felt, because cells differ in their cost.
-const SLICE: Duration = Duration::from_millis(30);
-/// Slices do not shrink below this many workgroups: software devices take some 5 ms to begin one.
+/// Chunks grow while they take less than half of this time, and halve above it. It is well below the 50 ms that a
+/// dispatch may hold a slow device, because cells differ in cost.
+const CHUNK_TIME: Duration = Duration::from_millis(30);
+/// Chunks have at least this many workgroups, because software devices take about 5 ms to begin a chunk.
 const SMALLEST_CHUNK: u32 = 8;
-/// Workgroups of a kernel's first slice.
+/// Workgroups of a kernel's first chunk.
 const FIRST_CHUNK: u32 = 64;
-/// Workgroups along x; more go into further rows.
+/// Workgroups along x; further workgroups fill more rows.
 const ROW: u32 = 32_768;
 
 impl<'a> Work<'a> {
@@ -362,11 +363,11 @@ impl<'a> Work<'a> {
                 self.stages_ms[stage as usize] += times.passes_ms.values().sum::<f64>();
             }
             let elapsed = start.elapsed();
-            if elapsed < SLICE / 16 {
+            if elapsed < CHUNK_TIME / 16 {
                 chunk = chunk.saturating_mul(8);
-            } else if elapsed < SLICE / 2 {
+            } else if elapsed < CHUNK_TIME / 2 {
                 chunk = chunk.saturating_mul(2);
-            } else if elapsed > SLICE {
+            } else if elapsed > CHUNK_TIME {
                 chunk = (chunk / 2).max(SMALLEST_CHUNK);
             }
             self.job.first = self.job.end;

@@ -16,7 +16,7 @@ crate::shared! {
         pub origin_ws: [f32; 3],
         /// log2 of the grid's extent in cells along x, and along x and y together: the shifts of an index.
         pub shift_y: u32,
-        /// Extent in voxels, each a power of two: what lies beyond the world's size is air.
+        /// Extent in voxels, each a power of two. Voxels beyond the world's size are air.
         pub extent: [u32; 3],
         pub shift_z: u32,
         /// Of the world, in voxels.
@@ -61,7 +61,7 @@ pub struct GpuVoxels {
     pub materials: wgpu::Buffer,
 }
 
-/// Bytes of a brick's masks and of its materials.
+/// Bytes of a brick's mask and of its materials.
 pub const MASK_BYTES: u64 = size_of::<[u32; 16]>() as u64;
 pub const MATERIAL_BYTES: u64 = size_of::<Brick>() as u64;
 
@@ -101,9 +101,9 @@ impl GpuVoxels {
         ))
     }
 
-    /// The same voxels with room for the bricks of the CPU's copy, when an edit has outgrown the
-    /// buffers: all that is bound to the old ones must then be bound to these. `None` when it has
-    /// not. Nothing of `self` is changed.
+    /// The same voxels in larger buffers, when the bricks of the CPU's copy no longer fit after an edit; `None`
+    /// when they fit. Every kernel bound to the old buffers must then be bound to the new ones. `self` does not
+    /// change.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`].
@@ -114,7 +114,7 @@ impl GpuVoxels {
         {
             return Ok(None);
         }
-        // Half as much again, so that digging on does not make new ones at every stroke.
+        // Half as many again, so that continued digging does not allocate buffers at every stroke.
         let ample = needed * 3 / 2;
         let fits = gpu.check_buffer("voxel_materials", ample * MATERIAL_BYTES);
         let bricks = if fits.is_ok() { ample } else { needed };
@@ -132,7 +132,7 @@ impl GpuVoxels {
         }))
     }
 
-    /// Follows an edit of the CPU's copy: writes the bricks and the rows of the grid that it changed.
+    /// Follows an edit of the CPU's copy: writes the bricks and the rows of the grid that the edit changed.
     ///
     /// # Panics
     /// Without room for the bricks: see [`Self::with_room_for`].

@@ -1,4 +1,5 @@
-//! Pass `surface_cache/allocate`: which faces the camera sees or rays have asked for, and how many workgroups it takes to light them.
+//! Pass `surface_cache/allocate`: lists the faces that the camera sees or rays have requested, and computes how many
+//! workgroups it takes to light them.
 
 use super::{
     SurfaceCache,
@@ -6,7 +7,7 @@ use super::{
 };
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
-/// Workgroups for all faces that rays may have asked for.
+/// Workgroups for all faces that rays may have requested.
 const REQUEST_GROUPS: u32 = REQUEST_ROOM / REQUESTS_A_GROUP;
 
 pub struct SurfaceAllocate {
@@ -43,7 +44,7 @@ impl SurfaceAllocate {
             Ok((kernel, bindings))
         };
         let mark = entry("mark")?;
-        // One thread for four pixels.
+        // One thread per four pixels.
         let [columns, rows] = mark.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
         Ok(Self {
             mark,
@@ -63,7 +64,7 @@ impl SurfaceAllocate {
         recorder.run(kernel, bindings, self.groups);
     }
 
-    /// The faces that rays have asked for, and then how much there is to do in all. After
+    /// Lists the faces that rays have requested, then computes the work in all. After
     /// [`record`](Self::record), before pass `surface_cache/trace`.
     pub fn record_requested(&self, recorder: &mut Recorder<'_>) {
         let (arguments, bindings) = &self.arguments;

@@ -1,5 +1,5 @@
-//! Faces of voxels that have light of their own: what passes `surface_cache/allocate`, `surface_cache/trace`, `surface_cache/resolve` and `view/shade`
-//! share.
+//! Faces of voxels that have light of their own: data that passes `surface_cache/allocate`, `surface_cache/trace`,
+//! `surface_cache/resolve` and `view/shade` share.
 
 use std::mem::offset_of;
 
@@ -18,40 +18,40 @@ use crate::{
 const LISTED_BYTES: u64 = size_of::<GpuListedFace>() as u64;
 const BATCH_BYTES: u64 = size_of::<GpuFaceBatch>() as u64;
 const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
-/// A count, and then the faces.
+/// The list of requests: a count, then the faces.
 const REQUEST_LIST_BYTES: u64 = 4 + (REQUEST_ROOM as usize * size_of::<GpuRequestedFace>()) as u64;
-/// Faces that look the same way and have a place in the table.
+/// Places in the table for faces of one direction.
 const BUCKETS: u32 = 1 << 16;
 /// Batches of rays that faces can send in a frame.
 const MOST_BATCHES: u32 = 1 << 17;
-/// Of what a ray brings.
+/// Bytes of a ray's result.
 const RAY_BYTES: u64 = 8;
-/// Pixels of the picture for each batch of a frame, where that gives more than the least: in software, where each ray
-/// is waited for, a small picture is not to cost as much as a large one.
+/// Pixels of the picture per batch of a frame, where that gives more batches than the least. In software every ray
+/// costs time, so a small picture must not cost as much as a large one.
 const PIXELS_A_BATCH: u32 = 8;
 const LEAST_BATCHES: u32 = 1 << 15;
 const LEAST_IN_SOFTWARE: u32 = 1 << 12;
 /// Frames that probes take to settle after their warm-up.
 const SETTLING_FRAMES: u32 = 24;
-/// Rays that a quadrant's light is the mean of until then, and while light changes: at full alert this many,
-/// and the more the less sure it is.
+/// Most rays whose mean is a quadrant's light: LEAST_SAMPLES until the probes have settled, then
+/// SAMPLES_AT_ALERT / alert, but at least LEAST_SAMPLES.
 const LEAST_SAMPLES: f32 = 64.0;
 const SAMPLES_AT_ALERT: f32 = 16.0;
-/// Voxels from an edit within which light is another at once.
+/// Distance from an edit (voxels) within which light changes at once.
 const EDIT_REACH: f32 = 3.0;
 
-/// What the cache must know of a frame before it is recorded.
+/// What the cache must know about a frame before the frame is recorded.
 pub struct NextFrame<'a> {
     /// Width and height of the picture in pixels. In a small picture faces take turns.
     pub size: [u32; 2],
     pub seed: u32,
     /// Frames since the probes were made.
     pub age: u32,
-    /// How sure it is that light changes now: what is soon out of date counts little.
+    /// The more certain it is that light changes now, the less old light counts.
     pub changes: &'a Changes,
 }
 
-/// The table, the list of a frame's faces, and what the rays of each have found.
+/// The table, the list of a frame's faces, and what the rays of each face have found.
 pub struct SurfaceCache {
     is_used: bool,
     entries: u32,
@@ -73,10 +73,10 @@ impl SurfaceCache {
     pub const ENTRY_BYTES: u64 = 4 * ENTRY_WORDS as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/trace`.
     pub const RAYS_OFFSET: u64 = offset_of!(GpuFaceDispatch, ray_groups) as u64;
-    /// Byte in [`Self::dispatch`] of those of pass `surface_cache/resolve`.
+    /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/resolve`.
     pub const BLEND_OFFSET: u64 = offset_of!(GpuFaceDispatch, resolve_groups) as u64;
 
-    /// An empty table; where there is no final gather, one that takes next to no memory.
+    /// An empty table. Without final gather, it takes next to no memory.
     ///
     /// # Errors
     /// [`GpuError`] when the adapter cannot hold it.
@@ -128,8 +128,8 @@ impl SurfaceCache {
         }
     }
 
-    /// Writes the uniform of the next frame and empties the list. Once before each submission that updates
-    /// the faces: the writes take effect at its start.
+    /// Writes the uniform of the next frame and empties the list. Must be called once before each submission that
+    /// updates the faces: the writes take effect at the start of the submission.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, next: &NextFrame<'_>) {
         let NextFrame {
             size, age, changes, ..
@@ -144,7 +144,7 @@ impl SurfaceCache {
         let most_samples = most_samples.min(parameters.face_samples as f32);
         // Frames of the table are numbered from 1.
         let frame = age + 1;
-        // Until the probes have settled light is not still.
+        // Until the probes have settled, light is not still.
         let still_frames = if settled { changes.still_frames() } else { 0 };
         let changed_frame = frame.saturating_sub(still_frames);
         let (low, high, edited_frame) = match changes.latest_edit() {
@@ -175,7 +175,7 @@ impl SurfaceCache {
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
-        // Nothing is on either list.
+        // Empties both lists.
         let none = [0; offset_of!(GpuFaceCounts, stretch)];
         gpu.queue.write_buffer(&self.counts, 0, &none);
     }
@@ -191,15 +191,15 @@ impl SurfaceCache {
         rectangle((self.batches_of(size) * FACE_RAYS).div_ceil(RAYS_A_GROUP))
     }
 
-    /// Most workgroups of pass `surface_cache/resolve` for pictures of `size` pixels: of four, one is looked at, and rays ask
-    /// for other faces.
+    /// Most workgroups of pass `surface_cache/resolve` for pictures of `size` pixels. One pixel of four lists its face in
+    /// a frame, and rays request further faces.
     pub fn blend_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         let seen = width.div_ceil(2) * height.div_ceil(2);
         let listed = self.entries.min(seen + REQUEST_ROOM);
         rectangle(listed.div_ceil(FACES_A_GROUP))
     }
 
-    /// Workgroups that the listed faces take, as pass `surface_cache/allocate` writes them.
+    /// Workgroups for the listed faces, as pass `surface_cache/allocate` writes them.
     pub fn dispatch(&self) -> &wgpu::Buffer {
         &self.dispatch
     }
@@ -209,7 +209,7 @@ impl SurfaceCache {
         [("FINAL_GATHER", f64::from(u8::from(self.is_used)))]
     }
 
-    /// The bindings of `shaders/surface_cache/table.wesl`: what it takes to look a face's light up.
+    /// The bindings of `shaders/surface_cache/table.wesl`: what kernels that look up a face's light read.
     pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
         [
             ("face_info", self.info.as_entire_binding()),
@@ -217,7 +217,7 @@ impl SurfaceCache {
         ]
     }
 
-    /// What the passes that light faces read and write besides.
+    /// All that the passes that light faces read and write.
     pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
         let of = wgpu::Buffer::as_entire_binding;
         [
@@ -244,7 +244,7 @@ impl SurfaceCache {
         &self.rays
     }
 
-    /// How many faces the last frame has listed.
+    /// How many faces the last frame listed.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
@@ -253,7 +253,7 @@ impl SurfaceCache {
         Ok(counts[0].listed)
     }
 
-    /// How many rays faces have sent in the last frame.
+    /// How many rays faces sent in the last frame.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.

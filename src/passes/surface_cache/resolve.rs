@@ -1,4 +1,4 @@
-//! Pass `surface_cache/resolve`: what the faces that the camera sees show.
+//! Pass `surface_cache/resolve`: adds the rays of a frame to the light of the listed faces.
 
 use super::SurfaceCache;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
@@ -11,7 +11,7 @@ pub struct SurfaceResolve {
 }
 
 impl SurfaceResolve {
-    /// For pictures of `size` pixels. `resources` are those of the voxels.
+    /// For pictures of `size` pixels. `offer` is that of the scene and the probes.
     ///
     /// # Errors
     /// [`GpuError::Shader`].

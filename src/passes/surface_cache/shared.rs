@@ -1,33 +1,35 @@
-//! What the passes of the surface cache and their shaders both know.
+//! Structs and constants that the passes of the surface cache share with their shaders.
 
 crate::shared! {
     in surface_cache;
 
-    /// What passes know of the table and of the frame.
+    /// What passes know about the table and the frame.
     pub struct GpuSurfaceCacheInfo as FaceInfo {
-        /// Corners of the box of voxels whose light an edit has changed most (grid space).
+        /// Low corner of the box around the latest edit whose light changed most (grid space); `edited_high_gs` is the
+        /// high corner.
         pub edited_low_gs: [f32; 3],
-        /// Since the table was made, from 1.
+        /// Frames since the table was made, from 1.
         pub frame: u32,
         pub edited_high_gs: [f32; 3],
-        /// The frame of that edit; 0: none yet.
+        /// The frame of the latest edit; 0: none yet.
         pub edited_frame: u32,
-        /// Places for faces that look the same way, less 1: a power of two less 1.
+        /// Places for faces of one direction, minus 1: a power of two minus 1.
         pub bucket_mask: u32,
-        /// Most batches of rays that faces send in a frame, and rows of workgroups of the passes over them.
+        /// Most batches of rays that faces send in a frame. `rays_rows` and `blend_rows` are the rows of workgroups
+        /// of the passes over rays and over faces.
         pub most_batches: u32,
         pub rays_rows: u32,
         pub blend_rows: u32,
-        /// Rays that the light of a quadrant of a face is at most the mean of.
+        /// Most rays whose mean is the light of a quadrant of a face.
         pub most_samples: f32,
         /// Width of a pixel (voxels) from which faces are too small to be lit on their own.
         pub widest_pixel: f32,
         pub seed: u32,
-        /// How sure it is that light changes now, from 0 to 1.
+        /// Certainty that light changes now, 0 to 1.
         pub alert: f32,
-        /// How sure it is that light has not changed for long, from 0 to 1.
+        /// Certainty that light has not changed for long, 0 to 1.
         pub stillness: f32,
-        /// The last frame in which light was not still: what was known before it is out of date.
+        /// The last frame in which light was not still: light found before that frame is out of date.
         pub changed_frame: u32,
         /// The frame of the edit before that of `edited_frame`; 0: none yet.
         pub edited_before: u32,
@@ -37,7 +39,7 @@ crate::shared! {
     /// Words of an entry of the table.
     pub(super) const ENTRY_WORDS: u32 = 20;
 
-    /// Rays of a quadrant of a face in a batch; those of a batch lie one quadrant after the other.
+    /// Rays of a quadrant of a face in a batch. The rays of a batch are stored quadrant by quadrant.
     pub(super) const QUADRANT_RAYS: u32 = 8;
 
     /// Rays of a batch.
@@ -46,23 +48,23 @@ crate::shared! {
     /// Threads of a workgroup of pass `surface_cache/trace`.
     pub(super) const RAYS_A_GROUP: u32 = 64;
 
-    /// Faces of a workgroup of pass `surface_cache/resolve`.
+    /// Faces per workgroup of pass `surface_cache/resolve`.
     pub(super) const FACES_A_GROUP: u32 = 16;
 
-    /// What is counted while faces are listed, and what follows from it for the next frame.
+    /// Counts of the listed faces, and what follows from the counts for the next frame.
     pub(super) struct GpuFaceCounts as FaceCounts {
         /// Faces on the list.
         pub(super) listed: u32 => "atomic<u32>",
-        /// Batches of rays that they ask for.
+        /// Batches of rays that the listed faces request.
         pub(super) batches: u32 => "atomic<u32>",
-        /// By how much the intervals between these are stretched, so that those of a frame fit their buffer; 0: not yet
-        /// known.
+        /// Factor by which the intervals between batches of a face are stretched, so that the batches of a frame
+        /// fit their buffer; 0: not yet known.
         pub(super) stretch: u32 => "atomic<u32>",
-        /// The interval of faces that have settled.
+        /// Frames from batch to batch of a face that has settled.
         pub(super) calm: u32 => "atomic<u32>",
     }
 
-    /// Workgroups that the listed faces take.
+    /// Workgroups for the listed faces.
     pub(super) struct GpuFaceDispatch as FaceDispatch {
         /// Of pass `surface_cache/trace`.
         pub(super) ray_groups: [u32; 3],
@@ -72,31 +74,31 @@ crate::shared! {
         pub(super) _pad1: u32,
     }
 
-    /// Room for faces that rays ask for: twice as many as may, for they do so by chance.
+    /// Room for the faces that rays request: twice the expected number of requests, because rays request at random.
     pub(super) const REQUEST_ROOM: u32 = 4096;
 
-    /// Of those the faces of a workgroup.
+    /// Requested faces per workgroup.
     pub(super) const REQUESTS_A_GROUP: u32 = 64;
 
     /// A face of the list of a frame.
     pub(super) struct GpuListedFace as ListedFace {
-        /// In the table.
+        /// Index in the table.
         pub entry: u32,
         pub key: u32,
-        /// Its batches of rays, which lie one after the other: none in most frames.
+        /// The face's batches of rays, which are contiguous; `batches` is 0 in most frames.
         pub first_batch: u32,
         pub batches: u32,
-        /// What is known of its light counts as the mean of so many rays at most; 0 for a new face.
+        /// Most rays that the known light of the face counts as the mean of; 0 for a new face.
         pub known: f32,
-        /// Whether a pixel sees it (1) or rays of other faces have asked for it (0).
+        /// Whether a pixel sees the face (1) or rays of other faces have requested it (0).
         pub is_seen: u32,
     }
 
-    /// Rays that a face sends side by side: `QUADRANT_RAYS` of each quadrant.
+    /// Rays that a face sends together: `QUADRANT_RAYS` of each quadrant.
     pub(super) struct GpuFaceBatch as FaceBatch {
         pub entry: u32,
         pub key: u32,
-        /// Number of the first of each quadrant.
+        /// Number of the first ray of each quadrant.
         pub first_ray: u32,
     }
 
@@ -104,11 +106,11 @@ crate::shared! {
     pub struct GpuFaceQuadrant as FaceQuadrant {
         /// Mean radiance, weighted by the cosine: irradiance over π (linear RGB).
         pub light: [f32; 3],
-        /// Rays that it is the mean of.
+        /// Rays whose mean `light` is.
         pub samples: f32,
-        /// What the probes believed of it, as a mean over the same frames.
+        /// The probes' estimate of `light`, as a mean over the same frames.
         pub by_probes: [f32; 3],
-        /// Mean square of by how much their belief departs from that mean, relative to it: their noise.
+        /// Noise of the probes: the mean square difference of their estimate from that mean, relative to the mean.
         pub noise: f32,
     }
 
@@ -117,11 +119,11 @@ crate::shared! {
         /// See package::surface_cache::quadrant.
         pub quadrants: [GpuFaceQuadrant; 4],
         pub key: u32,
-        /// Rays that each quadrant has had in all.
+        /// Rays that each quadrant has sent in all.
         pub drawn: u32,
-        /// The frame in which it last had any.
+        /// The last frame in which the face sent rays.
         pub updated: u32,
-        /// Variance of what one ray finds, relative to the face's light.
+        /// Variance of the radiance of a single ray, relative to the face's light.
         pub spread: f32,
     }
 

@@ -1,4 +1,4 @@
-//! Pass `surface_cache/trace`: the final gather of the faces that the camera sees.
+//! Pass `surface_cache/trace`: traces the final gather rays of the listed faces.
 
 use super::SurfaceCache;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
@@ -11,7 +11,7 @@ pub struct SurfaceTrace {
 }
 
 impl SurfaceTrace {
-    /// For pictures of `size` pixels. `resources` are those of the voxels, the lights and the materials.
+    /// For pictures of `size` pixels. `offer` is that of the scene and the probes.
     ///
     /// # Errors
     /// [`GpuError::Shader`].

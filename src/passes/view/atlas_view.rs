@@ -6,7 +6,7 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 crate::shared! {
     in view;
 
-    /// What is shown of an atlas.
+    /// The part of an atlas that is shown.
     pub struct GpuAtlasJob as AtlasJob {
         pub layer: u32,
         /// One of the MAP_ constants.
@@ -23,8 +23,8 @@ pub struct AtlasView {
 }
 
 impl AtlasView {
-    /// Over `hdr` (`rgba16float`). The layer must be one of the field's (see [`AtlasLayer::check`]);
-    /// `resources` are those of the view.
+    /// Draws over `hdr` (`rgba16float`). The layer must exist in the field (see [`AtlasLayer::check`]); `offer` is that
+    /// of the view and the probes.
     ///
     /// # Errors
     /// [`GpuError::Shader`].

@@ -1,8 +1,8 @@
-//! Pass `view/camera_rays`: one ray through each pixel's centre, and what it hits.
+//! Pass `view/camera_rays`: traces one ray through each pixel's centre and stores what the ray hits.
 
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder};
 
-/// The kernel and the surfaces that it writes: 8 bytes a pixel, rows from the top
+/// The kernel and the surfaces that it writes: 8 bytes per pixel, rows from the top
 /// (`shaders/march/surface.wesl` says how to read them).
 pub struct CameraRays {
     kernel: Kernel,
@@ -12,7 +12,7 @@ pub struct CameraRays {
 }
 
 impl CameraRays {
-    /// Of the largest buffer that a picture takes.
+    /// Bytes per pixel of the largest buffer of a picture.
     pub const BYTES_PER_PIXEL: u64 = 8;
 
     /// For pictures of `size` pixels. `resources` are those of the voxels and the view.

@@ -6,13 +6,13 @@ use crate::world::View;
 /// What a probe's sphere is coloured by. The command line's `--probes` spells these in kebab case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, clap::ValueEnum)]
 pub enum ProbeColour {
-    /// Light that comes from where the sphere's face looks: the probe's map of irradiance.
+    /// Light that arrives from the direction that the sphere's surface faces: the probe's map of irradiance.
     Irradiance,
-    /// Green: alive; amber: alive and moved; magenta: a twin; cyan: updated now and then; blue: asleep;
-    /// red: dead. With lines from where the lattice has the probe.
+    /// Green: alive; amber: alive and moved; magenta: a back-side probe; cyan: indirect-only; blue: asleep;
+    /// red: dead. Lines start at the probes' lattice points.
     State,
-    /// How far it has moved, in the colours of magma: black not at all, white by a spacing. With lines
-    /// from where the lattice has the probe.
+    /// How far the probe has moved, in the colours of magma: black is not at all, white is a spacing. Lines start at
+    /// the probes' lattice points.
     Offset,
     /// One colour for each level of cascades, as in the view `cage`.
     Cascade,
@@ -40,13 +40,13 @@ pub struct AtlasLayer {
     pub layer: u32,
 }
 
-/// What is drawn of the probes, besides what they light.
+/// What is drawn of the probes themselves, besides their light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Inspection {
     pub view: View,
-    /// Spheres in the places of the probes, over any view.
+    /// Spheres at the places of the probes, over any view.
     pub probes: Option<ProbeColour>,
-    /// In place of the picture.
+    /// Shown in place of the picture.
     pub atlas: Option<AtlasLayer>,
 }
 
@@ -63,8 +63,8 @@ pub enum InspectionError {
         layers: u32,
     },
     #[error(
-        "these probes keep no maps of distance: what they see is known exactly. \
-         --set probes.visibility=chebyshev keeps them."
+        "these probes store no maps of distance, because their visibility is exact. \
+         --set probes.visibility=chebyshev stores the maps."
     )]
     NoDistances,
 }
@@ -93,7 +93,7 @@ impl AtlasLayer {
     /// Reads `irradiance:LAYER` or `distance:LAYER`.
     ///
     /// # Errors
-    /// What would be right.
+    /// A message with the right spelling.
     pub fn parse(text: &str) -> Result<Self, String> {
         let read = || {
             let (name, layer) = text.split_once(':')?;
@@ -128,7 +128,7 @@ impl AtlasLayer {
 }
 
 impl Inspection {
-    /// Whether the picture is as `view` alone would have it.
+    /// Whether the picture shows `view` and nothing else.
     pub fn is_plain(&self) -> bool {
         self.probes.is_none() && self.atlas.is_none()
     }

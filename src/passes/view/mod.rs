@@ -1,4 +1,4 @@
-//! From the camera's rays to the picture, and views of what lights it.
+//! From the camera's rays to the picture, and views of the probes that light it.
 
 pub mod atlas_view;
 pub mod camera_rays;

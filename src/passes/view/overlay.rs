@@ -1,4 +1,4 @@
-//! Pass `view/overlay`: the picture, stretched over the window, and the panel on top of it.
+//! Pass `view/overlay`: draws the picture, stretched over the window, and the panel on top.
 
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 
@@ -10,15 +10,15 @@ pub struct Overlay {
     pipeline: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
     panel: Renderer,
-    /// Textures of the panel that the last submission was the last to use.
+    /// Textures of the panel that no submission after the last one uses.
     unused: Vec<egui::TextureId>,
 }
 
-/// What a pass of egui left to be drawn.
+/// The output of an egui pass that must be drawn.
 pub struct PanelShapes {
     pub primitives: Vec<egui::ClippedPrimitive>,
     pub textures: egui::TexturesDelta,
-    /// Pixels of the target to one of egui's points.
+    /// Pixels of the target per point of egui.
     pub pixels_per_point: f32,
 }
 
@@ -45,7 +45,7 @@ impl Overlay {
     /// Compiles the shader again, as after an edit of the folder `shaders/`.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] with the place; the pass is as before then.
+    /// [`GpuError::Shader`] with the place; the pass is then unchanged.
     pub fn rebuild(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         self.pipeline = pipeline(gpu, self.format)?;
         Ok(())
@@ -165,7 +165,7 @@ mod tests {
 
     const SIZE: [u32; 2] = [4, 2];
 
-    /// What a window of this format would show of a picture whose rows are red and grey.
+    /// What a window of this format shows for a picture whose rows are red and grey.
     fn shown(format: wgpu::TextureFormat) -> Vec<[u8; 4]> {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need an adapter");
         let texture = |format, usage| {

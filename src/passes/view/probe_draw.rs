@@ -1,4 +1,4 @@
-//! Pass `view/probe_draw`: the probes as spheres in the picture, and lines from where the lattice has them.
+//! Pass `view/probe_draw`: draws the probes as spheres in the picture, and lines from their lattice points.
 
 use super::ProbeColour;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
@@ -8,9 +8,9 @@ crate::shared! {
 
     /// What a pixel shows of the probes.
     struct GpuMark as Mark {
-        /// Bits of the distance along the camera ray (voxels): positive floats are in the order of their bits.
+        /// Bits of the distance along the camera ray (voxels): positive floats have the order of their bits.
         nearest: u32 => "atomic<u32>",
-        /// Twice the slot of the probe that is there, and 1 more for its line.
+        /// Twice the slot of the probe at that distance, plus 1 for its line.
         owner: u32 => "atomic<u32>",
     }
 
@@ -29,14 +29,14 @@ crate::shared! {
     /// Splatting finds the nearest distance.
     const STAGE_NEAREST: u32 = 0;
 
-    /// And then who is that near.
+    /// Splatting finds the probe or line at the nearest distance.
     const STAGE_OWNER: u32 = 1;
 }
 
 pub struct ProbeDraw {
     clear: (Kernel, Bindings),
     splat: Kernel,
-    /// Of its two stages: nearest distances, and their owners.
+    /// Bindings of the two stages of `splat`: nearest distances, and their owners.
     stages: [Bindings; 2],
     draw: (Kernel, Bindings),
     probes: [u32; 2],
@@ -48,8 +48,8 @@ const SHARES: u32 = 16;
 const MARK_BYTES: u64 = size_of::<GpuMark>() as u64;
 
 impl ProbeDraw {
-    /// Over `hdr` (`rgba16float`), a picture of what `surfaces` holds. `resources` are those of the voxels
-    /// and the view.
+    /// Draws over `hdr` (`rgba16float`), a picture of `surfaces`. `offer` is that of the voxels, the view and the
+    /// probes.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].

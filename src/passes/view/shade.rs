@@ -11,8 +11,8 @@ pub struct Shade {
 }
 
 impl Shade {
-    /// For pictures of `size` pixels. `surfaces` is what the camera rays hit; `resources` are those
-    /// of the voxels, the view, the lights and the materials.
+    /// For pictures of `size` pixels. `surfaces` is what the camera rays hit; `offer` is that of the scene, the probes
+    /// and the surface cache.
     ///
     /// # Errors
     /// [`GpuError::Shader`], and [`GpuError::TooLarge`] for a picture that no texture can hold.

@@ -1,4 +1,4 @@
-//! What one frame is to show, and the uniform that tells its threads.
+//! What one frame shows, and the uniform that tells its threads.
 
 use crate::{
     gpu::Gpu,
@@ -8,7 +8,7 @@ use crate::{
 crate::shared! {
     in frame;
 
-    /// What is the same for every thread of a frame.
+    /// Data that is the same for every thread of a frame.
     pub struct GpuShot as View {
         /// The ray through the centre of pixel (x, y) is
         /// forward + right · (2 (x + ½) / width − 1) + up · (1 − 2 (y + ½) / height).
@@ -29,13 +29,13 @@ crate::shared! {
         pub mode: u32,
         /// World time (seconds).
         pub time_s: f32,
-        /// 0: faces show the mean of their textures.
+        /// 1: faces show their textures; 0: faces show the mean of their textures.
         pub textures: u32,
         pub _pad: [u32; 3],
     }
 }
 
-/// What one frame is to show: from which camera, at what time, in which view.
+/// What one frame shows: from which camera, at what time, in which view.
 #[derive(Clone, Debug)]
 pub struct Shot {
     pub camera: Camera,
@@ -48,7 +48,7 @@ pub struct Shot {
     pub view: View,
     /// World time (seconds).
     pub time_s: f64,
-    /// Whether faces show their textures or the mean of them.
+    /// Whether faces show their textures; else each face shows the mean of its texture.
     pub textures: bool,
 }
 
@@ -74,7 +74,7 @@ impl Shot {
         }
     }
 
-    /// The uniform buffer, to be written before each frame.
+    /// The uniform buffer. It must be written before each frame.
     pub fn buffer(gpu: &Gpu) -> wgpu::Buffer {
         gpu.uniform_buffer("view", &GpuShot::default())
     }

@@ -1,4 +1,4 @@
-//! Pass `view/state_view`: what the probes that light each point are doing, in place of the picture.
+//! Pass `view/state_view`: the states of the probes that light each point, in place of the picture.
 
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle},
@@ -10,14 +10,14 @@ pub struct StateView {
     main: (Kernel, Bindings),
     probes: [u32; 2],
     tiles: [u32; 2],
-    /// Light along the axes, packed as `shaders/probes/probe_cube.wesl` has it, but with the colour of the
-    /// state (linear for the display) on all sides.
+    /// Ambient cubes, packed as in `shaders/probes/probe_cube.wesl`, but with the colour of the probe's state (linear,
+    /// for the display) on all sides.
     pub cubes: wgpu::Buffer,
 }
 
 impl StateView {
-    /// Over `hdr` (`rgba16float`), a picture of what `surfaces` holds. `resources` are those of the voxels
-    /// and the view.
+    /// Draws over `hdr` (`rgba16float`), a picture of `surfaces`. `offer` is that of the voxels, the view and the
+    /// probes.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].

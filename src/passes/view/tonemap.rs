@@ -1,4 +1,4 @@
-//! Pass `view/tonemap`: linear HDR to the 8-bit picture of files and windows.
+//! Pass `view/tonemap`: turns linear HDR into the 8-bit picture of files and windows.
 
 use clap::ValueEnum as _;
 
@@ -16,7 +16,7 @@ pub struct Tonemap {
     pub display: wgpu::Texture,
 }
 
-/// What the pass writes and its readers sample or copy.
+/// Format that the pass writes, and that readers sample or copy.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 impl Tonemap {

@@ -1,9 +1,9 @@
-//! What kernels are given of a probe field: buffers, textures and constants, by name.
+//! What a probe field offers to kernels: buffers, textures and constants, by name.
 
 use super::{ProbeField, Source};
 
 impl ProbeField {
-    /// The bindings of `shaders/probes/field.wesl`: what it takes to gather.
+    /// The bindings of `shaders/probes/field.wesl`: what kernels that gather read.
     pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 10] {
         use wgpu::BindingResource::{Sampler, TextureView};
         let [update_schedule, work] = self.update_schedule.resources();
@@ -24,7 +24,7 @@ impl ProbeField {
         ]
     }
 
-    /// What is written when the field is updated: rays, histories, states, and the atlas.
+    /// What an update of the field writes: rays, histories, states, and the atlas.
     pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
         use wgpu::BindingResource::TextureView;
         let [update_schedule, work] = self.update_schedule.resources();
@@ -52,8 +52,8 @@ impl ProbeField {
         ]
     }
 
-    /// What the passes `probes/classify` and `probes/visibility` read of the probes and write: where each
-    /// stands, what it knows, and what it sees.
+    /// What the passes `probes/classify` and `probes/visibility` read and write of each probe: its place, its state
+    /// and its visibility bits.
     pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 7] {
         let [update_schedule, work] = self.update_schedule.resources();
         [
@@ -82,7 +82,8 @@ impl ProbeField {
         ]
     }
 
-    /// What pass `surface_cache/trace` binds in place of pass `probes/trace`': they run side by side.
+    /// The request list that pass `surface_cache/trace` binds in place of that of pass `probes/trace`: the two passes
+    /// run concurrently.
     pub fn requests_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         self.update_schedule.requests_of_faces()
     }

@@ -29,12 +29,12 @@ pub enum ProbeFieldError {
     Gpu(#[from] GpuError),
 }
 
-/// In words: what an adapter may have no room for.
-const SIGHT: &str = "what all probes see (probes.visibility=exact)";
+/// The name of the visibility bits in messages about memory.
+const VISIBILITY_BITS: &str = "the visibility bits of all probes (probes.visibility=exact)";
 
 /// Textures, histories and rays of the probes of one volume. All zero at first: no light.
 pub struct ProbeField {
-    /// What its probes are told of changes.
+    /// The changes that its probes respond to.
     pub changes: Changes,
     volume: Volume,
     visibility_bits: Option<VisibilityBits>,
@@ -71,10 +71,13 @@ impl ProbeField {
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
         let parameters = &*parameters.effective();
-        // Where nobody has asked for so many bits, distances are guessed from, as with large cages.
+        // Bits that do not fit are an error only under `exact`. Otherwise visibility is estimated from distances,
+        // as with large cages.
         let visibility_bits = VisibilityBits::new(&volume, parameters).filter(|visibility_bits| {
             parameters.visibility == Visibility::Exact
-                || gpu.check_buffer(SIGHT, visibility_bits.bytes()).is_ok()
+                || gpu
+                    .check_buffer(VISIBILITY_BITS, visibility_bits.bytes())
+                    .is_ok()
         });
         let back_side = visibility_bits
             .as_ref()
@@ -92,7 +95,7 @@ impl ProbeField {
             ..atlas.memory(parameters.rays)
         };
         let parts = [
-            (SIGHT, memory.visibility_bits),
+            (VISIBILITY_BITS, memory.visibility_bits),
             ("the rays of all probes (probes.rays)", memory.rays),
             (
                 "the irradiance history of all probes",
@@ -127,7 +130,7 @@ impl ProbeField {
         let irradiance_atlas = texture("irradiance_atlas", atlas.irradiance_texels)?;
         let distance_atlas = texture("distance_atlas", atlas.distance_texels)?;
         let places = gpu.storage_buffer("probe_places", memory.places)?;
-        // Until pass `probes/classify` looks, all probes stand on the lattice and are thought alive.
+        // Until pass `probes/classify` runs, all probes are on the lattice and count as alive.
         let lattice: Vec<GpuProbePlace> = (0..volume.slots())
             .map(|slot| GpuProbePlace {
                 position_ws: volume.position(slot).to_array(),
@@ -172,35 +175,35 @@ impl ProbeField {
         })
     }
 
-    /// Moves a volume that follows the camera, before frame `frame`. Returns whether that leaves
-    /// nothing of what the probes knew: the next frame is the first one then.
+    /// Moves a volume that follows the camera, before frame `frame`. Returns whether the move discards the light
+    /// of all probes; the next frame then counts as the first.
     pub fn follow(&mut self, eye_ws: Vec3, frame: u64) -> bool {
         self.motion.follow(&mut self.volume, eye_ws, frame)
     }
 
-    /// Probes that the last move has made new.
+    /// Probes that are new since the last move.
     pub fn fresh(&self) -> u32 {
         self.motion.fresh()
     }
 
     /// Whether passes `probes/classify` and `probes/visibility` must run in this frame: probes are new, have moved, or
-    /// stand near an edit.
+    /// are near an edit.
     pub fn misplaced(&self) -> bool {
         self.update_schedule.places_all()
             || self.changes.shown_first().is_some()
             || self.fresh() > 0
     }
 
-    /// Those passes have been recorded.
+    /// Notes that those passes have been recorded.
     pub fn set_placed(&mut self) {
         self.update_schedule.set_placed();
     }
 
-    /// Writes the uniform and turns the rays for a frame. Once before each submission that updates
-    /// the probes: the writes take effect at its start.
+    /// Writes the uniform and rotates the rays for a frame. Must be called once before each submission that updates
+    /// the probes: the writes take effect at the start of the submission.
     ///
-    /// What [`crate::parameters::Remake`] says needs a new field (rays, texels, sharpness) is taken from the
-    /// time when this one was made.
+    /// Parameters for which [`crate::parameters::Remake`] requires a new field (rays, texels, sharpness) keep the
+    /// values with which this field was made.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
         let parameters = &*parameters.effective();
         let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
@@ -218,42 +221,42 @@ impl ProbeField {
             .begin_frame(gpu, parameters, &self.changes, frame);
     }
 
-    /// Whether probes know by marching what they see: see [`Sight::new`].
+    /// Whether visibility bits, found by marching, tell which surfaces each probe sees: see [`VisibilityBits::new`].
     pub fn exact(&self) -> bool {
         self.visibility_bits.is_some()
     }
 
-    /// What there is besides where the algorithm is not grotto's own.
+    /// What the field has in addition when the algorithm is not grotto's own.
     pub(super) fn source(&self) -> Option<&Source> {
         self.source.as_ref()
     }
 
-    /// Whether probes keep how far they see: nobody asks under exact visibility.
+    /// Whether probes store distances. Exact visibility does not read distances.
     pub fn keeps_distances(&self) -> bool {
         self.atlas.distance_texels > 0
     }
 
-    /// What of what they see the probes keep.
+    /// Which of their visibility results the probes store.
     pub fn visibility_bits(&self) -> Option<&VisibilityBits> {
         self.visibility_bits.as_ref()
     }
 
-    /// The bits of [`Self::sight`], words of 32.
+    /// The bits of [`Self::visibility_bits`], in words of 32.
     pub fn visibility_buffer(&self) -> &wgpu::Buffer {
         &self.visibility_buffer
     }
 
-    /// Workgroups that the due probes take, as pass `probes/schedule` writes them: those of pass `probes/trace`
-    /// at [`Self::RAYS_OFFSET`], those of passes with one for each at [`Self::PROBES_OFFSET`].
+    /// Workgroups for the active probes, as pass `probes/schedule` writes them: those of pass `probes/trace` at
+    /// [`Self::RAYS_OFFSET`], those of passes with a workgroup per probe at [`Self::PROBES_OFFSET`].
     pub fn dispatch(&self) -> &wgpu::Buffer {
         self.update_schedule.dispatch()
     }
 
-    /// Bytes in [`Self::dispatch`].
+    /// Byte offsets in [`Self::dispatch`].
     pub const RAYS_OFFSET: u64 = offset_of!(GpuProbeDispatch, ray_groups) as u64;
     pub const PROBES_OFFSET: u64 = offset_of!(GpuProbeDispatch, probe_groups) as u64;
 
-    /// Slots that the last update was for, in no particular order.
+    /// Slots that were active in the last update, in no particular order.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
@@ -261,7 +264,7 @@ impl ProbeField {
         self.update_schedule.active_slots(gpu)
     }
 
-    /// Where each probe stands, twins after the others: [`GpuProbePlace`].
+    /// The place of each probe, back-side probes after the others: [`GpuProbePlace`].
     pub fn places(&self) -> &wgpu::Buffer {
         &self.places
     }
@@ -283,23 +286,23 @@ impl ProbeField {
         self.rays_per_probe
     }
 
-    /// Radiance (linear RGB) and length (voxels; negative where it began in stone) of every ray of each
-    /// probe's last update, probe by probe: four f32 each, 0 before the first.
+    /// Radiance (linear RGB) and length (voxels; negative where the ray began in a solid voxel) of every ray of each
+    /// probe's last update, probe by probe: four f32 per ray, 0 before the first update.
     pub fn rays(&self) -> &wgpu::Buffer {
         &self.rays
     }
 
-    /// What lies in f32 between frames, with names: light, distances, and what is known of their changes.
+    /// Buffers that keep f32 data between frames, with names: light, distances, and the means behind variability.
     pub fn histories(&self) -> [(&'static str, &wgpu::Buffer); 4] {
         [
             ("the rays of probes", &self.rays),
             ("the irradiance history", &self.irradiance_history),
             ("the distance history", &self.distance_history),
-            ("the trends of probes", &self.trends),
+            ("the variability of probes", &self.trends),
         ]
     }
 
-    /// What each probe gives to faces of voxels: `shaders/probes/probe_cube.wesl`, halves throughout.
+    /// The light that each probe gives to faces of voxels: `shaders/probes/probe_cube.wesl`, all in half floats.
     pub fn ambient_cubes(&self) -> &wgpu::Buffer {
         &self.ambient_cubes
     }
@@ -315,7 +318,7 @@ impl ProbeField {
         &self.distance_atlas
     }
 
-    /// How many probes are in each state, and were due in the last update.
+    /// How many probes are in each state, and how many were active in the last update.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
@@ -324,7 +327,7 @@ impl ProbeField {
             .count(gpu, &self.states, self.volume.slots())
     }
 
-    /// How often each probe has been updated since it was new; 0 for one in stone.
+    /// How often each probe has been updated since it was new; 0 for a probe in a solid voxel.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
