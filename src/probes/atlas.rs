@@ -62,7 +62,7 @@ pub struct ProbeMemory {
     pub distance_history: u64,
     pub rays: u64,
     pub states: u64,
-    pub trends: u64,
+    pub variability: u64,
     pub places: u64,
     pub ambient_cubes: u64,
     /// Visibility bits of the probes under exact visibility; not part of the atlas.
@@ -78,7 +78,7 @@ impl ProbeMemory {
             + self.distance_history
             + self.rays
             + self.states
-            + self.trends
+            + self.variability
             + self.places
             + self.ambient_cubes
             + self.visibility_bits
@@ -173,7 +173,7 @@ impl AtlasLayout {
             distance_history: slots * square(self.distance_texels) * DISTANCE_HISTORY_BYTES,
             rays: slots * u64::from(rays) * RAY_BYTES,
             states: slots * STATE_BYTES,
-            trends: slots * VARIABILITY_BYTES,
+            variability: slots * VARIABILITY_BYTES,
             places: slots * PLACE_BYTES,
             ambient_cubes: self.ambient_cube_bytes(),
             visibility_bits: 0,

@@ -135,12 +135,12 @@ impl Changes {
         &self.edits
     }
 
-    /// Merges the two edits whose common sphere is smallest.
+    /// The first frame that showed the edits before the newest ones.
     pub fn edit_before(&self) -> Option<u32> {
         self.before_latest
     }
 
-    /// Takes the two edits together whose common sphere is smallest.
+    /// Merges the two edits whose common sphere is smallest.
     fn join_nearest(&mut self) {
         let count = self.edits.len();
         let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));

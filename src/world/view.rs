@@ -22,12 +22,12 @@ pub enum View {
     Depth,
     /// Steps of the camera ray, in the colours of magma.
     Steps,
-    /// The cage of probes that each point is lit by, one colour each.
+    /// The cage of probes that lights each point, one colour each.
     Cage,
     /// As full, with every texture replaced by its mean.
     TexturesOff,
     /// What the probes that light each point are doing, weighted as their light. Green: alive; amber: alive
-    /// and moved out of stone; magenta: twins; cyan: updated now and then; blue: asleep; red: none
+    /// and moved out of a solid voxel; magenta: back-side probes; cyan: updated now and then; blue: asleep; red: none
     /// gives light there.
     States,
 }

@@ -74,7 +74,7 @@ impl SurfaceCache {
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/trace`.
     pub const RAYS_OFFSET: u64 = offset_of!(GpuFaceDispatch, ray_groups) as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/resolve`.
-    pub const BLEND_OFFSET: u64 = offset_of!(GpuFaceDispatch, resolve_groups) as u64;
+    pub const RESOLVE_OFFSET: u64 = offset_of!(GpuFaceDispatch, resolve_groups) as u64;
 
     /// An empty table. Without final gather, it takes next to no memory.
     ///
@@ -163,7 +163,7 @@ impl SurfaceCache {
             bucket_mask: self.entries / FACINGS as u32 - 1,
             most_batches: self.batches_of(size),
             rays_rows: self.rays_most(size)[1],
-            blend_rows: self.blend_most(size)[1],
+            resolve_rows: self.resolve_most(size)[1],
             most_samples,
             widest_pixel: parameters.face_pixels.recip(),
             seed: next.seed,
@@ -193,7 +193,7 @@ impl SurfaceCache {
 
     /// Most workgroups of pass `surface_cache/resolve` for pictures of `size` pixels. One pixel of four lists its face in
     /// a frame, and rays request further faces.
-    pub fn blend_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+    pub fn resolve_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         let seen = width.div_ceil(2) * height.div_ceil(2);
         let listed = self.entries.min(seen + REQUEST_ROOM);
         rectangle(listed.div_ceil(FACES_A_GROUP))

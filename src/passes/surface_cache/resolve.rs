@@ -33,14 +33,14 @@ impl SurfaceResolve {
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
             kernel,
-            most: faces.blend_most(size),
+            most: faces.resolve_most(size),
             dispatch: faces.dispatch().clone(),
         })
     }
 
     /// After pass `surface_cache/trace`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let listed = (&self.dispatch, SurfaceCache::BLEND_OFFSET);
+        let listed = (&self.dispatch, SurfaceCache::RESOLVE_OFFSET);
         recorder.run_indirect(&self.kernel, &self.bindings, self.most, listed);
     }
 }

@@ -15,11 +15,11 @@ crate::shared! {
         pub edited_frame: u32,
         /// Places for faces of one direction, minus 1: a power of two minus 1.
         pub bucket_mask: u32,
-        /// Most batches of rays that faces send in a frame. `rays_rows` and `blend_rows` are the rows of workgroups
+        /// Most batches of rays that faces send in a frame. `rays_rows` and `resolve_rows` are the rows of workgroups
         /// of the passes over rays and over faces.
         pub most_batches: u32,
         pub rays_rows: u32,
-        pub blend_rows: u32,
+        pub resolve_rows: u32,
         /// Most rays whose mean is the light of a quadrant of a face.
         pub most_samples: f32,
         /// Width of a pixel (voxels) from which faces are too small to be lit on their own.

@@ -43,7 +43,7 @@ impl ProbeField {
                 self.distance_history.as_entire_binding(),
             ),
             ("probe_states", self.states.as_entire_binding()),
-            ("probe_variability", self.trends.as_entire_binding()),
+            ("probe_variability", self.variability.as_entire_binding()),
             ("probe_places", self.places.as_entire_binding()),
             ("changes", self.changes_info.as_entire_binding()),
             ("irradiance_out", TextureView(&self.irradiance_view)),

@@ -50,7 +50,7 @@ pub struct ProbeField {
     irradiance_history: wgpu::Buffer,
     distance_history: wgpu::Buffer,
     states: wgpu::Buffer,
-    trends: wgpu::Buffer,
+    variability: wgpu::Buffer,
     changes_info: wgpu::Buffer,
     places: wgpu::Buffer,
     visibility_buffer: wgpu::Buffer,
@@ -154,7 +154,7 @@ impl ProbeField {
                 .storage_buffer("irradiance_history", memory.irradiance_history)?,
             distance_history: gpu.storage_buffer("distance_history", memory.distance_history)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
-            trends: gpu.storage_buffer("probe_variability", memory.trends)?,
+            variability: gpu.storage_buffer("probe_variability", memory.variability)?,
             changes_info: gpu.uniform_buffer("changes", &GpuChanges::default()),
             irradiance_view: layers_of(&irradiance_atlas),
             distance_view: layers_of(&distance_atlas),
@@ -298,7 +298,7 @@ impl ProbeField {
             ("the rays of probes", &self.rays),
             ("the irradiance history", &self.irradiance_history),
             ("the distance history", &self.distance_history),
-            ("the variability of probes", &self.trends),
+            ("the variability of probes", &self.variability),
         ]
     }
 
