@@ -305,11 +305,11 @@ parameters! {
 
     #[doc = "The lamps."]
     lights: LightParameters {
-        #[doc = "Name of a lamp preset; empty takes the world's first. Each lamp costs a shadow ray per pixel and probe ray."]
+        #[doc = "Name of a lamp preset; empty takes the world's first. A lamp that moves costs a shadow ray per pixel; one that rests, only where a voxel face sees it in part."]
         preset: String = String::new(), Kind::Name, Nothing;
         #[doc = "Whether lamps move and flicker with world time. Off lets the light settle."]
         animate: bool = true, Kind::Flag, Nothing;
-        #[doc = "Only this many lamps of the preset are lit, the first ones. Each costs a shadow ray per pixel and probe ray."]
+        #[doc = "Only this many lamps of the preset are lit, the first ones. Fewer are faster, above all when they move."]
         max_lamps: u32 = 64, Kind::Count { min: 0, max: 64 }, Nothing;
     }
 

@@ -6,6 +6,7 @@ use grotto::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{FinalGather, ProbeParameters},
+    passes::surface_cache::GpuFaceHistory,
     world::{View, voxels::Voxels},
 };
 
@@ -130,6 +131,29 @@ fn faces_of_few_pixels_are_lit_by_the_probes_alone() {
         ..too_small
     };
     assert!(apart(&Room::new(large).after(6), &probes) > 0.01);
+}
+
+#[test]
+fn a_quadrant_averages_as_many_rays_as_it_may() {
+    let most = |face_samples| {
+        let mut room = Room::new(ProbeParameters {
+            face_samples,
+            warmup_frames: 1,
+            ..quick()
+        });
+        room.after(40);
+        let histories: Vec<GpuFaceHistory> = room
+            .drawn
+            .gpu
+            .read_buffer(room.drawn.frame.faces().histories())
+            .expect("reads back");
+        let samples = histories
+            .iter()
+            .flat_map(|face| face.quadrants.map(|quadrant| quadrant.samples));
+        samples.fold(0.0, f32::max)
+    };
+    assert_eq!(most(16), 16.0);
+    assert!(most(8192) > 64.0);
 }
 
 #[test]
