@@ -35,7 +35,7 @@ use crate::{
         surface_cache::{NextFrame, SurfaceCache},
         view::{Inspection, InspectionError, Shot},
     },
-    probes::{ProbeError, Volume},
+    probes::{ProbeError, Volume, warmup_frames},
     world::{
         LayoutSpec,
         voxels::{Edit, Voxels},
@@ -120,6 +120,11 @@ impl Frame {
         probes: &ProbeParameters,
     ) {
         debug_assert_eq!(shot.size, self.size, "the shot's size is the frame's");
+        let brightest = self.stage.materials.brightest;
+        let probes = &ProbeParameters {
+            warmup_frames: warmup_frames(probes.warmup_frames, brightest),
+            ..probes.clone()
+        };
         let uniform = shot.to_gpu();
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));

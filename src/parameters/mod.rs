@@ -283,7 +283,7 @@ parameters! {
         distance_texels: u32 = 16, Kind::Count { min: 4, max: 64 }, Probes;
         #[doc = "How far a surface point is moved along its normal before it reads the probes, in voxels. More leaks less from behind; less keeps contact shadows."]
         normal_bias: f32 = 0.1, Kind::Number { min: 0.0, max: 2.0 }, Nothing;
-        #[doc = "First frames of new probes, in which each update replaces the light instead of averaging; each frame adds one bounce. More suits bright rooms; fewer settle sooner."]
+        #[doc = "First frames of new probes, in which each update replaces the light instead of averaging; each frame adds one bounce. Worlds with materials of albedo above 0.875 take more by themselves. More is truer where light is reflected often; fewer settle sooner."]
         warmup_frames: u32 = 40, Kind::Count { min: 0, max: 1000 }, Nothing;
         #[doc = "How far light must depart from a probe's average to count as a change, in standard deviations of its noise. Less reacts sooner; more flickers less; 1000 never reacts."]
         change_deviations: f32 = 3.0, Kind::Number { min: 0.0, max: 1000.0 }, Nothing;

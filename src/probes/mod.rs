@@ -14,6 +14,7 @@ pub mod octahedral;
 pub mod sampling;
 pub mod visibility_bits;
 pub mod volume;
+mod warmup;
 
 pub use atlas::AtlasLayout;
 pub use changes::Changes;
@@ -21,6 +22,7 @@ pub use level::Level;
 pub use motion::Motion;
 pub use visibility_bits::{VisibilityBits, VisibilityBox};
 pub use volume::Volume;
+pub use warmup::warmup_frames;
 
 use glam::Vec3;
 

@@ -107,6 +107,13 @@ fn a_white_furnace_has_its_radiance_in_every_pixel() {
     }
 }
 
+/// A room that is nearly white: light is reflected more than a hundred times.
+#[test]
+fn a_furnace_of_white_walls_warms_up_until_all_light_is_there() {
+    let picture = furnace(support::gpu(), room(0.95, 0.05), 200);
+    is_even(&picture, 1.0).unwrap_or_else(|error| panic!("{error}"));
+}
+
 /// Probes hidden by pillars, and probes inside pillars, remove no light.
 #[test]
 fn the_furnace_of_the_worlds_has_its_radiance_in_every_pixel() {

@@ -14,6 +14,8 @@ pub struct GpuMaterials {
     /// The baked masks: one layer per tile, all mip levels.
     pub masks: wgpu::TextureView,
     pub sampler: wgpu::Sampler,
+    /// See [`MaterialSet::brightest`].
+    pub brightest: f32,
 }
 
 impl GpuMaterials {
@@ -22,6 +24,7 @@ impl GpuMaterials {
     pub fn upload(gpu: &Gpu, materials: &MaterialSet) -> Result<Self, GpuError> {
         let texture = mask_texture(gpu, materials)?;
         Ok(Self {
+            brightest: materials.brightest(),
             table: gpu.storage_buffer_of("materials", &materials.to_bytes())?,
             masks: texture.create_view(&wgpu::TextureViewDescriptor {
                 // Needed when there is only one layer.

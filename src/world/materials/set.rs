@@ -45,6 +45,15 @@ impl MaterialSet {
         }
     }
 
+    /// The highest mean albedo of a material, over its texture and the channels; 0 without materials. (A colour that
+    /// differs from voxel to voxel counts with its value at the origin.)
+    pub fn brightest(&self) -> f32 {
+        let numbers = 1..=self.materials.len() as u8;
+        let means =
+            numbers.map(|material| self.mean_albedo(material, IVec3::ZERO).element_sum() / 3.0);
+        means.fold(0.0, f32::max)
+    }
+
     /// The layers of the GPU's texture array.
     pub fn tiles(&self) -> &[Tile] {
         &self.tiles
