@@ -21,11 +21,11 @@ pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
 use inspect::Inspect;
 pub use passes::offer;
-use passes::{Passes, Placement};
+use passes::{Passes, Update};
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
-    lights::{CommonGain, Lights, RestingLamps},
+    lights::{CommonGain, LampRanks, Lights, RestingLamps, table::LightsOfFrame},
     measure::picture::Picture,
     parameters::ProbeParameters,
     passes::{
@@ -71,6 +71,7 @@ pub struct Frame {
     lights: GpuLights,
     gain: CommonGain,
     resting: RestingLamps,
+    ranks: LampRanks,
     /// Lights of the last frame, at their reference intensities.
     lights_before: Option<Lights>,
     field: ProbeField,
@@ -89,12 +90,12 @@ impl Frame {
         size: [u32; 2],
     ) -> Result<Self, FrameError> {
         let view = Shot::buffer(gpu);
-        let lights = GpuLights::new(gpu);
+        let lights = GpuLights::new(gpu, Some(stage.voxels.size))?;
         let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&stage, &view, &lights);
         let wanted = Inspection::default();
-        let passes = Passes::new(gpu, size, &field, &faces, wanted, &resources)?;
+        let passes = Passes::new(gpu, size, &field, &faces, wanted, &lights, &resources)?;
         Ok(Self {
             stage,
             size,
@@ -103,6 +104,7 @@ impl Frame {
             lights,
             gain: CommonGain::default(),
             resting: RestingLamps::default(),
+            ranks: LampRanks::default(),
             lights_before: None,
             field,
             faces,
@@ -140,12 +142,21 @@ impl Frame {
         {
             self.frames = 0;
             self.resting.forget();
+            self.ranks.forget();
             self.field.changes.forget_edits();
             self.faces.forget(&mut recorder.encoder);
         }
         // Frames of the surface cache are numbered from 1.
         let still_since = self.resting.follow(&lights, self.frames + 1);
-        self.lights.set(gpu, &lights, gain, &still_since);
+        let ranked = self.ranks.follow(&lights, &still_since, self.frames + 1);
+        let of_frame = LightsOfFrame {
+            gain,
+            still_since,
+            brightest: ranked.brightest,
+            list_frame: self.frames + 1,
+            keeps_slots: ranked.keeps_slots,
+        };
+        self.lights.set(gpu, &lights, &of_frame);
         self.lights_before = Some(lights);
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
@@ -157,8 +168,9 @@ impl Frame {
             changes: &self.field.changes,
         };
         self.faces.begin_frame(gpu, probes, &next);
-        let update = Placement {
-            is_needed: self.field.misplaced(),
+        let update = Update {
+            lists_lamps: ranked.is_new,
+            places_probes: self.field.misplaced(),
             marks_visibility: self.field.exact(),
             has_fresh: self.field.fresh() > 0,
         };
@@ -213,7 +225,15 @@ impl Frame {
     pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), FrameError> {
         let resources = resources(&self.stage, &self.view, &self.lights);
         let wanted = self.passes.inspect.wanted;
-        self.passes = Passes::new(gpu, size, &self.field, &self.faces, wanted, &resources)?;
+        self.passes = Passes::new(
+            gpu,
+            size,
+            &self.field,
+            &self.faces,
+            wanted,
+            &self.lights,
+            &resources,
+        )?;
         self.size = size;
         Ok(())
     }
@@ -235,13 +255,22 @@ impl Frame {
             atlas: None,
             ..self.passes.inspect.wanted
         };
-        self.passes = Passes::new(gpu, self.size, &field, &faces, wanted, &resources)?;
+        self.passes = Passes::new(
+            gpu,
+            self.size,
+            &field,
+            &faces,
+            wanted,
+            &self.lights,
+            &resources,
+        )?;
         self.field = field;
         self.faces = faces;
         self.frames = 0;
         // New probes have no history that a change could make out of date.
         self.gain = CommonGain::default();
         self.resting.forget();
+        self.ranks.forget();
         self.lights_before = None;
         Ok(())
     }
@@ -346,6 +375,7 @@ impl Frame {
         let others = picture
             + self.passes.inspect.bytes(self.size)
             + self.faces.bytes()
+            + self.lights.bytes()
             + self.stage.emitters.bytes();
         MemoryUse {
             voxels,

@@ -9,6 +9,7 @@ use crate::{
             seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
             visibility::ProbeVisibility,
         },
+        scene::{GpuLights, lamp_lists::LampLists},
         surface_cache::{
             SurfaceCache, allocate::SurfaceAllocate, resolve::SurfaceResolve, trace::SurfaceTrace,
         },
@@ -19,6 +20,7 @@ use crate::{
 /// The passes for pictures of one size, lit by one field of probes.
 pub(super) struct Passes {
     uses_cache: bool,
+    lamp_lists: LampLists,
     pub camera_rays: CameraRays,
     classify: ProbeClassify,
     visibility: ProbeVisibility,
@@ -43,6 +45,7 @@ impl Passes {
         field: &ProbeField,
         cache: &SurfaceCache,
         wanted: Inspection,
+        lights: &GpuLights,
         scene: &[(&'static str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, FrameError> {
         let offer = offer(field, cache, scene);
@@ -53,6 +56,7 @@ impl Passes {
         let hdr = shade.hdr.create_view(&Default::default());
         Ok(Self {
             uses_cache: cache.is_used(),
+            lamp_lists: LampLists::new(gpu, lights, scene)?,
             tonemap: Tonemap::new(gpu, size, &hdr, scene)?,
             classify: ProbeClassify::new(gpu, field, scene)?,
             visibility: ProbeVisibility::new(gpu, field, scene)?,
@@ -73,7 +77,8 @@ impl Passes {
 
 impl Passes {
     /// A whole frame. Passes inside `concurrent` do not depend on each other.
-    pub fn record(&self, recorder: &mut Recorder<'_>, update: Placement, shot: &Shot) {
+    pub fn record(&self, recorder: &mut Recorder<'_>, update: Update, shot: &Shot) {
+        self.list_lamps(recorder, update.lists_lamps);
         let placed = self.place_probes(recorder, update);
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
             let surfaces = self.trace_camera(recorder);
@@ -107,10 +112,17 @@ impl Passes {
 /// One method for each step of a frame: its arguments are what the step reads of this frame, its result is what it
 /// writes. A value exists only once its pass is recorded, so the compiler checks the order of the passes.
 impl Passes {
+    /// The lists stay valid from the last frame where no lamp has moved.
+    fn list_lamps(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
+        if is_needed {
+            self.lamp_lists.record(recorder);
+        }
+    }
+
     /// Reads `update`: probes that are new, were moved, or are near an edit. The places of all other probes stay valid
     /// from the last frame.
-    fn place_probes(&self, recorder: &mut Recorder<'_>, update: Placement) -> PlacedProbes {
-        if update.is_needed {
+    fn place_probes(&self, recorder: &mut Recorder<'_>, update: Update) -> PlacedProbes {
+        if update.places_probes {
             self.classify.record(recorder);
             if let Some(walk) = &self.walk {
                 walk.record_begin(recorder);
@@ -209,9 +221,13 @@ impl Passes {
     }
 }
 
-/// What pass `probes/classify` and the passes after it must do in a frame.
-pub(super) struct Placement {
-    pub is_needed: bool,
+/// What must be brought up to date in a frame.
+#[derive(Clone, Copy)]
+pub(super) struct Update {
+    /// Lamps have moved: pass `scene/lamp_lists` must run.
+    pub lists_lamps: bool,
+    /// Pass `probes/classify` and the passes after it must run.
+    pub places_probes: bool,
     /// Visibility bits tell which surfaces each probe sees.
     pub marks_visibility: bool,
     /// A volume that follows the camera has probes that are new.

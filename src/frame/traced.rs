@@ -3,11 +3,9 @@
 use std::{ops::Range, sync::atomic::AtomicBool};
 
 use super::{Stage, resources};
-use glam::Vec3;
-
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
-    lights::Lights,
+    lights::{Lights, table::LightsOfFrame},
     measure::picture::Picture,
     passes::{
         path_trace::{
@@ -136,7 +134,7 @@ impl TracedFrame {
         size: [u32; 2],
         antialias: bool,
     ) -> Result<Self, GpuError> {
-        let (view, lights) = (Shot::buffer(gpu), GpuLights::new(gpu));
+        let (view, lights) = (Shot::buffer(gpu), GpuLights::new(gpu, None)?);
         let pass = PathTrace::new(gpu, size, antialias, &resources(stage, &view, &lights))?;
         Ok(Self {
             view,
@@ -216,7 +214,7 @@ impl TracedFrame {
             .as_ref()
             .is_some_and(|(shot, before)| *shot == now && before == lights);
         if !is_same {
-            self.lights.set(gpu, lights, Vec3::ONE, &[]);
+            self.lights.set(gpu, lights, &LightsOfFrame::default());
             self.shown = Some((now, lights.clone()));
         }
         !is_same

@@ -108,6 +108,11 @@ impl LampState {
         }
     }
 
+    /// Sum of the channels of the intensity.
+    pub fn brightness(&self) -> f32 {
+        self.intensity.element_sum() as f32
+    }
+
     /// The unshadowed light that reaches a point.
     pub fn ray_from(&self, point_ws: DVec3) -> LampRay {
         if self.shape == LampShape::Directional {

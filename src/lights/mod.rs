@@ -8,6 +8,7 @@ pub mod change;
 pub mod emitters;
 pub mod gain;
 pub mod lamp;
+pub mod lists;
 pub mod motion;
 pub mod rest;
 pub mod sky;
@@ -16,6 +17,7 @@ pub mod table;
 pub use emitters::Emitters;
 pub use gain::CommonGain;
 pub use lamp::{LampRay, LampShape, LampState, evaluate};
+pub use lists::LampRanks;
 pub use rest::RestingLamps;
 
 use crate::world::{LampPreset, Sky, World};

@@ -1,9 +1,9 @@
-//! The lights as bytes for the GPU: the uniform `Lights` of `shaders/scene/lights.wesl`.
+//! The lights as bytes for the GPU: the start of the buffer `Lights` of `shaders/scene/lights.wesl`.
 
 use std::iter;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, UVec3, Vec3};
 
 use super::lamp::MIN_SPOT_EDGE;
 use super::{LampShape, LampState, Lights};
@@ -12,8 +12,14 @@ use crate::world::scenery::MAX_LAMPS;
 crate::shared! {
     in lights;
 
-    /// Lamps in the uniform: those of the largest preset, and the sun.
+    /// Lamps in the buffer: those of the largest preset, and the sun.
     pub const CAPACITY as LAMPS: usize = MAX_LAMPS + 1;
+
+    /// Lamps in the list of a cell: see [`super::lists`]. Of so many lamps each face knows whether it sees them.
+    pub const LISTED as LISTED: u32 = 64;
+
+    /// `GpuLampSlot::lamp` of a slot without a lamp.
+    pub const NO_LAMP as NO_LAMP: u32 = u32::MAX;
 
     /// One lamp: `Lamp` in `shaders/scene/lights.wesl`. The spot's edge is folded into a ramp,
     /// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are not spots.
@@ -33,7 +39,18 @@ crate::shared! {
         pub spot_offset: f32,
         /// The first frame of the lamp's present place, direction and shape ([`super::RestingLamps`]).
         pub still_since: u32,
-        pub _pad: [f32; 2],
+        /// Sum of the channels of the greatest intensity that lists count with ([`super::LampRanks`]).
+        pub brightest: f32,
+        /// `brightest` of all lamps before this one.
+        pub brightest_before: f32,
+    }
+
+    /// A place in the list of a cell.
+    pub struct GpuLampSlot as LampSlot {
+        /// Number of the lamp, or `NO_LAMP`.
+        pub lamp: u32,
+        /// The frame since which it is the lamp of this slot.
+        pub since: u32,
     }
 
     /// `Sky` in `shaders/scene/lights.wesl`.
@@ -55,22 +72,73 @@ pub struct GpuLightsHeader {
     /// See [`super::CommonGain`].
     pub gain: [f32; 3],
     pub lamp_count: u32,
+    /// Cells along each axis that have lists of lamps.
+    pub list_cells: [u32; 3],
+    /// log2 of the voxels along a cell.
+    pub list_shift: u32,
+    /// `brightest` of all lamps.
+    pub all_brightest: f32,
+    /// The frame in which the lists are made, if they are made in this frame.
+    pub list_frame: u32,
+    /// 1: lamps that stay in a list keep their slots.
+    pub keeps_slots: u32,
+    pub _pad: u32,
 }
 
-/// Size of the uniform in bytes, the same for every world.
-pub const BYTES: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_of::<GpuLamp>();
+/// Byte of the lists in the buffer: behind the header and the lamps.
+pub const LISTS_OFFSET: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_of::<GpuLamp>();
+
+/// What the GPU is told about the lights of a frame, besides the lights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightsOfFrame {
+    /// The factor of [`super::CommonGain`].
+    pub gain: Vec3,
+    /// What [`super::RestingLamps`] says of each lamp; lamps without a number never rest.
+    pub still_since: Vec<u32>,
+    /// What [`super::LampRanks`] says of each lamp; lamps without a number count with their intensity of now.
+    pub brightest: Vec<f32>,
+    /// The frame in which the lists are made, and whether lamps that stay in a list keep their slots.
+    pub list_frame: u32,
+    pub keeps_slots: bool,
+}
+
+impl Default for LightsOfFrame {
+    fn default() -> Self {
+        Self {
+            gain: Vec3::ONE,
+            still_since: Vec::new(),
+            brightest: Vec::new(),
+            list_frame: 0,
+            keeps_slots: false,
+        }
+    }
+}
 
 impl Lights {
-    /// The uniform's content: [`BYTES`] bytes, unused lamps zero. `gain` is the factor of [`super::CommonGain`].
-    ///
-    /// `still_since` is what [`super::RestingLamps`] says of each lamp; lamps without a number never rest.
+    /// The header and the lamps. `cells` are those that have lists, each 2^`shift` voxels wide.
     ///
     /// Panics beyond [`CAPACITY`] lamps, which a checked world cannot have.
-    pub fn to_bytes(&self, gain: Vec3, still_since: &[u32]) -> Vec<u8> {
+    pub fn to_bytes(&self, of_frame: &LightsOfFrame, cells: UVec3, shift: u32) -> Vec<u8> {
         assert!(
             self.lamps.len() <= CAPACITY,
             "a checked world has at most {MAX_LAMPS} lamps and a sun"
         );
+        let since = (of_frame.still_since.iter().copied()).chain(iter::repeat(u32::MAX / 2));
+        let brightest = (of_frame.brightest.iter().copied().map(Some)).chain(iter::repeat(None));
+        let mut before = 0.0;
+        let lamps: Vec<GpuLamp> = (self.lamps.iter().zip(since).zip(brightest))
+            .map(|((lamp, still_since), brightest)| {
+                let brightest = brightest.unwrap_or_else(|| lamp.brightness());
+                let brightest_before = before as f32;
+                before += f64::from(brightest);
+                GpuLamp {
+                    still_since,
+                    brightest,
+                    brightest_before,
+                    ..GpuLamp::from(lamp)
+                }
+            })
+            .collect();
         let header = GpuLightsHeader {
             sky: GpuSky {
                 zenith: self.sky.zenith.to_array(),
@@ -78,24 +146,20 @@ impl Lights {
                 ground: self.sky.ground.to_array(),
                 ..GpuSky::default()
             },
-            gain: gain.to_array(),
+            gain: of_frame.gain.to_array(),
             lamp_count: self.lamps.len() as u32,
+            list_cells: cells.to_array(),
+            list_shift: shift,
+            all_brightest: before as f32,
+            list_frame: of_frame.list_frame,
+            keeps_slots: u32::from(of_frame.keeps_slots),
+            ..Default::default()
         };
-        let since = still_since
-            .iter()
-            .copied()
-            .chain(iter::repeat(u32::MAX / 2));
-        let lamps: Vec<GpuLamp> = (self.lamps.iter().zip(since))
-            .map(|(lamp, still_since)| GpuLamp {
-                still_since,
-                ..GpuLamp::from(lamp)
-            })
-            .collect();
-        let mut bytes = Vec::with_capacity(BYTES);
-        bytes.extend_from_slice(bytemuck::bytes_of(&header));
-        bytes.extend_from_slice(bytemuck::cast_slice(&lamps));
-        bytes.resize(BYTES, 0);
-        bytes
+        [
+            bytemuck::bytes_of(&header),
+            bytemuck::cast_slice::<_, u8>(&lamps),
+        ]
+        .concat()
     }
 }
 

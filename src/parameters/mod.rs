@@ -310,7 +310,7 @@ parameters! {
         #[doc = "Whether lamps move and flicker with world time. Off lets the light settle."]
         animate: bool = true, Kind::Flag, Nothing;
         #[doc = "Only this many lamps of the preset are lit, the first ones. Fewer are faster, above all when they move."]
-        max_lamps: u32 = 64, Kind::Count { min: 0, max: 64 }, Nothing;
+        max_lamps: u32 = 65_536, Kind::Count { min: 0, max: 65_536 }, Nothing;
     }
 
     #[doc = "From linear light to the display."]

@@ -3,7 +3,7 @@
 use glam::{IVec3, UVec3, Vec3};
 
 /// Most lamps of one preset, not counting the sun.
-pub const MAX_LAMPS: usize = 64;
+pub const MAX_LAMPS: usize = 65_536;
 
 /// Most probes of one layout (8 kB of maps and history each).
 pub const MAX_PROBES: u32 = 1 << 20;

@@ -5,7 +5,7 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     frame,
     gpu::{Gpu, Recorder},
-    lights::{LampShape, LampState, Lights},
+    lights::{LampShape, LampState, Lights, table::LightsOfFrame},
     parameters::{FinalGather, ProbeParameters, ProbeStates as States, Relocation},
     passes::{
         probes::{
@@ -90,8 +90,8 @@ impl Stage {
         let volume = volume_of(&lattice(UVec3::splat(4), Vec3::splat(6.0), Vec3::ZERO));
         let voxels = GpuVoxels::upload(&gpu, voxels, ORIGIN).expect("fits");
         let materials = GpuMaterials::upload(&gpu, &MaterialSet::bake(materials, 1)).expect("fits");
-        let on_gpu = GpuLights::new(&gpu);
-        on_gpu.set(&gpu, lights, Vec3::ONE, &[]);
+        let on_gpu = GpuLights::new(&gpu, None).expect("it fits");
+        on_gpu.set(&gpu, lights, &LightsOfFrame::default());
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let mut resources = voxels.resources().to_vec();
         resources.extend(materials.resources());
@@ -242,7 +242,9 @@ fn light_dies_out_without_a_source() {
     stage.update(30);
     let before = mean(&stage.picture(View::Indirect, 0.0));
     assert!(before > 0.1, "{before}");
-    stage.lights.set(&stage.gpu, &dark(), Vec3::ONE, &[]);
+    stage
+        .lights
+        .set(&stage.gpu, &dark(), &LightsOfFrame::default());
     let mut last = before;
     for _ in 0..4 {
         stage.update(20);

@@ -7,7 +7,7 @@ use grotto::{
     gpu::ShaderLibrary,
     lights::{
         emitters::GpuFacing,
-        table::{self as lights, GpuLightsHeader, GpuSky},
+        table::{GpuLampSlot, GpuLightsHeader, GpuSky, LISTS_OFFSET},
     },
     shared::{self, Layout},
     world::materials::table::{CAPACITY, GpuMaterial},
@@ -82,17 +82,24 @@ fn shared_structs_are_laid_out_alike() {
 }
 
 #[test]
-fn lights_are_a_header_and_lamps() {
+fn lights_are_a_header_lamps_and_lists() {
     let whole = shader_layout("scene::lights", "Lights");
     let mut header = rust_layout!(GpuLightsHeader {
         sky,
         gain,
-        lamp_count
+        lamp_count,
+        list_cells,
+        list_shift,
+        all_brightest,
+        list_frame,
+        keeps_slots
     });
     header
         .members
         .insert("lamps".to_owned(), size_of::<GpuLightsHeader>());
-    header.stride = lights::BYTES;
+    header.members.insert("lists".to_owned(), LISTS_OFFSET);
+    // With one slot: how many there are depends on the world.
+    header.stride = (LISTS_OFFSET + size_of::<GpuLampSlot>()).next_multiple_of(16);
     assert_eq!(whole, header);
 }
 

@@ -1,39 +1,69 @@
 //! Lamps, sun and sky on the GPU.
 
-use glam::Vec3;
+use glam::UVec3;
 
 use crate::{
-    gpu::Gpu,
-    lights::{self, Lights},
+    gpu::{Gpu, GpuError},
+    lights::{
+        Lights, lists,
+        table::{GpuLampSlot, LISTED, LISTS_OFFSET, LightsOfFrame},
+    },
 };
 
 /// The binding of `shaders/scene/lights.wesl`.
 pub struct GpuLights {
-    pub buffer: wgpu::Buffer,
+    buffer: wgpu::Buffer,
+    /// Cells that have lists of lamps, and log2 of the voxels along a cell.
+    cells: UVec3,
+    shift: u32,
 }
 
 impl GpuLights {
-    /// Dark until [`set`](Self::set).
-    pub fn new(gpu: &Gpu) -> Self {
-        Self {
-            buffer: gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("lights"),
-                size: lights::table::BYTES as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }),
-        }
+    /// Dark until [`set`](Self::set). `size`: voxels of a world whose cells get lists of lamps
+    /// ([`lights::lists`](crate::lights::lists)); `None` for kernels that look at all lamps.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter cannot hold it.
+    pub fn new(gpu: &Gpu, size: Option<UVec3>) -> Result<Self, GpuError> {
+        let (cells, shift) = size.map_or((UVec3::ZERO, 0), |size| {
+            (lists::cells(size), lists::cell_shift(size))
+        });
+        // The array of slots must not be empty.
+        let slot = size_of::<GpuLampSlot>() as u64;
+        let bytes = LISTS_OFFSET as u64 + lists::bytes(cells).max(u64::from(LISTED) * slot);
+        let buffer = gpu.making("the lamps and their lists", bytes, || {
+            gpu.storage_buffer("lights", bytes)
+        })?;
+        Ok(Self {
+            buffer,
+            cells,
+            shift,
+        })
     }
 
-    /// Sets the lights of the next frames. `gain` is the factor by which pictures are brighter ([`lights::CommonGain`]);
-    /// `still_since` says since when each lamp rests ([`lights::RestingLamps`]).
-    pub fn set(&self, gpu: &Gpu, lights: &Lights, gain: Vec3, still_since: &[u32]) {
-        let bytes = lights.to_bytes(gain, still_since);
+    /// Sets the lights of the next frames.
+    pub fn set(&self, gpu: &Gpu, lights: &Lights, of_frame: &LightsOfFrame) {
+        let bytes = lights.to_bytes(of_frame, self.cells, self.shift);
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
+    }
+
+    /// Cells that have lists.
+    pub fn cells(&self) -> UVec3 {
+        self.cells
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.buffer.size()
     }
 
     /// What the shaders bind by name.
     pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 1] {
         [("lights", self.buffer.as_entire_binding())]
+    }
+
+    /// What pass `scene/lamp_lists` writes.
+    pub fn lists(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("lights_out", self.buffer.as_entire_binding())
     }
 }

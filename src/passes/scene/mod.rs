@@ -2,6 +2,7 @@
 
 pub mod distances;
 mod emitters;
+pub mod lamp_lists;
 mod lights;
 mod materials;
 pub mod voxelise;

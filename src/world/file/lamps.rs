@@ -35,7 +35,7 @@ impl Reader<'_> {
                 return Err(source.at(
                     &preset.name,
                     format!("preset `{name}` has {} lamps", lamps.len()),
-                    format!("a preset may have {MAX_LAMPS}: every lamp costs a shadow ray"),
+                    format!("a preset may have {MAX_LAMPS}"),
                 ));
             }
             resolved.push(LampPreset { name, lamps });

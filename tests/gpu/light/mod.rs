@@ -3,7 +3,7 @@
 use glam::{DVec3, IVec3, Vec3};
 use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder},
-    lights::{LampShape, LampState, Lights, sky},
+    lights::{LampShape, LampState, Lights, sky, table::LightsOfFrame},
     measure::tonemap,
     passes::scene::{GpuLights, GpuMaterials},
     world::{Colour, Material, Pattern, Sky, materials::MaterialSet},
@@ -127,15 +127,14 @@ const SKY: Sky = Sky {
 #[test]
 fn lamps_light_the_same_on_both_sides() {
     let gpu = gpu();
-    let uniform = GpuLights::new(&gpu);
+    let uniform = GpuLights::new(&gpu, None).expect("it fits");
     uniform.set(
         &gpu,
         &Lights {
             lamps: lamps(),
             sky: SKY,
         },
-        Vec3::ONE,
-        &[],
+        &LightsOfFrame::default(),
     );
     let places: Vec<(DVec3, DVec3)> = (0..2000).map(scattered).collect();
     let inputs: Vec<[[f32; 4]; 2]> = places.iter().map(|&(p, n)| [vec4(p), vec4(n)]).collect();
@@ -160,15 +159,14 @@ fn lamps_light_the_same_on_both_sides() {
 #[test]
 fn the_sky_is_the_same_on_both_sides() {
     let gpu = gpu();
-    let uniform = GpuLights::new(&gpu);
+    let uniform = GpuLights::new(&gpu, None).expect("it fits");
     uniform.set(
         &gpu,
         &Lights {
             lamps: Vec::new(),
             sky: SKY,
         },
-        Vec3::ONE,
-        &[],
+        &LightsOfFrame::default(),
     );
     let directions: Vec<DVec3> = (0..2000).map(|index| scattered(index).1).collect();
     let inputs: Vec<[[f32; 4]; 1]> = directions.iter().map(|&d| [vec4(d)]).collect();

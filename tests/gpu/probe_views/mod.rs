@@ -296,7 +296,10 @@ fn painted_cubes_count_as_the_states_do() {
     let surfaces = gpu.storage_buffer("surfaces", 16 * 9 * 8).expect("it fits");
     let format = wgpu::TextureFormat::Rgba16Float;
     let hdr = gpu.texture("hdr", [16, 9, 1], format).expect("it fits");
-    let (view, lights) = (Shot::buffer(gpu), GpuLights::new(gpu));
+    let (view, lights) = (
+        Shot::buffer(gpu),
+        GpuLights::new(gpu, None).expect("it fits"),
+    );
     let scene = frame::resources(&watched.frame.stage, &view, &lights);
     let offer = frame::offer(field, watched.frame.faces(), &scene);
     let paint = StateView::new(gpu, &hdr, &surfaces, field.atlas(), &offer).expect("it fits");
