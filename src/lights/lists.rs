@@ -2,8 +2,8 @@
 //!
 //! With many lamps nothing may look at all of them for each ray. The world is divided into cells, and each cell has a
 //! list of the [`LISTED`] lamps that are brightest there if nothing is in the way (pass `scene/lamp_lists`). Pixels look
-//! at the lamps of the list one by one; the light of all others is sampled. Up to [`LISTED`] lamps there are no lists:
-//! every lamp counts everywhere.
+//! at the lamps of the list one by one; the light of all others is sampled. Up to [`KNOWN_LAMPS`] lamps there are no
+//! lists: every lamp counts everywhere.
 //!
 //! Lists depend on where lamps are and on the greatest power that each has had, so a lamp that flickers changes no list.
 
@@ -11,7 +11,7 @@ use glam::UVec3;
 
 use super::{
     Lights,
-    table::{GpuLampSlot, LISTED},
+    table::{GpuLampSlot, KNOWN_LAMPS, LISTED},
 };
 
 /// A lamp that is brighter than its rank by this factor ranks higher from then on.
@@ -76,7 +76,7 @@ impl LampRanks {
                 has_risen = true;
             }
         }
-        let has_lists = lights.lamps.len() > LISTED as usize;
+        let has_lists = lights.lamps.len() > KNOWN_LAMPS as usize;
         let has_moved = still_since.contains(&frame);
         let keeps_slots = self.known;
         self.known = has_lists;
@@ -124,13 +124,13 @@ mod tests {
             assert!(cells.max_element() <= MOST_CELLS, "{size}");
             assert!((cells << UVec3::splat(cell_shift(size))).cmpge(size).all());
         }
-        assert_eq!(bytes(UVec3::splat(MOST_CELLS)), 16 << 20);
+        assert_eq!(bytes(UVec3::splat(MOST_CELLS)), 8 << 20);
     }
 
     #[test]
     fn only_moves_and_greater_brightness_make_new_lists() {
-        let many = |power: f64| lights(&vec![power; LISTED as usize + 1]);
-        let still = vec![0; LISTED as usize + 1];
+        let many = |power: f64| lights(&vec![power; KNOWN_LAMPS as usize + 1]);
+        let still = vec![0; KNOWN_LAMPS as usize + 1];
         let mut ranks = LampRanks::default();
         let mut is_new =
             |power, since: &[u32], frame| ranks.follow(&many(power), since, frame).is_new;
@@ -148,9 +148,9 @@ mod tests {
     #[test]
     fn few_lamps_have_no_lists_and_lists_end_when_frames_begin_again() {
         let mut ranks = LampRanks::default();
-        let few = lights(&vec![1.0; LISTED as usize]);
+        let few = lights(&vec![1.0; KNOWN_LAMPS as usize]);
         assert!(!ranks.follow(&few, &[], 1).is_new);
-        let many = lights(&vec![1.0; LISTED as usize + 1]);
+        let many = lights(&vec![1.0; KNOWN_LAMPS as usize + 1]);
         let first = ranks.follow(&many, &[], 2);
         assert!(first.is_new && !first.keeps_slots);
         assert!(ranks.follow(&many, &[], 3).keeps_slots);

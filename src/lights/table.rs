@@ -15,8 +15,12 @@ crate::shared! {
     /// Lamps in the buffer: those of the largest preset, and the sun.
     pub const CAPACITY as LAMPS: usize = MAX_LAMPS + 1;
 
-    /// Lamps in the list of a cell: see [`super::lists`]. Of so many lamps each face knows whether it sees them.
-    pub const LISTED as LISTED: u32 = 64;
+    /// Lamps that a face can know about, whether it sees them. Worlds with no more lamps have no lists.
+    pub const KNOWN_LAMPS as KNOWN_LAMPS: u32 = 64;
+
+    /// Lamps in the list of a cell: see [`super::lists`]. Fewer than [`KNOWN_LAMPS`], because pixels and hits look at all
+    /// of them.
+    pub const LISTED as LISTED: u32 = 32;
 
     /// `GpuLampSlot::lamp` of a slot without a lamp.
     pub const NO_LAMP as NO_LAMP: u32 = u32::MAX;

@@ -46,7 +46,7 @@ const ROOM: &str = "(
 
 const SIZE: [u32; 2] = [96, 72];
 
-fn room(preset: usize, final_gather: FinalGather) -> Drawn {
+pub fn room(preset: usize, final_gather: FinalGather) -> Drawn {
     let world = support::parsed(ROOM);
     let layout = world.layouts[0].clone();
     let probes = ProbeParameters {
@@ -65,7 +65,7 @@ fn room(preset: usize, final_gather: FinalGather) -> Drawn {
 }
 
 /// Direct light of the same lamps with a shadow ray for every pixel and lamp.
-fn by_rays(drawn: &Drawn, voxels: Option<&Voxels>) -> Picture {
+pub fn by_rays(drawn: &Drawn, voxels: Option<&Voxels>) -> Picture {
     let mut plain = room(0, FinalGather::Off);
     plain.lights = drawn.lights.clone();
     if let Some(voxels) = voxels {

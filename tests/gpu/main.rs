@@ -15,6 +15,7 @@ mod golden;
 mod indirect;
 mod lamps;
 mod light;
+mod many_lamps;
 mod marching;
 mod probe_views;
 mod probes;

@@ -22,14 +22,14 @@ const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
 const REQUEST_LIST_BYTES: u64 = 4 + (REQUEST_ROOM as usize * size_of::<GpuRequestedFace>()) as u64;
 /// Places in the table for faces of one direction.
 const BUCKETS: u32 = 1 << 16;
-/// Batches of rays that faces can send in a frame.
-const MOST_BATCHES: u32 = 1 << 17;
+/// Batches of rays that faces can send in a frame, whatever the size of the picture: where more faces want rays, they
+/// take turns.
+const MOST_BATCHES: u32 = 1 << 15;
 /// Bytes of a ray's result.
 const RAY_BYTES: u64 = 8;
-/// Pixels of the picture per batch of a frame, where that gives more batches than the least. In software every ray
-/// costs time, so a small picture must not cost as much as a large one.
+/// In software every ray costs time, so a small picture must not cost as much as a large one: pixels of the picture per
+/// batch of a frame, and the least batches.
 const PIXELS_A_BATCH: u32 = 8;
-const LEAST_BATCHES: u32 = 1 << 15;
 const LEAST_IN_SOFTWARE: u32 = 1 << 12;
 /// Frames that probes take to settle after their warm-up.
 const SETTLING_FRAMES: u32 = 24;
@@ -97,7 +97,7 @@ impl SurfaceCache {
                 least_batches: if gpu.summary.is_software() {
                     LEAST_IN_SOFTWARE
                 } else {
-                    LEAST_BATCHES
+                    MOST_BATCHES
                 },
                 most_batches,
                 info: gpu.uniform_buffer("face_info", &GpuSurfaceCacheInfo::default()),

@@ -125,7 +125,7 @@ impl Reader<'_> {
                         spacing: or(spacing, 0.0, |leaf| source.not_negative(leaf, "spacing"))?,
                         seed: or(seed, own_seed, |leaf| source.seed(leaf))?,
                     };
-                    for found in ask.places(shape, self.world_voxels()) {
+                    for found in ask.places(shape, self.world_voxels(), &mut self.tried) {
                         let (_, kind) = wanted[found.chance as usize % wanted.len()];
                         placed.extend(kinds[kind].iter().map(|part| moved(part, found.voxel)));
                     }

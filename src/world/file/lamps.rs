@@ -218,7 +218,7 @@ impl Reader<'_> {
         };
         // Read once even if no place is found, so that mistakes are reported.
         self.lamp_at(&scatter.lamp, Vec3::ZERO, lamps.len())?;
-        for Found { voxel, chance } in ask.places(shape, self.world_voxels()) {
+        for Found { voxel, chance } in ask.places(shape, self.world_voxels(), &mut self.tried) {
             let up = match scatter.on {
                 schema::Ground::Floor => Vec3::new(0.5, height, 0.5),
                 schema::Ground::Ceiling => Vec3::new(0.5, 1.0 - height, 0.5),

@@ -16,6 +16,7 @@ const TRIES: u32 = 32;
 const BATCH: u32 = 4096;
 
 /// The requirements of a scatter.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ask {
     pub count: u32,
     /// Lowest and highest corner, world space.
@@ -35,6 +36,25 @@ pub(super) struct Found {
     pub voxel: IVec3,
     /// A hash for further random choices at this place.
     pub chance: u32,
+}
+
+/// Places that scatters have tried, so that scatters with the same seed and bounds look at each column once. The world's
+/// shape must be the same for all.
+#[derive(Default)]
+pub(super) struct Tried {
+    scatters: Vec<(Ask, Vec<Option<Found>>)>,
+}
+
+impl Tried {
+    /// The candidates of `ask` so far: a batch begins where they end, or has been tried.
+    fn of(&mut self, ask: &Ask) -> &mut Vec<Option<Found>> {
+        let alike = |(other, _): &(Ask, Vec<Option<Found>>)| other.has_same_columns(ask);
+        let place = self.scatters.iter().position(alike).unwrap_or_else(|| {
+            self.scatters.push((ask.clone(), Vec::new()));
+            self.scatters.len() - 1
+        });
+        &mut self.scatters[place].1
+    }
 }
 
 /// The occupied places, in squares of the plane as wide as the spacing.
@@ -74,7 +94,13 @@ impl Taken {
 
 impl Ask {
     /// Finds up to `count` places. The same for the same seed and shape, on any number of threads.
-    pub fn places(&self, shape: &Shape, world: (IVec3, IVec3)) -> Vec<Found> {
+    pub fn places(
+        &self,
+        shape: &Shape,
+        world: (IVec3, IVec3),
+        tried_before: &mut Tried,
+    ) -> Vec<Found> {
+        let known = tried_before.of(self);
         let mut found: Vec<Found> = Vec::new();
         let mut taken = Taken::new(self.spacing);
         let most = self.count.saturating_mul(TRIES);
@@ -85,13 +111,18 @@ impl Ask {
             let before = found.len();
             tried = batch.end;
             let full = batch.len() as u32 == BATCH;
-            let candidates: Vec<Option<Found>> = batch
-                .into_par_iter()
-                .map(|index| self.candidate(index, shape, world))
-                .collect();
-            for candidate in candidates.into_iter().flatten() {
+            let unknown = (known.len() as u32).max(batch.start)..batch.end;
+            known.par_extend(
+                unknown
+                    .into_par_iter()
+                    .map(|index| self.candidate(index, shape, world)),
+            );
+            for candidate in known[batch.start as usize..batch.end as usize]
+                .iter()
+                .flatten()
+            {
                 if found.len() < self.count as usize && taken.take(candidate.voxel) {
-                    found.push(candidate);
+                    found.push(*candidate);
                 }
             }
             if full && found.len() == before {
@@ -99,6 +130,29 @@ impl Ask {
             }
         }
         found
+    }
+
+    /// Whether another scatter finds the same floors (ceilings) in the same order.
+    fn has_same_columns(&self, other: &Self) -> bool {
+        let columns = |ask: &Self| Self {
+            count: 0,
+            spacing: 0.0,
+            ..ask.clone()
+        };
+        columns(self) == columns(other)
+    }
+
+    /// The lowest and highest voxels that decide about places within the bounds: with the floor below, or the ceiling
+    /// above, and with room for the clearance.
+    fn range(&self, world: (IVec3, IVec3)) -> (i32, i32) {
+        let clearance = i32::try_from(self.clearance).unwrap_or(i32::MAX);
+        let (below, above) = match self.ground {
+            Ground::Floor => (1, clearance),
+            Ground::Ceiling => (clearance, 1),
+        };
+        let low = (self.bounds.0.y.floor() as i32).saturating_sub(below);
+        let high = (self.bounds.1.y.ceil() as i32).saturating_add(above);
+        (low.max(world.0.y), high.min(world.1.y))
     }
 
     /// A random column, and in it a random floor (ceiling).
@@ -110,9 +164,10 @@ impl Ask {
         let place = (low + along * (high - low)).floor().as_ivec3();
         let place = place.clamp(world.0, world.1 - 1);
         let mut spots = Vec::new();
-        let mut start = world.0.y;
+        let (lowest, highest) = self.range(world);
+        let mut start = lowest;
         let mut solid_below = false;
-        for (end, solid) in column(shape, place.x, place.z, world.0.y, world.1.y) {
+        for (end, solid) in column(shape, place.x, place.z, lowest, highest) {
             if !solid {
                 let solid_above = end < world.1.y;
                 let free = end - start;
@@ -237,7 +292,7 @@ mod tests {
     fn places_lie_on_floors_and_ceilings_with_clearance_and_spacing() {
         let shape = cave();
         for (ground, away) in [(Ground::Floor, IVec3::Y), (Ground::Ceiling, IVec3::NEG_Y)] {
-            let places = ask(ground).places(&shape, WORLD);
+            let places = ask(ground).places(&shape, WORLD, &mut Tried::default());
             assert_eq!(places.len(), 60);
             for (index, place) in places.iter().enumerate() {
                 assert!(is_solid(&shape, place.voxel - away), "{place:?}");
@@ -253,20 +308,67 @@ mod tests {
     }
 
     #[test]
+    fn columns_that_were_tried_before_give_the_same_places() {
+        let shape = cave();
+        let mut tried = Tried::default();
+        for (count, spacing) in [(60, 3.0), (10, 3.0), (90, 1.0), (60, 5.0)] {
+            let ask = Ask {
+                count,
+                spacing,
+                ..ask(Ground::Floor)
+            };
+            let alone = ask.places(&shape, WORLD, &mut Tried::default());
+            assert_eq!(ask.places(&shape, WORLD, &mut tried), alone, "{count}");
+        }
+    }
+
+    #[test]
+    fn narrow_bounds_find_what_wide_bounds_find_there() {
+        let shape = cave();
+        for ground in [Ground::Floor, Ground::Ceiling] {
+            let within = |low: f32, high: f32| Ask {
+                count: 4000,
+                spacing: 0.0,
+                bounds: (Vec3::new(-24.0, low, -24.0), Vec3::new(24.0, high, 24.0)),
+                ..ask(ground)
+            };
+            let found = |ask: Ask| -> Vec<IVec3> {
+                let places = ask.places(&shape, WORLD, &mut Tried::default());
+                places.into_iter().map(|found| found.voxel).collect()
+            };
+            let (low, high) = (-16, 14);
+            let mut wide = found(within(-32.0, 32.0));
+            wide.retain(|voxel| (low..high).contains(&voxel.y));
+            let mut narrow = found(within(low as f32, high as f32));
+            wide.sort_by_key(IVec3::to_array);
+            narrow.sort_by_key(IVec3::to_array);
+            assert!(wide.len() > 100);
+            assert!(wide.iter().all(|voxel| {
+                narrow
+                    .binary_search_by_key(&voxel.to_array(), IVec3::to_array)
+                    .is_ok()
+            }));
+        }
+    }
+
+    #[test]
     fn the_same_seed_gives_the_same_places_and_a_full_world_none() {
         let shape = cave();
-        let places = ask(Ground::Floor).places(&shape, WORLD);
-        assert_eq!(places, ask(Ground::Floor).places(&shape, WORLD));
+        let places = ask(Ground::Floor).places(&shape, WORLD, &mut Tried::default());
+        assert_eq!(
+            places,
+            ask(Ground::Floor).places(&shape, WORLD, &mut Tried::default())
+        );
         let other = Ask {
             seed: 2,
             ..ask(Ground::Floor)
         };
-        assert_ne!(places, other.places(&shape, WORLD));
+        assert_ne!(places, other.places(&shape, WORLD, &mut Tried::default()));
         let crowded = Ask {
             count: 100_000,
             ..ask(Ground::Floor)
         };
-        let crowded = crowded.places(&shape, WORLD);
+        let crowded = crowded.places(&shape, WORLD, &mut Tried::default());
         assert!((100..400).contains(&crowded.len()), "{}", crowded.len());
         let solid = Shape::new(
             &Sdf::from(Cuboid {
@@ -274,8 +376,16 @@ mod tests {
             }),
             &[],
         );
-        assert!(ask(Ground::Floor).places(&solid, WORLD).is_empty());
+        assert!(
+            ask(Ground::Floor)
+                .places(&solid, WORLD, &mut Tried::default())
+                .is_empty()
+        );
         let empty = Shape::new(&Sdf::from(Empty), &[]);
-        assert!(ask(Ground::Floor).places(&empty, WORLD).is_empty());
+        assert!(
+            ask(Ground::Floor)
+                .places(&empty, WORLD, &mut Tried::default())
+                .is_empty()
+        );
     }
 }

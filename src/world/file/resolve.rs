@@ -8,6 +8,7 @@ use glam::{IVec3, UVec3, Vec3};
 use super::Overrides;
 use super::diagnostics::{Problem, Source};
 use super::leaf::Leaf;
+use super::place::Tried;
 use super::printable::shown;
 use super::schema;
 use super::values::{Read, or};
@@ -36,6 +37,7 @@ pub struct Reader<'a> {
     pub materials: Vec<Material>,
     /// Number of scatters that have taken a seed of their own.
     pub seeds_given: u32,
+    pub(super) tried: Tried,
 }
 
 /// Resolves the whole world.
@@ -59,6 +61,7 @@ pub(super) fn resolve(
         noises: Vec::new(),
         materials: Vec::new(),
         seeds_given: 0,
+        tried: Tried::default(),
     };
     let title = source.text(&file.title, "title")?;
     reader.read_noises(&file.noises)?;

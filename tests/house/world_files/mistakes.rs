@@ -175,7 +175,7 @@ fn too_much_of_anything_is_refused() {
     let cameras: String = (0..1025)
         .map(|index| format!("(name: \"c{index}\", position: (0, 0, 0)),\n"))
         .collect();
-    let lamps = "(position: (0, 0, 0), power: 1),".repeat(65);
+    let lamps = "(position: (0, 0, 0), power: 1),".repeat(65_537);
     let places = "(0, 0, 0),".repeat(50_001);
     let parts = "(min: (0, 0, 0), max: (0, 0, 0), material: \"rock\"),".repeat(40);
     let places = format!(
@@ -195,7 +195,7 @@ fn too_much_of_anything_is_refused() {
         (
             format!("lamps: [\n(name: \"a\", lamps: [{lamps}])]"),
             3,
-            "65 lamps",
+            "65537 lamps",
         ),
         (places, 3, "2000040 boxes"),
     ] {
