@@ -111,15 +111,20 @@ pub(super) struct ChunkTime {
     /// Bits of an f64; 0 while no time is known.
     ms_a_group: AtomicU64,
     begun: AtomicBool,
+    /// Whether the last run took several dispatches.
+    is_split: AtomicBool,
     /// Runs since the last measurement.
     runs: AtomicU32,
 }
 
 impl ChunkTime {
-    /// Whether a run that is not timed otherwise should be timed for the chunk time alone.
+    /// Whether a run that is not timed otherwise should be timed for the chunk time alone. Work that is
+    /// split always is: a single slow measurement must not keep it split.
     pub(super) fn is_due(&self) -> bool {
         let is_known = self.ms_a_group.load(Ordering::Relaxed) > 0;
-        !is_known || self.runs.load(Ordering::Relaxed) >= RUNS_BETWEEN
+        !is_known
+            || self.is_split.load(Ordering::Relaxed)
+            || self.runs.load(Ordering::Relaxed) >= RUNS_BETWEEN
     }
 
     /// Records that `groups` workgroups took `ms` milliseconds. The first measurement is ignored:
@@ -194,6 +199,8 @@ impl Iterator for DispatchChunks<'_> {
         // Equal shares of the remaining rows: a last dispatch of a row or two would be a waste.
         let left = self.rows - self.next;
         let count = left.div_ceil(left.div_ceil(allowed));
+        let is_split = count < self.rows;
+        self.chunk_time.is_split.store(is_split, Ordering::Relaxed);
         let first = self.next;
         self.next += count;
         self.last = Some(count);
