@@ -12,7 +12,8 @@ pub struct MotionRow {
     pub moves: Moves,
     /// In order of time; never empty.
     pub moments: Vec<Moment>,
-    /// Mean FLIP of the moments over that of the same moments at rest. `null` for the row at rest itself.
+    /// Mean FLIP of the moments over that of the same moments at rest. `null` for the row at rest itself, and
+    /// where there is no error at rest.
     pub over_rest: Option<f64>,
 }
 
@@ -27,26 +28,21 @@ pub struct Moment {
     pub full: Comparison,
     /// Bounced light alone.
     pub indirect: Comparison,
+    /// Mean FLIP of all light after as many frames of a world that stands still as at this moment.
+    pub rest_flip: f64,
 }
 
 impl MotionRow {
-    pub fn new(motion: Motion, moves: Moves, moments: Vec<Moment>, rest: &[Moment]) -> Self {
+    pub fn new(motion: Motion, moves: Moves, moments: Vec<Moment>) -> Self {
         let mut row = Self {
             motion,
             moves,
             moments,
             over_rest: None,
         };
-        if motion != Motion::Rest {
-            // Where lamps stand still, every moment shows the light of the first.
-            let same = |frame| match moves.lamps {
-                true => rest.iter().find(|rest| rest.frame == frame),
-                false => rest.first(),
-            };
-            let at_rest = row.moments.iter().filter_map(|moment| same(moment.frame));
-            let at_rest: f64 = at_rest.map(|rest| rest.full.flip.mean).sum();
-            let moving: f64 = row.moments.iter().map(|one| one.full.flip.mean).sum();
-            row.over_rest = (at_rest > 0.0).then_some(moving / at_rest);
+        let at_rest = row.mean(|moment| moment.rest_flip);
+        if motion != Motion::Rest && at_rest > 0.0 {
+            row.over_rest = Some(row.mean(|moment| moment.full.flip.mean) / at_rest);
         }
         row
     }
@@ -69,7 +65,7 @@ pub mod tests {
     use super::*;
     use crate::measure::comparison::{AbsoluteSummary, FlipSummary};
 
-    pub fn moment(frame: u32, flip: f64) -> Moment {
+    pub fn moment(frame: u32, flip: f64, rest_flip: f64) -> Moment {
         let figures = Comparison {
             flip: FlipSummary {
                 mean: flip,
@@ -90,6 +86,7 @@ pub mod tests {
             time_s: f64::from(frame) / 60.0,
             full: figures,
             indirect: figures,
+            rest_flip,
         }
     }
 
@@ -103,17 +100,14 @@ pub mod tests {
 
     #[test]
     fn motion_is_compared_with_the_same_moments_at_rest() {
-        let rest = [moment(0, 0.1), moment(30, 0.2), moment(60, 0.4)];
-        let moved = || vec![moment(30, 0.4), moment(60, 0.8)];
-        let over = |motion, lamps| {
-            let moves = moves(lamps, !lamps);
-            MotionRow::new(motion, moves, moved(), &rest).over_rest
-        };
-        let near = |value: Option<f64>, wanted: f64| {
-            assert!((value.expect("light") - wanted).abs() < 1e-12, "{value:?}");
-        };
-        near(over(Motion::Lamps, true), 2.0);
-        near(over(Motion::Camera, false), 6.0);
-        assert_eq!(over(Motion::Rest, false), None);
+        let moments = || vec![moment(30, 0.4, 0.1), moment(60, 0.8, 0.3)];
+        let row = MotionRow::new(Motion::Lamps, moves(true, false), moments());
+        assert!((row.over_rest.expect("an error at rest") - 3.0).abs() < 1e-12);
+        assert_eq!(row.worst_flip(), 0.8);
+        let row = MotionRow::new(Motion::Rest, moves(false, false), moments());
+        assert_eq!(row.over_rest, None);
+        let perfect = vec![moment(30, 0.4, 0.0)];
+        let row = MotionRow::new(Motion::Lamps, moves(true, false), perfect);
+        assert_eq!(row.over_rest, None);
     }
 }

@@ -32,6 +32,7 @@ pub fn of_rows(rows: &[Row], varied: &[&'static str]) -> Option<Table> {
         "motion",
         "FLIP",
         "worst FLIP",
+        "at rest",
         "over rest",
         "relative MSE",
         "energy",
@@ -51,7 +52,7 @@ pub fn of_rows(rows: &[Row], varied: &[&'static str]) -> Option<Table> {
     Some(Table::new(heads, lines, NAMES.len() + varied.len() + 1))
 }
 
-fn figures_of(row: &MotionRow) -> [String; 8] {
+fn figures_of(row: &MotionRow) -> [String; 9] {
     let flip = |moment: &Moment| moment.full.flip.mean;
     let mut each: Vec<String> = row
         .moments
@@ -66,6 +67,7 @@ fn figures_of(row: &MotionRow) -> [String; 8] {
         row.motion.name().to_owned(),
         format!("{:.4}", row.mean(flip)),
         format!("{:.4}", row.worst_flip()),
+        format!("{:.4}", row.mean(|moment| moment.rest_flip)),
         row.over_rest.map_or_else(dash, |over| format!("{over:.2}")),
         format!("{:.5}", row.mean(|moment| moment.full.rel_mse)),
         ratio(row.mean(|moment| moment.full.energy_ratio)),
@@ -76,20 +78,17 @@ fn figures_of(row: &MotionRow) -> [String; 8] {
 
 /// Seconds since things began to move.
 fn seconds(moment: &Moment) -> String {
-    let text = format!(
-        "{:.2}",
-        f64::from(moment.frame) / super::super::super::dynamics::RATE
-    );
+    let text = format!("{:.2}", f64::from(moment.frame) / RATE);
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// The legend of the columns, in Markdown that is also valid in HTML.
-pub const LEGEND: &str = "In motion: world time runs at 60 frames per second, and each judged frame is compared \
-with a reference of that very moment. Lamps: only the lamps move. Camera: only the camera moves; it flies and \
-turns, and is back at its place at each judged moment. Both: lamps and camera move. Edits: whatever moves in the \
-other rows, with a ball dug or built every tenth frame. Rest: the start and the same moments, each with the world \
-at rest and settled probes. Figures are means over the moments; the last column has the FLIP of each. Over rest \
-is the mean FLIP over that of the same moments at rest.";
+pub const LEGEND: &str = "In motion: each judged frame is compared with a reference of that very moment. Rest: \
+the world stands still at the first moment. Lamps: world time runs at 60 frames per second, and the lamps move. \
+Camera: the camera flies and turns, and is back at its place at each judged moment. Both: lamps and camera move. \
+Edits: whatever moves in the other rows, with a ball dug or built every tenth frame. Figures are means over the \
+moments; the last column has the FLIP of each. At rest is the FLIP of as many frames of a world that stands \
+still as at that moment; over rest is FLIP over that.";
 
 #[cfg(test)]
 mod tests {
@@ -103,19 +102,17 @@ mod tests {
 
     #[test]
     fn rows_that_move_have_no_picture_at_the_start() {
-        let rest = vec![moment(0, 0.1), moment(30, 0.1)];
-        let moved = MotionRow::new(
-            Motion::Both,
-            moves(true, true),
-            vec![moment(30, 0.25)],
-            &rest,
-        );
+        let moved = vec![moment(30, 0.25, 0.1)];
+        let moved = MotionRow::new(Motion::Both, moves(true, true), moved);
         let cells = figures_of(&moved);
-        assert_eq!(cells[..4], ["both", "0.2500", "0.2500", "2.50"]);
-        assert_eq!(cells[7], "–/0.2500");
-        let rest = MotionRow::new(Motion::Rest, moves(false, false), rest, &[]);
-        assert_eq!(figures_of(&rest)[7], "0.1000/0.1000");
-        assert_eq!(seconds(&moment(30, 0.0)), "0.5");
-        assert_eq!(seconds(&moment(120, 0.0)), "2");
+        assert_eq!(cells[..5], ["both", "0.2500", "0.2500", "0.1000", "2.50"]);
+        assert_eq!(cells[8], "–/0.2500");
+        let rest = vec![moment(0, 0.1, 0.1), moment(30, 0.2, 0.2)];
+        let rest = MotionRow::new(Motion::Rest, moves(false, false), rest);
+        let cells = figures_of(&rest);
+        assert_eq!(cells[2..5], ["0.2000", "0.1500", "–"]);
+        assert_eq!(cells[8], "0.1000/0.2000");
+        assert_eq!(seconds(&moment(30, 0.0, 0.0)), "0.5");
+        assert_eq!(seconds(&moment(120, 0.0, 0.0)), "2");
     }
 }
