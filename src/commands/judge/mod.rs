@@ -112,6 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let paths = worlds(&arguments.subjects.worlds)?;
     let varied: Vec<&'static str> = arguments.subjects.vary.iter().map(Varied::name).collect();
     arguments.subjects.settings(run)?;
+    arguments.motion.check_worlds(&paths)?;
     arguments.motion.plan(&run.parameters()?)?;
     // Memory for light, display and figures of DDGI and reference, and for FLIP, per pixel.
     let [width, height] = arguments.subjects.size.map(u64::from);

@@ -1,5 +1,7 @@
 //! What moves, for how long, and when it is judged.
 
+use std::path::PathBuf;
+
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
@@ -148,6 +150,27 @@ impl MotionOptions {
             rows,
             moments: (1..=count).map(at).collect(),
         }))
+    }
+
+    /// # Errors
+    /// For a motion among the worlds: the list needs the equals sign, or it would take the first world's name.
+    pub fn check_worlds(&self, worlds: &[PathBuf]) -> Result<(), Failure> {
+        if self.motion.is_none() {
+            return Ok(());
+        }
+        let is_motion = |path: &&PathBuf| {
+            let list = path
+                .to_str()
+                .is_some_and(|text| Wanted::parse(text).is_ok());
+            list && !path.exists()
+        };
+        match worlds.iter().find(is_motion) {
+            None => Ok(()),
+            Some(list) => Err(Failure::bad_input(format!(
+                "there is no world `{0}`; write --motion={0}",
+                list.display()
+            ))),
+        }
     }
 
     /// Bytes of memory per pixel of the references that a camera's rows share.

@@ -10,7 +10,7 @@ use crate::measure::comparison::Comparison;
 pub struct MotionRow {
     pub motion: Motion,
     pub moves: Moves,
-    /// In order of time; never empty.
+    /// In order of time; the row at rest also has the start.
     pub moments: Vec<Moment>,
     /// Mean FLIP of the moments over that of the same moments at rest. `null` for the row at rest itself, and
     /// where there is no error at rest.
@@ -47,16 +47,21 @@ impl MotionRow {
         row
     }
 
-    /// Mean of a figure over the moments.
+    /// Mean of a figure over the moments after the start; the start is a point of the curve.
     pub fn mean(&self, figure: impl Fn(&Moment) -> f64) -> f64 {
-        let sum: f64 = self.moments.iter().map(figure).sum();
-        sum / self.moments.len() as f64
+        let figures = self.after_the_start().map(figure);
+        let (count, sum) = figures.fold((0u32, 0.0), |(count, sum), one| (count + 1, sum + one));
+        sum / f64::from(count.max(1))
     }
 
-    /// Greatest FLIP (mean over the pixels) of the moments.
+    /// Greatest FLIP (mean over the pixels) of the moments after the start.
     pub fn worst_flip(&self) -> f64 {
-        let flips = self.moments.iter().map(|moment| moment.full.flip.mean);
+        let flips = self.after_the_start().map(|moment| moment.full.flip.mean);
         flips.fold(0.0, f64::max)
+    }
+
+    fn after_the_start(&self) -> impl Iterator<Item = &Moment> {
+        self.moments.iter().filter(|moment| moment.frame > 0)
     }
 }
 

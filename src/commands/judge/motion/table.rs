@@ -110,7 +110,7 @@ mod tests {
         let rest = vec![moment(0, 0.1, 0.1), moment(30, 0.2, 0.2)];
         let rest = MotionRow::new(Motion::Rest, moves(false, false), rest);
         let cells = figures_of(&rest);
-        assert_eq!(cells[2..5], ["0.2000", "0.1500", "–"]);
+        assert_eq!(cells[1..5], ["0.2000", "0.2000", "0.2000", "–"]);
         assert_eq!(cells[8], "0.1000/0.2000");
         assert_eq!(seconds(&moment(30, 0.0, 0.0)), "0.5");
         assert_eq!(seconds(&moment(120, 0.0, 0.0)), "2");
