@@ -34,7 +34,7 @@ pub struct TestCaseOptions {
     /// Frames for the probes to settle before anything is measured
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=1_000_000), allow_negative_numbers = true)]
     pub frames: u32,
-    /// World time of all rows, in seconds; the time does not advance
+    /// World time of all rows, in seconds; the time does not advance, except in `grotto judge --motion`
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = world_time, allow_negative_numbers = true)]
     pub time: f64,
     /// Seed of the random rays

@@ -82,8 +82,8 @@ fn every_motion_is_judged_at_every_moment() {
         assert!(page.contains(&format!(">{name}</td>")), "{name}");
         assert!(markdown.contains(&format!("| {name} |")), "{name}");
     }
-    // Three moments at rest, two of each of the four motions.
-    assert_eq!(page.matches("<circle").count(), 3 + 2 * 4);
+    // Three moments at rest; two of each of the four motions, and of their rest where the lamps move.
+    assert_eq!(page.matches("<circle").count(), 3 + 2 * 4 + 2 * 3);
     assert!(page.contains("FLIP over time") && !page.contains("http"));
 
     // A second run takes all references from the cache, and gives the same figures.
@@ -124,9 +124,15 @@ fn a_lamp_that_stands_still_is_at_rest() {
 fn the_reference_of_another_time_is_a_clear_error() {
     let bench = Bench::new();
     let flags = [&INSIDE[..], &SKIP, &MOVING, &["--size", "32x18"]].concat();
-    let moved = ["--motion=lamps", "--motion-frames", "120", "--moments", "2"];
-    let flags = [&flags[..], &moved, &["--spp", "64"]].concat();
+    let moved = ["--motion-frames", "120", "--moments", "2", "--spp", "64"];
+    let flags = [&flags[..], &["--motion=lamps,camera"], &moved].concat();
     let (right, _) = bench.judged(&flags);
+    let over_rest = |name| number(motion(&right, name), "over_rest");
+    assert!(over_rest("lamps") < 1.4, "the lamps of DDGI move too");
+    // The camera has moved, and is at its place.
+    assert!((0.9..1.1).contains(&over_rest("camera")));
+    let [moved, still] = ["camera", "rest"].map(|name| flip(motion(&right, name)));
+    assert_ne!(moved, still, "other faces were seen");
     let kept = bench.references();
     assert_eq!(kept.len(), 3, "the start and two moments");
     let mut contents: Vec<Vec<u8>> = kept

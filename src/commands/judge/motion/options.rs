@@ -11,10 +11,11 @@ use crate::parameters::Parameters;
 /// Options of `grotto judge` about things that move.
 #[derive(Args)]
 pub struct MotionOptions {
-    /// Also judge each row while things move, at 60 frames per second of world time from --time on: `lamps`,
-    /// `camera`, `both` at once (comma-separated) [without a list: all three]. The camera flies and turns, and is
-    /// back at its place at each judged moment. A row `rest` is always made: probes that settle anew in the world
-    /// as it stands still at each of these moments
+    /// Also judge each row while things move, each moment against a reference of its own: `lamps`, `camera`, or
+    /// `both` at once, as in --motion=lamps,camera [without a list: all three]
+    ///
+    /// World time runs from --time on, at 60 frames per second. The camera flies and turns, and is back at its
+    /// place, still in motion, at each judged moment. A row `rest` is always made: nothing moves in it.
     #[arg(long, value_name = "WHAT,WHAT…", num_args = 0..=1, require_equals = true,
           default_missing_value = "lamps,camera,both", value_parser = Wanted::parse)]
     motion: Option<Wanted>,

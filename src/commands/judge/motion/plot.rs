@@ -2,41 +2,45 @@
 
 use super::{
     super::{super::dynamics::RATE, row::Row},
-    row::Moment,
+    row::{Moment, MotionRow},
 };
 use crate::measure::plot::{Curve, Curves, Mark, Scale, colour, curves, escaped};
 
-/// A curve for each motion of the row, with the key of their colours; empty if nothing was judged in motion.
+/// A curve for each motion of the row, and a hollow one for its moments at rest where these are not the row at
+/// rest; with the key of their colours. Empty if nothing was judged in motion.
 pub fn of_row(row: &Row) -> String {
     if row.motion.is_empty() {
         return String::new();
     }
     let moments = || row.motion.iter().flat_map(|motion| &motion.moments);
     let seconds = |moment: &Moment| f64::from(moment.frame) / RATE;
-    let flip = |moment: &Moment| moment.full.flip.mean;
+    let flip: fn(&Moment) -> f64 = |moment| moment.full.flip.mean;
+    let rest_flip: fn(&Moment) -> f64 = |moment| moment.rest_flip;
     let title = format!(
         "{}, {}, {}: FLIP over time",
         row.world, row.camera, row.layout
     );
     let each = row.motion.iter().enumerate();
+    let curve = |(series, motion): (usize, &MotionRow), mark, flip: fn(&Moment) -> f64| Curve {
+        series,
+        points: motion
+            .moments
+            .iter()
+            .map(|moment| (seconds(moment), flip(moment), None))
+            .collect(),
+        mark,
+    };
+    let in_motion = each.clone().map(|one| curve(one, Mark::Line, flip));
+    let has_own_rest = |(_, one): &(usize, &MotionRow)| one.moves.lamps || one.moves.edits;
+    let at_rest = each.clone().filter(has_own_rest);
+    let at_rest = at_rest.map(|one| curve(one, Mark::Hollow, rest_flip));
     let svg = curves(&Curves {
         label: &title,
         x: Scale::from_zero(moments().map(seconds), 5),
-        y: Scale::from_zero(moments().map(flip), 5),
+        y: Scale::from_zero(moments().flat_map(|one| [flip(one), rest_flip(one)]), 5),
         x_name: "seconds of world time in motion",
         y_name: "mean FLIP",
-        curves: each
-            .clone()
-            .map(|(series, motion)| Curve {
-                series,
-                points: motion
-                    .moments
-                    .iter()
-                    .map(|moment| (seconds(moment), flip(moment), None))
-                    .collect(),
-                mark: Mark::Line,
-            })
-            .collect(),
+        curves: at_rest.chain(in_motion).collect(),
         notes: Vec::new(),
     });
     let key: String = each
@@ -53,7 +57,8 @@ pub fn of_row(row: &Row) -> String {
         })
         .collect();
     format!(
-        "<figure class=\"motion\"><figcaption>{}</figcaption>{svg}<div class=\"key\">{key}</div></figure>\n",
+        "<figure class=\"motion\"><figcaption>{}</figcaption>{svg}<div class=\"key\">{key}<span>Hollow: the same moments \
+         at rest</span></div></figure>\n",
         escaped(&title)
     )
 }
