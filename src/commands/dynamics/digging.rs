@@ -110,8 +110,9 @@ mod tests {
     /// A reference repeats the balls on voxels of its own, so they must tell the whole difference.
     #[test]
     fn the_balls_repeat_all_edits() {
-        let text = "(title: \"\", size: (32, 32, 32), shape: Plane(normal: (0, 1, 0), offset: 16),
-              cameras: [(name: \"down\", position: (0.5, 12, 0.5), pitch_deg: -60)])";
+        let text = "(title: \"\", size: (32, 32, 32), origin: (0, 0, 0),
+              shape: Plane(normal: (0, 1, 0), offset: 16),
+              cameras: [(name: \"down\", position: (16.5, 24, 16.5), pitch_deg: -60)])";
         let world = file::parse(text, "test.ron", None, &Overrides::default()).expect("sound");
         let mut before = Voxels::empty(UVec3::splat(32));
         before.fill_box(IVec3::ZERO, IVec3::new(31, 15, 31), 1);
