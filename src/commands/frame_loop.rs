@@ -14,7 +14,7 @@ use crate::{
     parameters::{Parameters, ProbeParameters},
     passes::view::Shot,
     world::{
-        Camera, LayoutSpec, View,
+        Camera, LayoutSpec, View, World,
         voxels::{Edit, Voxels},
     },
 };
@@ -47,6 +47,24 @@ impl<'a> FrameLoop<'a> {
             probes,
             shot,
             stop: None,
+        })
+    }
+
+    /// A loop with the same probes, picture and stop over a copy of the world of its own: edits of one world do
+    /// not change the other. The probes have no light.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold both.
+    pub fn in_own_world(&self, world: &World) -> Result<Self, Failure> {
+        let gpu = self.gpu;
+        let stage = Stage::build(gpu, world)?;
+        Ok(Self {
+            gpu,
+            frame: Frame::new(gpu, stage, &self.layout, &self.probes, self.shot.size)?,
+            layout: self.layout.clone(),
+            probes: self.probes.clone(),
+            shot: self.shot.clone(),
+            stop: self.stop.clone(),
         })
     }
 
@@ -83,6 +101,11 @@ impl<'a> FrameLoop<'a> {
     pub fn look(&mut self, camera: &Camera, view: View) {
         self.shot.camera = camera.clone();
         self.shot.view = view;
+    }
+
+    /// Sets the world time of the next frames, in seconds; the lights are given with the frames.
+    pub fn set_time(&mut self, time_s: f64) {
+        self.shot.time_s = time_s;
     }
 
     /// Sets the width and height in pixels of the next pictures; the probes keep their light.
@@ -133,6 +156,21 @@ impl<'a> FrameLoop<'a> {
     /// When the adapter fails.
     pub fn radiance(&self) -> Result<Picture, Failure> {
         Ok(self.frame.read_radiance(self.gpu)?)
+    }
+
+    /// Linear light of the last frame in another view: nothing moves and no probe is updated in between.
+    ///
+    /// # Errors
+    /// When the adapter fails.
+    pub fn radiance_of(&self, view: View) -> Result<Picture, Failure> {
+        let shot = Shot {
+            view,
+            ..self.shot.clone()
+        };
+        let mut recorder = Recorder::new(self.gpu, None);
+        self.frame.show(self.gpu, &mut recorder, &shot);
+        recorder.submit(self.gpu)?;
+        self.radiance()
     }
 
     /// The last frame as a display shows it.

@@ -34,7 +34,7 @@ pub struct TestCaseOptions {
     /// Frames for the probes to settle before anything is measured
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=1_000_000), allow_negative_numbers = true)]
     pub frames: u32,
-    /// World time of all rows, in seconds; the time does not advance
+    /// World time of all rows, in seconds; the time does not advance, except in `grotto judge --motion`
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = world_time, allow_negative_numbers = true)]
     pub time: f64,
     /// Seed of the random rays
@@ -104,6 +104,7 @@ pub struct TestCase {
     /// Index of the lamp that the world names for changes of light; `None` where it names none, or one that is
     /// not lit.
     pub named_lamp: Option<usize>,
+    lamps: LampPreset,
     options: ViewOptions,
 }
 
@@ -146,8 +147,7 @@ impl TestCase {
         }
         let named = world.response.lamp.as_ref();
         let named_lamp = named.and_then(|name| lamps.lamps.iter().position(|l| l.name == *name));
-        let moving = parameters.lights.animate;
-        let lights = Lights::at(&world, &lamps, if moving { options.time } else { 0.0 });
+        let lights = lights_at(&world, &lamps, &parameters, options.time);
         Ok(Some(Self {
             world,
             parameters,
@@ -156,12 +156,23 @@ impl TestCase {
             settings,
             lights,
             named_lamp,
+            lamps,
             options: ViewOptions {
                 size: options.size,
                 seed: options.seed,
                 time_s: options.time,
             },
         }))
+    }
+
+    /// The lights at another world time (seconds); `lights.animate=off` stops the lamps.
+    pub fn lights_at(&self, time_s: f64) -> Lights {
+        lights_at(&self.world, &self.lamps, &self.parameters, time_s)
+    }
+
+    /// World time of the rows, in seconds.
+    pub fn time_s(&self) -> f64 {
+        self.options.time_s
     }
 
     /// The view that a frame loop of this world starts with.
@@ -177,6 +188,11 @@ impl TestCase {
             textures: self.parameters.textures.enabled,
         }
     }
+}
+
+fn lights_at(world: &World, lamps: &LampPreset, parameters: &Parameters, time_s: f64) -> Lights {
+    let moving = parameters.lights.animate;
+    Lights::at(world, lamps, if moving { time_s } else { 0.0 })
 }
 
 struct Choice<'a> {

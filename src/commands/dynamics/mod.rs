@@ -1,9 +1,11 @@
 //! How steady the picture of a scene at rest is, and how fast light follows a change.
 
+mod digging;
 mod edits;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::digging::{Ball, Digging};
 use self::edits::{Opening, moved_lamp};
 use super::{Failure, frame_loop::FrameLoop, test_case::TestCase};
 use crate::{
@@ -16,6 +18,12 @@ use crate::{
     world::{Camera, View},
 };
 
+/// Frames per second of world time, wherever things move.
+pub const RATE: f64 = 60.0;
+/// Speed of a camera that flies (metres per second).
+pub const FLIGHT_SPEED: f32 = 10.0;
+/// Speed of a camera that turns (degrees per second).
+pub const TURN_DEG: f32 = 90.0;
 /// Pictures over which stability is measured, as in the source's table 4.4.
 pub const STILL_FRAMES: u32 = 50;
 /// Frames that are watched after a change. At a hysteresis of 0.97 one bounce takes 151 to 99 %.

@@ -1,6 +1,7 @@
 //! `grotto judge`: DDGI against path-traced references, as one table.
 
 pub(super) mod cache;
+mod motion;
 mod page;
 mod part;
 mod report;
@@ -17,6 +18,7 @@ use clap::Args;
 pub(super) use self::part::merge;
 use self::{
     cache::Cache,
+    motion::MotionOptions,
     page::Page,
     report::Files,
     runner::{Judge, Missed, Progress},
@@ -40,7 +42,8 @@ use crate::measure::{picture_file, selection::Selection};
 /// over RGB, over 50 frames of the tone-mapped scene at rest. Response counts frames until the indirect light
 /// has made 90 % and 99 % of its change, after a lamp is switched on, off, or moved, and after a wall is opened
 /// and closed. The world names the lamp and the wall; the defaults are the first lamp and a hole in front of
-/// the camera. Without WORLD all worlds of the folder worlds/ are judged.
+/// the camera. With --motion, rows are also judged while lamps and camera move. Without WORLD all worlds of the
+/// folder worlds/ are judged.
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -77,6 +80,8 @@ pub struct Arguments {
     /// Frames to watch after each change
     #[arg(long, value_name = "N", default_value_t = WATCHED_FRAMES, value_parser = clap::value_parser!(u32).range(16..=100_000))]
     response_frames: u32,
+    #[command(flatten)]
+    motion: MotionOptions,
     /// Where references are stored [default: the user's cache folder]
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     cache: Option<PathBuf>,
@@ -107,9 +112,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let paths = worlds(&arguments.subjects.worlds)?;
     let varied: Vec<&'static str> = arguments.subjects.vary.iter().map(Varied::name).collect();
     arguments.subjects.settings(run)?;
+    arguments.motion.check_worlds(&paths)?;
+    arguments.motion.plan(&run.parameters()?)?;
     // Memory for light, display and figures of DDGI and reference, and for FLIP, per pixel.
     let [width, height] = arguments.subjects.size.map(u64::from);
-    memory::check("judging pictures of this size", width * height * 400)?;
+    let per_pixel = 400 + arguments.motion.bytes_per_pixel();
+    memory::check("judging pictures of this size", width * height * per_pixel)?;
     let masks = read_masks(arguments)?;
     let files = match arguments.shard {
         None => Some(Files::new(&arguments.out)?),

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     super::Failure,
+    motion,
     report::Report,
     row::{Pictures, Row, Target},
     table::{LEGEND, of_rows, of_settings},
@@ -15,7 +16,7 @@ use crate::{
     measure::{
         magma::heat_map,
         picture::Picture,
-        picture_file,
+        picture_file, plot,
         thumbnail::{jpeg, reduced, reduced_map},
         whole_file,
     },
@@ -202,7 +203,11 @@ impl Page {
                     picture: Show::Map(size, &pictures.indirect_map),
                 },
             ],
-        )
+        )?;
+        if let Some(fragment) = self.fragments.last_mut() {
+            fragment.html += &motion::plot(row);
+        }
+        Ok(())
     }
 
     /// Adds pictures to the page under a heading, and in full size to files whose names contain `stem`. The
@@ -280,13 +285,21 @@ impl Page {
             0 => "",
             _ => " Heat maps show FLIP in the colour map magma: black is 0, pale yellow is 1.",
         };
+        let motion = motion::of_rows(report.rows, report.varied);
+        let (style, motion) = match motion {
+            None => (String::new(), String::new()),
+            Some(table) => (
+                format!("{}{}", plot::STYLE, motion::STYLE),
+                format!("{}<p>{}</p>\n", table.html(), motion::LEGEND),
+            ),
+        };
         let pictures: String = self.fragments.iter().map(|f| &f.html[..]).collect();
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width\">\n\
-             <title>grotto judge</title>\n<style>{STYLE}</style>\n\
+             <title>grotto judge</title>\n<style>{STYLE}{style}</style>\n\
              <h1>DDGI against path-traced references</h1>\n<p>{}</p>\n\
-             {warnings}{failures}{settings}{}<p>{LEGEND}{maps}</p>\n{}</html>\n",
+             {warnings}{failures}{settings}{}<p>{LEGEND}{maps}</p>\n{motion}{}</html>\n",
             escaped(&report.made_by()),
             of_rows(report.rows, report.varied).html(),
             pictures

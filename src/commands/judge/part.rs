@@ -126,6 +126,7 @@ pub fn file(
         ("--skip-stability", arguments.skip_stability.to_string()),
         ("--skip-response", arguments.skip_response.to_string()),
         ("--response-frames", arguments.response_frames.to_string()),
+        ("--motion", arguments.motion.fact()),
     ];
     let head = Head {
         command: COMMAND.to_owned(),
@@ -380,6 +381,7 @@ mod tests {
             }),
             response: None,
             probe_bytes: 1,
+            motion: Vec::new(),
         }
     }
 

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::{
     super::{Failure, out_file::OutFile},
+    motion,
     page::Page,
     row::Row,
     summary::Summary,
@@ -41,19 +42,21 @@ pub struct Missing {
 }
 
 impl Report<'_> {
-    /// Both tables as a terminal shows them.
+    /// All tables as a terminal shows them.
     pub fn text(&self) -> String {
-        let rows = table::of_rows(self.rows, self.varied).text();
-        match &self.by_setting[..] {
-            [] => rows,
-            settings => format!(
-                "{rows}\n{}",
-                table::of_settings(settings, self.varied).text()
-            ),
+        let mut text = table::of_rows(self.rows, self.varied).text();
+        if !self.by_setting.is_empty() {
+            text += "\n";
+            text += &table::of_settings(&self.by_setting, self.varied).text();
         }
+        if let Some(motion) = motion::of_rows(self.rows, self.varied) {
+            text += "\n";
+            text += &motion.text();
+        }
+        text
     }
 
-    /// Both tables in Markdown, for readers without a browser.
+    /// All tables in Markdown, for readers without a browser.
     fn markdown(&self) -> String {
         let mut text = format!(
             "# DDGI against path-traced references\n\n{}\n",
@@ -71,11 +74,12 @@ impl Report<'_> {
                 table::of_settings(&self.by_setting, self.varied).markdown()
             );
         }
-        text + "\n"
-            + &table::of_rows(self.rows, self.varied).markdown()
-            + "\n"
-            + table::LEGEND
-            + "\n"
+        let rows = table::of_rows(self.rows, self.varied).markdown();
+        text += &format!("\n{rows}\n{}\n", table::LEGEND);
+        if let Some(motion) = motion::of_rows(self.rows, self.varied) {
+            text += &format!("\n{}\n{}\n", motion.markdown(), motion::LEGEND);
+        }
+        text
     }
 
     /// The build, adapter and settings that made the table, in one sentence.

@@ -11,6 +11,7 @@ use super::{
         test_case::TestCase,
     },
     cache::Truth,
+    motion::MotionRow,
 };
 use crate::{
     measure::{
@@ -52,6 +53,9 @@ pub struct Row {
     pub response: Option<Responses>,
     /// Bytes of the probes on the adapter.
     pub probe_bytes: u64,
+    /// Errors while things move; empty, and not printed, without `--motion`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub motion: Vec<MotionRow>,
 }
 
 /// The pictures of a row, as a display shows them, and FLIP of each pixel.
@@ -264,6 +268,7 @@ fn compared(
         stability: None,
         response: None,
         probe_bytes: 0,
+        motion: Vec::new(),
     };
     let pictures = Pictures {
         full,

@@ -18,6 +18,7 @@ use super::{
     },
     Arguments,
     cache::Cache,
+    motion::{self, Judging, Targets},
     page::Page,
     report::{Files, Missing, Report},
     row::{self, Dark, Names, Pictures, Plan, Row, Target},
@@ -174,6 +175,7 @@ impl Judge<'_> {
         if !has_any(first_row..self.progress.rows) {
             return Ok(());
         }
+        let plan = arguments.motion.plan(&case.parameters)?;
         let stage = Stage::build(self.gpu, &case.world)?;
         let mut frame_loop = FrameLoop::new(
             self.gpu,
@@ -185,7 +187,6 @@ impl Judge<'_> {
         frame_loop.stop_at(self.stop);
         let mut tracer = Tracer {
             world: &case.world,
-            lights: &case.lights,
             run,
             cache: self.cache,
             gpu: self.gpu,
@@ -202,6 +203,7 @@ impl Judge<'_> {
             self.progress.at = start + (1 + index * (1 + per_camera)) as u32;
             let target = self.target(&case, camera, &mut tracer, &mut frame_loop)?;
             self.page.camera(self.progress.at, camera, &target)?;
+            let mut targets = Targets::default();
             // Whether the next row belongs to this part.
             let mut is_mine = |progress: &mut Progress| {
                 progress.at += 1;
@@ -231,7 +233,19 @@ impl Judge<'_> {
                         layout: &layout.name,
                         settings,
                     };
-                    let judged = self.row(&names, &target, &mut frame_loop)?;
+                    let mut judged = self.row(&names, &target, &mut frame_loop)?;
+                    if let Some(plan) = &plan {
+                        let mut motion = Judging {
+                            names: &names,
+                            plan,
+                            settling: arguments.subjects.frames,
+                            film: self.film(&case, camera),
+                            tracer: &mut tracer,
+                            targets: &mut targets,
+                            run,
+                        };
+                        judged.0.motion = motion.rows(&mut frame_loop)?;
+                    }
                     self.add(judged)?;
                 }
             }
@@ -239,9 +253,12 @@ impl Judge<'_> {
         Ok(())
     }
 
-    fn film<'c>(&self, case: &TestCase, camera: &'c Camera) -> Film<'c> {
+    /// The camera's picture, before anything has moved.
+    fn film<'c>(&self, case: &'c TestCase, camera: &'c Camera) -> Film<'c> {
         Film {
             camera,
+            lights: &case.lights,
+            edits: &[],
             size: self.arguments.subjects.size,
             spp: self.arguments.spp,
             seed: self.arguments.subjects.seed,
@@ -313,6 +330,9 @@ impl Judge<'_> {
     /// Adds a row, and rewrites the files.
     fn add(&mut self, (row, pictures): (Row, Pictures)) -> Result<(), Failure> {
         output::note(&self.arguments.run, &table::line(&row));
+        for moved in &row.motion {
+            output::note(&self.arguments.run, &motion::line(moved));
+        }
         self.page.row(self.progress.at, &row, &pictures)?;
         self.rows.push(row);
         self.places.push(self.progress.at);

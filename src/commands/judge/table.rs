@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use super::{super::dynamics::Responses, page::escaped, row::Row, summary::Summary};
 
 /// A column's name and the text of its cells.
-type Column = (&'static str, fn(&Row) -> String);
+pub type Column = (&'static str, fn(&Row) -> String);
 
-const NAMES: [Column; 3] = [
+/// The columns that name a row.
+pub const NAMES: [Column; 3] = [
     ("world", |row| row.world.clone()),
     ("camera", |row| row.camera.clone()),
     ("layout", |row| row.layout.clone()),
@@ -137,7 +138,8 @@ pub fn of_rows(rows: &[Row], varied: &[&'static str]) -> Table {
     }
 }
 
-fn dash() -> String {
+/// The cell of a figure that was not measured.
+pub fn dash() -> String {
     "–".to_owned()
 }
 
@@ -176,7 +178,7 @@ fn figures_of(row: &Row) -> [String; 9] {
 }
 
 /// A dash where a reference has no light to compare with.
-fn ratio(value: f64) -> String {
+pub fn ratio(value: f64) -> String {
     match value.is_finite() {
         true => format!("{value:.3}"),
         false => dash(),
@@ -227,6 +229,15 @@ pub fn of_settings(settings: &[Summary], varied: &[&'static str]) -> Table {
 }
 
 impl Table {
+    /// `names`: number of columns with names, which are the first. Each line has a cell for each heading.
+    pub fn new(heads: Vec<String>, lines: Vec<Vec<String>>, names: usize) -> Self {
+        Self {
+            heads,
+            lines,
+            names,
+        }
+    }
+
     /// For a terminal: names are aligned to the left, numbers to the right.
     pub fn text(&self) -> String {
         let lines = || std::iter::once(&self.heads).chain(&self.lines);

@@ -1,12 +1,16 @@
 //! The picture that DDGI is judged against: path-traced, or from the cache.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::{
+    borrow::Cow,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 use clap::ValueEnum;
 
 use super::{
     super::{
         Failure,
+        dynamics::Ball,
         options::RunOptions,
         output,
         reference::{content, sources},
@@ -32,8 +36,12 @@ pub enum Against {
 }
 
 /// Content and quality of a reference.
+#[derive(Clone, Copy)]
 pub struct Film<'a> {
     pub camera: &'a Camera,
+    pub lights: &'a Lights,
+    /// Edits of the world, which the stage has too.
+    pub edits: &'a [Ball],
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Paths per pixel.
@@ -46,7 +54,6 @@ pub struct Film<'a> {
 /// The path tracer of one world, and the cache of its references.
 pub struct Tracer<'a> {
     pub world: &'a World,
-    pub lights: &'a Lights,
     pub run: &'a RunOptions,
     pub cache: &'a Cache,
     pub gpu: &'a Gpu,
@@ -96,6 +103,8 @@ impl<'a> Tracer<'a> {
     fn key(&self, film: &Film<'_>) -> Result<Key, Failure> {
         let Film {
             camera,
+            lights,
+            edits,
             size,
             spp,
             seed,
@@ -106,10 +115,14 @@ impl<'a> Tracer<'a> {
             Against::Reference => &self.gpu.summary.name,
             Against::Cpu => "CPU",
         };
+        let edits = match edits {
+            [] => String::new(),
+            edits => format!(" {edits:?}"),
+        };
         Ok(Key {
             content: format!(
-                "{tracer} {} {basis:?} {size:?} {spp} {seed} {textures}",
-                content(self.world, self.lights)
+                "{tracer} {} {basis:?} {size:?} {spp} {seed} {textures}{edits}",
+                content(self.world, lights)
             ),
             version: self.version()?,
             size: *size,
@@ -148,7 +161,7 @@ impl<'a> Tracer<'a> {
                 };
                 let gpu = self.gpu;
                 let stop = self.stop;
-                trace(gpu, stage, self.lights, &request, &progress, stop)?.picture
+                trace(gpu, stage, film.lights, &request, &progress, stop)?.picture
             }
         };
         bar.finish_and_clear();
@@ -166,13 +179,17 @@ impl<'a> Tracer<'a> {
         cancel: &AtomicBool,
     ) -> Picture {
         let world = self.world;
-        let voxels = self.voxels.get_or_insert_with(|| generate::generate(world));
+        let unedited = self.voxels.get_or_insert_with(|| generate::generate(world));
+        let mut voxels = Cow::Borrowed(&*unedited);
+        for ball in film.edits {
+            ball.fill(voxels.to_mut());
+        }
         let materials = MaterialSet::bake(&world.materials, world.seed);
         let scene = reference::TracedWorld {
-            voxels,
+            voxels: &voxels,
             origin: world.origin,
             materials: &materials,
-            lights: self.lights,
+            lights: film.lights,
             textures: film.textures,
         };
         let options = FilmOptions {

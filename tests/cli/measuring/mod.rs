@@ -4,6 +4,7 @@
 mod compare;
 mod dynamics;
 mod judge;
+mod motion;
 mod parts;
 mod tables;
 

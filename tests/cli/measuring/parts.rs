@@ -296,6 +296,7 @@ fn parts_of_a_judge_make_the_tables_and_pages_of_one_run() {
             "--frames",
             "6",
         ],
+        &["--motion=camera", "--motion-frames", "3", "--moments", "1"],
     ]
     .concat();
     let (whole, _) = bench.judged(&flags);

@@ -79,7 +79,6 @@ impl Judging<'_> {
         let lights = rig.lights(spec, rig.time_s);
         let mut tracer = Tracer {
             world: &rig.scene.world,
-            lights: &lights,
             run: self.run,
             cache: self.cache,
             gpu: rig.gpu,
@@ -89,6 +88,8 @@ impl Judging<'_> {
         };
         let film = Film {
             camera: &spec.camera,
+            lights: &lights,
+            edits: &[],
             size,
             spp: self.spp,
             seed: rig.seed,

@@ -7,8 +7,14 @@ use std::{
 };
 
 use super::{
-    super::{super::Failure, results::FrameSample},
-    motion::{Digging, RATE, Track},
+    super::{
+        super::{
+            Failure,
+            dynamics::{Digging, RATE},
+        },
+        results::FrameSample,
+    },
+    motion::Track,
     spec::{BenchScene, Condition, RowSpec},
 };
 use crate::{
@@ -172,7 +178,7 @@ impl<'a> Rig<'a> {
         let probes = &spec.parameters.probes;
         let mut own = Frame::new(self.gpu, stage, &spec.layout, probes, spec.size)?;
         std::mem::swap(&mut own, &mut self.frame);
-        let digging = Digging::new(self.scene, &self.voxels, &spec.camera);
+        let digging = Digging::new(&self.scene.world, &self.voxels, &spec.camera);
         let result = self.frames(spec, condition, length, Some(digging));
         std::mem::swap(&mut own, &mut self.frame);
         result
@@ -206,8 +212,10 @@ impl<'a> Rig<'a> {
             shot.camera = track.at(flown_s);
             shot.frame = self.frame.frames();
             let start = Instant::now();
-            if let Some(digging) = digging.as_mut().filter(|_| index >= length.settling) {
-                digging.step(gpu, &mut self.frame, index - length.settling)?;
+            if let Some(digging) = digging.as_mut().filter(|_| index >= length.settling)
+                && let Some(edit) = digging.step(index - length.settling)
+            {
+                self.frame.apply(gpu, digging.voxels(), &edit)?;
             }
             // A fresh field learns how long its passes take before frames are measured.
             let by_pass = index.is_multiple_of(BY_PASS_INTERVAL) || index < length.settling / 4;
