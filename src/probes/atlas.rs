@@ -20,11 +20,12 @@ pub struct AtlasLayout {
     pub distance_texels: u32,
 }
 
-/// Bytes of one texel of both textures (rgba16float).
-const TEXEL_BYTES: u64 = 8;
-/// History: irradiance (f32); mean distance and mean of squares (f32).
+/// Bytes of one texel of the irradiance atlas (rgba16float).
+const IRRADIANCE_TEXEL_BYTES: u64 = 8;
+/// Bytes of one texel of the distance atlas: see [`distances_of`].
+const DISTANCE_TEXEL_BYTES: u64 = 4;
+/// History: irradiance (f32). Distances are their own history.
 const IRRADIANCE_HISTORY_BYTES: u64 = 16;
-const DISTANCE_HISTORY_BYTES: u64 = 8;
 /// Radiance and distance of one ray (f32).
 const RAY_BYTES: u64 = 16;
 /// Number of updates, mean luminance, variability, and flags.
@@ -53,13 +54,20 @@ crate::shared! {
     const CUBE_VECTORS: u64 = 3;
 }
 
+/// Mean distance and mean of squares that a texel of the distance atlas stores, in units of the longest distance and its
+/// square. The same in shaders: shaders/probes/moments.wesl.
+pub fn distances_of(stored: u32) -> [f32; 2] {
+    let share = |bits: u32| (bits & 0xffff) as f32 / 65535.0;
+    let (mean, root) = (share(stored), share(stored >> 16));
+    [mean, root * root]
+}
+
 /// Memory of a probe field on the GPU, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProbeMemory {
     pub irradiance_atlas: u64,
     pub distance_atlas: u64,
     pub irradiance_history: u64,
-    pub distance_history: u64,
     pub rays: u64,
     pub states: u64,
     pub variability: u64,
@@ -75,7 +83,6 @@ impl ProbeMemory {
         self.irradiance_atlas
             + self.distance_atlas
             + self.irradiance_history
-            + self.distance_history
             + self.rays
             + self.states
             + self.variability
@@ -161,16 +168,15 @@ impl AtlasLayout {
     /// All memory of the field with `rays` rays per probe.
     pub fn memory(&self, rays: u32) -> ProbeMemory {
         let slots = u64::from(self.slots);
-        let texture = |texels: u32| {
+        let texture = |texels: u32, texel_bytes: u64| {
             let extent = self.texture_extent(texels).map(u64::from);
-            extent[0] * extent[1] * extent[2] * TEXEL_BYTES
+            extent[0] * extent[1] * extent[2] * texel_bytes
         };
         let square = |texels: u32| u64::from(texels) * u64::from(texels);
         ProbeMemory {
-            irradiance_atlas: texture(self.irradiance_texels),
-            distance_atlas: texture(self.distance_texels),
+            irradiance_atlas: texture(self.irradiance_texels, IRRADIANCE_TEXEL_BYTES),
+            distance_atlas: texture(self.distance_texels, DISTANCE_TEXEL_BYTES),
             irradiance_history: slots * square(self.irradiance_texels) * IRRADIANCE_HISTORY_BYTES,
-            distance_history: slots * square(self.distance_texels) * DISTANCE_HISTORY_BYTES,
             rays: slots * u64::from(rays) * RAY_BYTES,
             states: slots * STATE_BYTES,
             variability: slots * VARIABILITY_BYTES,
@@ -237,10 +243,10 @@ mod tests {
         let layout = layout(64, 8192, 256).expect("fits");
         let memory = layout.memory(100);
         assert_eq!(memory.irradiance_atlas, 64 * 100 * 8);
-        assert_eq!(memory.distance_atlas, 64 * 324 * 8);
+        assert_eq!(memory.distance_atlas, 64 * 324 * 4);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 112 + 16 + 48 + 32)
+            64 * (800 + 1296 + 64 * 16 + 1600 + 16 + 112 + 16 + 48 + 32)
         );
     }
 }

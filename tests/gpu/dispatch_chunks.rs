@@ -41,7 +41,7 @@ fn shot(world: &World, frame: u32) -> Shot {
 struct Drawn {
     radiance: Picture,
     irradiance: Vec<[f16; 4]>,
-    distance: Vec<[f16; 4]>,
+    distance: Vec<u32>,
     shadow_rays: u64,
 }
 
@@ -95,7 +95,9 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
     Drawn {
         radiance: frame.read_radiance(gpu).expect("reads back"),
         irradiance: texels(gpu, frame.field().irradiance_atlas()),
-        distance: texels(gpu, frame.field().distance_atlas()),
+        distance: gpu
+            .read_texture(frame.field().distance_atlas())
+            .expect("reads back"),
         shadow_rays: frame.count_shadow_rays(gpu, true).expect("counts"),
     }
 }

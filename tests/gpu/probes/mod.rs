@@ -12,13 +12,13 @@ mod visible_light;
 
 use glam::{DVec3, IVec2, IVec3, UVec2, UVec3, Vec3};
 use grotto::{
-    gpu::{Gpu, Kernel, KernelSpec, Recorder},
+    gpu::{Gpu, Kernel, KernelSpec, Recorder, Structured},
     parameters::{ProbeParameters, ProbeStates, Visibility},
     passes::{
         probes::{ProbeField, blend::ProbeBlend, schedule::ProbeSchedule},
         scene::GpuVoxels,
     },
-    probes::{Volume, sampling},
+    probes::{Volume, atlas::distances_of, sampling},
     world::voxels::Voxels,
 };
 use half::f16;
@@ -111,26 +111,34 @@ impl Rig {
     }
 
     /// The map of a slot: texels by their coordinates, with the border at −1 and n.
-    fn map(&self, slot: u32, texture: &wgpu::Texture, texels: u32) -> impl Fn(IVec2) -> [f64; 4] {
-        let all: Vec<[f16; 4]> = self.gpu.read_texture(texture).expect("reads back");
+    fn map<T: Structured>(
+        &self,
+        slot: u32,
+        texture: &wgpu::Texture,
+        texels: u32,
+    ) -> impl Fn(IVec2) -> T {
+        let all: Vec<T> = self.gpu.read_texture(texture).expect("reads back");
         let [column, row, layer] = self.field.atlas().tile(slot);
         assert_eq!(layer, 0, "read_texture reads the first layer");
         let width = texture.width() as usize;
         let corner = UVec2::new(column, row) * (texels + 2);
         move |place: IVec2| {
             let at = (corner.as_ivec2() + place + 1).as_uvec2();
-            all[at.y as usize * width + at.x as usize].map(f64::from)
+            all[at.y as usize * width + at.x as usize]
         }
     }
 
     fn irradiance(&self, slot: u32) -> impl Fn(IVec2) -> [f64; 4] {
         let texels = self.parameters.irradiance_texels;
-        self.map(slot, self.field.irradiance_atlas(), texels)
+        let map = self.map::<[f16; 4]>(slot, self.field.irradiance_atlas(), texels);
+        move |place| map(place).map(f64::from)
     }
 
-    fn distance(&self, slot: u32) -> impl Fn(IVec2) -> [f64; 4] {
+    /// Mean distance and mean of squares.
+    fn distance(&self, slot: u32) -> impl Fn(IVec2) -> [f64; 2] {
         let texels = self.parameters.distance_texels;
-        self.map(slot, self.field.distance_atlas(), texels)
+        let map = self.map::<u32>(slot, self.field.distance_atlas(), texels);
+        move |place| distances_of(map(place)).map(f64::from)
     }
 
     /// Gathers at (point, normal), seen along the normal.

@@ -25,7 +25,7 @@ impl ProbeField {
     }
 
     /// What an update of the field writes: rays, histories, states, and the atlas.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
         use wgpu::BindingResource::TextureView;
         let [update_schedule, work] = self.update_schedule.resources();
         [
@@ -37,10 +37,6 @@ impl ProbeField {
             (
                 "irradiance_history",
                 self.irradiance_history.as_entire_binding(),
-            ),
-            (
-                "distance_history",
-                self.distance_history.as_entire_binding(),
             ),
             ("probe_states", self.states.as_entire_binding()),
             ("probe_variability", self.variability.as_entire_binding()),

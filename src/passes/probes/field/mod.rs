@@ -48,7 +48,6 @@ pub struct ProbeField {
     ray_directions: wgpu::Buffer,
     rays: wgpu::Buffer,
     irradiance_history: wgpu::Buffer,
-    distance_history: wgpu::Buffer,
     states: wgpu::Buffer,
     variability: wgpu::Buffer,
     changes_info: wgpu::Buffer,
@@ -101,10 +100,6 @@ impl ProbeField {
                 "the irradiance history of all probes",
                 memory.irradiance_history,
             ),
-            (
-                "the distance history of all probes",
-                memory.distance_history,
-            ),
         ];
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
@@ -123,12 +118,14 @@ impl ProbeField {
         memory: ProbeMemory,
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
-        let texture = |label, texels| {
-            let format = wgpu::TextureFormat::Rgba16Float;
-            gpu.texture(label, atlas.texture_extent(texels), format)
-        };
-        let irradiance_atlas = texture("irradiance_atlas", atlas.irradiance_texels)?;
-        let distance_atlas = texture("distance_atlas", atlas.distance_texels)?;
+        let texture =
+            |label, texels, format| gpu.texture(label, atlas.texture_extent(texels), format);
+        let (light, distances) = (
+            wgpu::TextureFormat::Rgba16Float,
+            wgpu::TextureFormat::R32Uint,
+        );
+        let irradiance_atlas = texture("irradiance_atlas", atlas.irradiance_texels, light)?;
+        let distance_atlas = texture("distance_atlas", atlas.distance_texels, distances)?;
         let places = gpu.storage_buffer("probe_places", memory.places)?;
         // Until pass `probes/classify` runs, all probes are on the lattice and count as alive.
         let lattice: Vec<GpuProbePlace> = (0..volume.slots())
@@ -152,7 +149,6 @@ impl ProbeField {
             rays: gpu.storage_buffer("probe_rays", memory.rays)?,
             irradiance_history: gpu
                 .storage_buffer("irradiance_history", memory.irradiance_history)?,
-            distance_history: gpu.storage_buffer("distance_history", memory.distance_history)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
             variability: gpu.storage_buffer("probe_variability", memory.variability)?,
             changes_info: gpu.uniform_buffer("changes", &GpuChanges::default()),
@@ -292,12 +288,11 @@ impl ProbeField {
         &self.rays
     }
 
-    /// Buffers that keep f32 data between frames, with names: light, distances, and the means behind variability.
-    pub fn histories(&self) -> [(&'static str, &wgpu::Buffer); 4] {
+    /// Buffers that keep f32 data between frames, with names: rays, light, and the means behind variability.
+    pub fn histories(&self) -> [(&'static str, &wgpu::Buffer); 3] {
         [
             ("the rays of probes", &self.rays),
             ("the irradiance history", &self.irradiance_history),
-            ("the distance history", &self.distance_history),
             ("the variability of probes", &self.variability),
         ]
     }
@@ -312,8 +307,8 @@ impl ProbeField {
         &self.irradiance_atlas
     }
 
-    /// Mean distance (R) and mean of squares (G) in units of the longest distance and its square:
-    /// rgba16float; one texel where [`Self::keeps_distances`] says no.
+    /// Distances: r32uint, which [`distances_of`](crate::probes::atlas::distances_of) unpacks; one texel where
+    /// [`Self::keeps_distances`] says no.
     pub fn distance_atlas(&self) -> &wgpu::Texture {
         &self.distance_atlas
     }
