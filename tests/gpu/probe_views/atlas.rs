@@ -1,14 +1,12 @@
 //! Layers of the atlases, drawn flat.
 
-use glam::Vec3;
+use glam::{IVec2, Vec3};
 use grotto::{
     frame::FrameError,
-    gpu::{Gpu, Structured},
     parameters::{ProbeParameters, Visibility},
     passes::view::{AtlasLayer, AtlasMap, Inspection, InspectionError},
-    probes::atlas::distances_of,
+    probes::{octahedral, packed::distances_of},
 };
-use half::f16;
 
 use super::{Watched, few_rays};
 use crate::support;
@@ -16,11 +14,11 @@ use crate::support;
 /// Bytes of a row in a copy of a texture.
 const ROW: u32 = 512;
 
-/// A layer of a texture, rows from the top.
-fn texels<T: Structured>(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Vec<Vec<T>> {
+/// A layer of the distance atlas as it is shown, rows from the top.
+fn distances(watched: &Watched, layer: u32) -> Vec<Vec<[f32; 3]>> {
+    let (gpu, texture) = (&watched.gpu, watched.frame.field().distance_atlas());
     let (width, height) = (texture.width(), texture.height());
-    let texel_bytes = size_of::<T>();
-    assert!(width as usize * texel_bytes <= ROW as usize);
+    assert!(width * 4 <= ROW);
     let copy = gpu.storage_buffer("copy", u64::from(height * ROW));
     let copy = copy.expect("it fits");
     let mut from = texture.as_image_copy();
@@ -43,15 +41,36 @@ fn texels<T: Structured>(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Vec<
         },
     );
     gpu.queue.submit([encoder.finish()]);
-    let rows: Vec<T> = gpu.read_buffer(&copy).expect("reads back");
-    rows.chunks_exact(ROW as usize / texel_bytes)
-        .map(|row| row[..width as usize].to_vec())
+    let rows: Vec<u32> = gpu.read_buffer(&copy).expect("reads back");
+    let shown = |stored: &u32| {
+        let [mean, squares] = distances_of(*stored);
+        [mean, squares, 0.0]
+    };
+    rows.chunks_exact(ROW as usize / 4)
+        .map(|row| row[..width as usize].iter().map(shown).collect())
         .collect()
 }
 
-fn mapped<T: Copy>(rows: Vec<Vec<T>>, shown: impl Fn(T) -> [f32; 3]) -> Vec<Vec<[f32; 3]>> {
-    let row = |row: Vec<T>| row.into_iter().map(&shown).collect();
-    rows.into_iter().map(row).collect()
+/// A layer of tiles of irradiance, rows from the top.
+fn irradiance(watched: &Watched, layer: u32) -> Vec<Vec<[f32; 3]>> {
+    let field = watched.frame.field();
+    let (atlas, n) = (field.atlas(), field.atlas().irradiance_texels);
+    let maps = field.irradiance(&watched.gpu).expect("reads back");
+    let [width, height, _] = atlas.layer_extent(n);
+    let mut rows = vec![vec![[0.0; 3]; width as usize]; height as usize];
+    for slot in 0..atlas.slots {
+        let [column, row, its_layer] = atlas.tile(slot);
+        if its_layer != layer {
+            continue;
+        }
+        for (x, y) in (0..n + 2).flat_map(|y| (0..n + 2).map(move |x| (x, y))) {
+            let source = octahedral::border_source(IVec2::new(x as i32, y as i32) - 1, n);
+            let texel = (slot * n + source.y) * n + source.x;
+            let [x, y] = [column * (n + 2) + x, row * (n + 2) + y];
+            rows[y as usize][x as usize] = maps[texel as usize];
+        }
+    }
+    rows
 }
 
 /// Probes whose maps take many layers, because the adapter is limited to tiny textures.
@@ -89,20 +108,9 @@ fn a_layer_fills_the_picture_texel_by_texel() {
         (AtlasMap::Distance, 4),
     ] {
         let picture = watched.look(shown(map, layer));
-        let field = watched.frame.field();
-        let texels: Vec<Vec<[f32; 3]>> = match map {
-            AtlasMap::Irradiance => {
-                let light = texels::<[f16; 4]>(&watched.gpu, field.irradiance_atlas(), layer);
-                let shown = |[r, g, b, _]: [f16; 4]| [r, g, b].map(f16::to_f32);
-                mapped(light, shown)
-            }
-            AtlasMap::Distance => {
-                let distances = texels::<u32>(&watched.gpu, field.distance_atlas(), layer);
-                mapped(distances, |stored| {
-                    let [mean, squares] = distances_of(stored);
-                    [mean, squares, 0.0]
-                })
-            }
+        let texels = match map {
+            AtlasMap::Irradiance => irradiance(&watched, layer),
+            AtlasMap::Distance => distances(&watched, layer),
         };
         let [width, height] = [texels[0].len() as u32, texels.len() as u32];
         let scale =

@@ -29,7 +29,7 @@ fn a_constant_field_is_its_own_average() {
             for x in -1..=n {
                 for y in -1..=n {
                     let texel = irradiance(IVec2::new(x, y));
-                    for (found, expected) in texel.iter().zip([0.5, 2.0, 8.0, 1.0]) {
+                    for (found, expected) in texel.iter().zip([0.5, 2.0, 8.0]) {
                         assert!((found / expected - 1.0).abs() < 2e-3, "{x} {y}: {texel:?}");
                     }
                 }
