@@ -46,17 +46,9 @@ impl Inspect {
         }
         if let Some(layer) = wanted.atlas {
             layer.check(field.atlas())?;
-            let [width, height, _] = field
-                .atlas()
-                .texture_extent(layer.map.texels(field.atlas()));
-            let texture_extent = [width, height];
-            made.atlas = Some(AtlasView::new(
-                gpu,
-                layer,
-                &shade.hdr,
-                texture_extent,
-                offer,
-            )?);
+            let [width, height, _] = field.atlas().layer_extent(layer.map.texels(field.atlas()));
+            let layer_extent = [width, height];
+            made.atlas = Some(AtlasView::new(gpu, layer, &shade.hdr, layer_extent, offer)?);
         } else if let Some(colour) = wanted.probes {
             let hdr = &shade.hdr;
             made.probes = Some(ProbeDraw::new(

@@ -1,11 +1,11 @@
-//! How the maps of many probes share two textures, and how much memory they take.
+//! How the maps of many probes are arranged, and how much memory they take.
 
 use super::ProbeError;
 use crate::parameters::ProbeParameters;
 
 /// The maps of slot s lie in tile (s & (2^columns_log2 − 1), (s >> columns_log2) & (2^rows_log2 − 1))
-/// of layer s >> (columns_log2 + rows_log2), in both textures. A tile holds a map and its border of one
-/// texel.
+/// of layer s >> (columns_log2 + rows_log2). A tile holds a map and its border of one texel. Distances lie so in a texture;
+/// irradiance lies in a buffer, probe by probe and without borders, and is shown in such tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AtlasLayout {
     pub slots: u32,
@@ -20,13 +20,12 @@ pub struct AtlasLayout {
     pub distance_texels: u32,
 }
 
-/// Bytes of one texel of both textures (rgba16float).
-const TEXEL_BYTES: u64 = 8;
-/// History: irradiance (f32); mean distance and mean of squares (f32).
-const IRRADIANCE_HISTORY_BYTES: u64 = 16;
-const DISTANCE_HISTORY_BYTES: u64 = 8;
-/// Radiance and distance of one ray (f32).
-const RAY_BYTES: u64 = 16;
+/// Bytes of a texel of an irradiance map: see [`light_of`](super::packed::light_of).
+const IRRADIANCE_TEXEL_BYTES: u64 = 8;
+/// Bytes of a texel of the distance atlas: see [`distances_of`](super::packed::distances_of).
+const DISTANCE_TEXEL_BYTES: u64 = 4;
+/// Radiance and distance of one ray (f16).
+const RAY_BYTES: u64 = 8;
 /// Number of updates, mean luminance, variability, and flags.
 pub const STATE_BYTES: u64 = 16;
 /// The means that tell changes from noise, and the values that they share.
@@ -56,10 +55,8 @@ crate::shared! {
 /// Memory of a probe field on the GPU, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProbeMemory {
-    pub irradiance_atlas: u64,
+    pub irradiance_maps: u64,
     pub distance_atlas: u64,
-    pub irradiance_history: u64,
-    pub distance_history: u64,
     pub rays: u64,
     pub states: u64,
     pub variability: u64,
@@ -72,10 +69,8 @@ pub struct ProbeMemory {
 
 impl ProbeMemory {
     pub fn total(&self) -> u64 {
-        self.irradiance_atlas
+        self.irradiance_maps
             + self.distance_atlas
-            + self.irradiance_history
-            + self.distance_history
             + self.rays
             + self.states
             + self.variability
@@ -133,9 +128,8 @@ impl AtlasLayout {
         })
     }
 
-    /// Width, height and layers of the texture for maps of this width; of the smallest possible texture
-    /// for 0.
-    pub fn texture_extent(&self, texels: u32) -> [u32; 3] {
+    /// Width, height and number of the layers for maps of this width in texels; of the smallest possible texture for 0.
+    pub fn layer_extent(&self, texels: u32) -> [u32; 3] {
         if texels == 0 {
             return [1; 3];
         }
@@ -161,16 +155,11 @@ impl AtlasLayout {
     /// All memory of the field with `rays` rays per probe.
     pub fn memory(&self, rays: u32) -> ProbeMemory {
         let slots = u64::from(self.slots);
-        let texture = |texels: u32| {
-            let extent = self.texture_extent(texels).map(u64::from);
-            extent[0] * extent[1] * extent[2] * TEXEL_BYTES
-        };
-        let square = |texels: u32| u64::from(texels) * u64::from(texels);
+        let irradiance_texels = u64::from(self.irradiance_texels).pow(2);
+        let [width, height, layers] = self.layer_extent(self.distance_texels).map(u64::from);
         ProbeMemory {
-            irradiance_atlas: texture(self.irradiance_texels),
-            distance_atlas: texture(self.distance_texels),
-            irradiance_history: slots * square(self.irradiance_texels) * IRRADIANCE_HISTORY_BYTES,
-            distance_history: slots * square(self.distance_texels) * DISTANCE_HISTORY_BYTES,
+            irradiance_maps: slots * irradiance_texels * IRRADIANCE_TEXEL_BYTES,
+            distance_atlas: width * height * layers * DISTANCE_TEXEL_BYTES,
             rays: slots * u64::from(rays) * RAY_BYTES,
             states: slots * STATE_BYTES,
             variability: slots * VARIABILITY_BYTES,
@@ -196,7 +185,7 @@ mod tests {
     fn every_slot_has_a_tile_of_its_own_inside_the_texture() {
         for (slots, extent) in [(1, 8192), (2, 8192), (567, 8192), (3375, 8192), (1000, 128)] {
             let layout = layout(slots, extent, 256).expect("fits");
-            let [width, height, layers] = layout.texture_extent(layout.distance_texels);
+            let [width, height, layers] = layout.layer_extent(layout.distance_texels);
             assert!(
                 width <= extent && height <= extent && layers <= 256,
                 "{layout:?}"
@@ -236,11 +225,20 @@ mod tests {
     fn memory_is_the_sum_of_its_parts() {
         let layout = layout(64, 8192, 256).expect("fits");
         let memory = layout.memory(100);
-        assert_eq!(memory.irradiance_atlas, 64 * 100 * 8);
-        assert_eq!(memory.distance_atlas, 64 * 324 * 8);
+        assert_eq!(memory.irradiance_maps, 64 * 64 * 8);
+        assert_eq!(memory.distance_atlas, 64 * 324 * 4);
         assert_eq!(
             memory.total(),
-            64 * (800 + 2592 + 64 * 16 + 256 * 8 + 1600 + 16 + 112 + 16 + 48 + 32)
+            64 * (64 * 8 + 1296 + 800 + 16 + 112 + 16 + 48 + 32)
         );
+    }
+
+    /// `worlds/cavern.ron --layout cascades`: four levels of 32 × 16 × 32 probes, whose visibility is estimated.
+    #[test]
+    fn the_cascades_of_the_cavern_take_3_kb_per_probe() {
+        let layout = layout(65_536, 16_384, 2048).expect("fits");
+        let memory = layout.memory(ProbeParameters::default().rays);
+        assert_eq!(memory.total(), 65_536 * 3056);
+        assert!(memory.total() < 201_000_000, "{memory:?}");
     }
 }

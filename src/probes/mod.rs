@@ -11,6 +11,7 @@ pub mod changes;
 mod level;
 mod motion;
 pub mod octahedral;
+pub mod packed;
 pub mod sampling;
 pub mod visibility_bits;
 pub mod volume;

@@ -13,7 +13,6 @@ use grotto::{
     },
     world::{LayoutSpec, World},
 };
-use half::f16;
 
 use crate::support::{self, frames};
 
@@ -40,8 +39,8 @@ fn shot(world: &World, frame: u32) -> Shot {
 #[derive(PartialEq)]
 struct Drawn {
     radiance: Picture,
-    irradiance: Vec<[f16; 4]>,
-    distance: Vec<[f16; 4]>,
+    irradiance: Vec<[f32; 3]>,
+    distance: Vec<u32>,
     shadow_rays: u64,
 }
 
@@ -94,14 +93,12 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
     }
     Drawn {
         radiance: frame.read_radiance(gpu).expect("reads back"),
-        irradiance: texels(gpu, frame.field().irradiance_atlas()),
-        distance: texels(gpu, frame.field().distance_atlas()),
+        irradiance: frame.field().irradiance(gpu).expect("reads back"),
+        distance: gpu
+            .read_texture(frame.field().distance_atlas())
+            .expect("reads back"),
         shadow_rays: frame.count_shadow_rays(gpu, true).expect("counts"),
     }
-}
-
-fn texels(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<[f16; 4]> {
-    gpu.read_texture(texture).expect("reads back")
 }
 
 #[test]

@@ -401,15 +401,15 @@ fn only_probes_in_the_air_are_traced() {
     stage.update(1);
     let rays = stage
         .gpu
-        .read_buffer::<[f32; 4]>(stage.field.rays())
+        .read_buffer::<[f16; 4]>(stage.field.rays())
         .expect("reads back");
     for slot in 0..stage.field.volume().slots() {
         let position = stage.field.volume().position(slot);
         let voxel = (position.floor().as_ivec3() - ORIGIN).as_uvec3();
         for ray in &rays[slot as usize * 64..][..64] {
-            let is_traced = ray[3] > 0.0;
+            let is_traced = ray[3] > f16::ZERO;
             assert_eq!(
-                (is_traced, *ray == [0.0; 4]),
+                (is_traced, *ray == [f16::ZERO; 4]),
                 (room(voxel) == 0, room(voxel) != 0),
                 "probe {slot} at {position}: {ray:?}"
             );

@@ -209,7 +209,10 @@ impl Judge<'_> {
             after(self, part, &picture);
             take.push((part.name().to_owned(), picture.rgb.into_flattened()));
         }
-        take.push(("the irradiance atlas".to_owned(), finite::atlas(play)?));
+        take.push((
+            "the irradiance of probes".to_owned(),
+            finite::irradiance(play)?,
+        ));
         Ok(take)
     }
 
@@ -235,13 +238,13 @@ impl Judge<'_> {
             self.findings.note(Check::Distances, found.validate());
         }
         if self.plants(Fault::Nan) {
-            let (_, history) = play.frame.field().histories()[1];
-            gpu.queue.write_buffer(history, 0, &f32::NAN.to_le_bytes());
+            let means = play.frame.field().variability();
+            gpu.queue.write_buffer(means, 0, &f32::NAN.to_le_bytes());
         }
         self.findings.note(Check::Finite, finite::buffers(play)?);
-        if let Some((_, atlas)) = take.last() {
+        if let Some((_, irradiance)) = take.last() {
             self.findings
-                .note(Check::Energy, energy::atlas(atlas, self.case));
+                .note(Check::Energy, energy::irradiance(irradiance, self.case));
         }
         if self.wants(&[Check::Dark, Check::Band]) {
             let shown = play.frame.read_radiance(gpu)?;

@@ -25,9 +25,6 @@ crate::shared! {
         pub rows_log2: u32,
         /// Texels along a map, without its border.
         pub irradiance_texels: f32,
-        /// 1 / width and height of the atlas textures in texels.
-        pub irradiance_scale: [f32; 2],
-        pub distance_scale: [f32; 2],
         pub distance_texels: f32,
         pub normal_bias: f32,
         pub hysteresis: f32,
@@ -62,10 +59,6 @@ impl GpuProbeInfo {
     pub(super) fn new(field: &ProbeField, parameters: &ProbeParameters, frame: u64) -> Self {
         let (volume, atlas) = (field.volume(), field.atlas());
         let visibility_bits = field.visibility_bits();
-        let scale = |texels: u32| {
-            let [width, height, _] = atlas.texture_extent(texels);
-            [1.0 / width as f32, 1.0 / height as f32]
-        };
         Self {
             levels: GpuProbeLevel::all(volume, field.motion(), visibility_bits, parameters, frame),
             counts: volume.counts().to_array(),
@@ -76,8 +69,6 @@ impl GpuProbeInfo {
             columns_log2: atlas.columns_log2,
             rows_log2: atlas.rows_log2,
             irradiance_texels: atlas.irradiance_texels as f32,
-            irradiance_scale: scale(atlas.irradiance_texels),
-            distance_scale: scale(atlas.distance_texels),
             distance_texels: atlas.distance_texels as f32,
             normal_bias: parameters.normal_bias,
             hysteresis: hysteresis(parameters, field.changes.stillness()),

@@ -1,6 +1,6 @@
 //! The content of a probe's maps after one update.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, fmt::Debug};
 
 use glam::{DVec3, IVec2};
 use grotto::{parameters::ProbeParameters, probes::octahedral};
@@ -29,7 +29,7 @@ fn a_constant_field_is_its_own_average() {
             for x in -1..=n {
                 for y in -1..=n {
                     let texel = irradiance(IVec2::new(x, y));
-                    for (found, expected) in texel.iter().zip([0.5, 2.0, 8.0, 1.0]) {
+                    for (found, expected) in texel.iter().zip([0.5, 2.0, 8.0]) {
                         assert!((found / expected - 1.0).abs() < 2e-3, "{x} {y}: {texel:?}");
                     }
                 }
@@ -37,7 +37,7 @@ fn a_constant_field_is_its_own_average() {
             let distance = rig.distance(slot);
             let mean = (3.0 + f64::from(slot)) / longest;
             for place in texels(distance_texels) {
-                let [first, second, ..] = distance(place);
+                let [first, second] = distance(place);
                 // Few rays leave some narrow lobes empty at first.
                 let unknown = first == 1.0 && second == 1.0 && rays < 400;
                 assert!(
@@ -74,6 +74,24 @@ fn a_cosine_field_gives_its_closed_form() {
     }
 }
 
+/// Every texel of the border equals the texel that it repeats.
+fn check_border<T: PartialEq + Debug>(map: impl Fn(IVec2) -> T, n: u32) {
+    let last = n as i32;
+    let mut different = 0;
+    for x in -1..=last {
+        for y in -1..=last {
+            let place = IVec2::new(x, y);
+            let source = octahedral::border_source(place, n).as_ivec2();
+            assert_eq!(map(place), map(source), "{place}");
+            different += i32::from(map(place) != map(IVec2::ZERO));
+        }
+    }
+    assert!(
+        different > last * last / 2,
+        "the map must vary for this to prove anything"
+    );
+}
+
 #[test]
 fn borders_repeat_the_texels_across_the_edge() {
     let mut rig = Rig::new(volume([3, 2, 1], 4.0), ProbeParameters::default());
@@ -81,24 +99,8 @@ fn borders_repeat_the_texels_across_the_edge() {
         let c = d.as_vec3() * 0.5 + 0.5;
         [c.x, c.y, c.z, (2.0 + d.x + d.y * 0.5) as f32 + slot as f32]
     });
-    let check = |map: &dyn Fn(IVec2) -> [f64; 4], n: u32| {
-        let last = n as i32;
-        let mut different = 0;
-        for x in -1..=last {
-            for y in -1..=last {
-                let place = IVec2::new(x, y);
-                let source = octahedral::border_source(place, n).as_ivec2();
-                assert_eq!(map(place), map(source), "{place}");
-                different += i32::from(map(place) != map(IVec2::ZERO));
-            }
-        }
-        assert!(
-            different > last * last / 2,
-            "the map must vary for this to prove anything"
-        );
-    };
     for slot in [0, 5] {
-        check(&rig.irradiance(slot), 8);
-        check(&rig.distance(slot), 16);
+        check_border(rig.irradiance(slot), 8);
+        check_border(rig.distance(slot), 16);
     }
 }

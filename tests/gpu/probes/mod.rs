@@ -18,7 +18,7 @@ use grotto::{
         probes::{ProbeField, blend::ProbeBlend, schedule::ProbeSchedule},
         scene::GpuVoxels,
     },
-    probes::{Volume, sampling},
+    probes::{Volume, octahedral, packed::distances_of, sampling},
     world::voxels::Voxels,
 };
 use half::f16;
@@ -94,10 +94,11 @@ impl Rig {
     fn update(&mut self, ray: impl Fn(u32, DVec3) -> [f32; 4]) {
         self.field
             .begin_frame(&self.gpu, &self.parameters, SEED, self.frame);
-        let rays: Vec<[f32; 4]> = (0..self.field.atlas().slots)
+        let rays: Vec<[f16; 4]> = (0..self.field.atlas().slots)
             .flat_map(|slot| {
                 let directions = sampling::directions(self.parameters.rays, SEED, self.frame);
-                directions.map(|d| ray(slot, d)).collect::<Vec<_>>()
+                let rays = directions.map(|d| ray(slot, d).map(f16::from_f32));
+                rays.collect::<Vec<_>>()
             })
             .collect();
         self.gpu
@@ -110,27 +111,29 @@ impl Rig {
         self.frame += 1;
     }
 
-    /// The map of a slot: texels by their coordinates, with the border at −1 and n.
-    fn map(&self, slot: u32, texture: &wgpu::Texture, texels: u32) -> impl Fn(IVec2) -> [f64; 4] {
-        let all: Vec<[f16; 4]> = self.gpu.read_texture(texture).expect("reads back");
-        let [column, row, layer] = self.field.atlas().tile(slot);
-        assert_eq!(layer, 0, "read_texture reads the first layer");
-        let width = texture.width() as usize;
-        let corner = UVec2::new(column, row) * (texels + 2);
+    /// Irradiance over π of a slot: texels by their coordinates, with the border at −1 and n.
+    fn irradiance(&self, slot: u32) -> impl Fn(IVec2) -> [f64; 3] + use<> {
+        let n = self.parameters.irradiance_texels;
+        let all = self.field.irradiance(&self.gpu).expect("reads back");
         move |place: IVec2| {
-            let at = (corner.as_ivec2() + place + 1).as_uvec2();
-            all[at.y as usize * width + at.x as usize].map(f64::from)
+            let source = octahedral::border_source(place, n);
+            let texel = (slot * n + source.y) * n + source.x;
+            all[texel as usize].map(f64::from)
         }
     }
 
-    fn irradiance(&self, slot: u32) -> impl Fn(IVec2) -> [f64; 4] {
-        let texels = self.parameters.irradiance_texels;
-        self.map(slot, self.field.irradiance_atlas(), texels)
-    }
-
-    fn distance(&self, slot: u32) -> impl Fn(IVec2) -> [f64; 4] {
-        let texels = self.parameters.distance_texels;
-        self.map(slot, self.field.distance_atlas(), texels)
+    /// Mean distance and mean of squares, like [`Self::irradiance`].
+    fn distance(&self, slot: u32) -> impl Fn(IVec2) -> [f64; 2] + use<> {
+        let texture = self.field.distance_atlas();
+        let all: Vec<u32> = self.gpu.read_texture(texture).expect("reads back");
+        let [column, row, layer] = self.field.atlas().tile(slot);
+        assert_eq!(layer, 0, "read_texture reads the first layer");
+        let width = texture.width() as usize;
+        let corner = UVec2::new(column, row) * (self.parameters.distance_texels + 2);
+        move |place: IVec2| {
+            let at = (corner.as_ivec2() + place + 1).as_uvec2();
+            distances_of(all[at.y as usize * width + at.x as usize]).map(f64::from)
+        }
     }
 
     /// Gathers at (point, normal), seen along the normal.

@@ -14,6 +14,7 @@ use grotto::{
     },
     probes::{Layout as _, MOVE_REACH, Volume, sampling},
 };
+use half::f16;
 
 use crate::support::{
     gpu,
@@ -402,7 +403,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
     for frame in 0..2 * steps(reach).count() as u64 + 2 {
         field.begin_frame(&gpu, &parameters, 1, frame);
         found = gpu.read_buffer(field.places()).expect("reads back");
-        let rays: Vec<[f32; 4]> = found
+        let rays: Vec<[f16; 4]> = found
             .iter()
             .flat_map(|place| {
                 let voxel = voxel_of(place);
@@ -411,7 +412,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
                 } else {
                     clearance(voxel)
                 };
-                [[0.0, 0.0, 0.0, length]; 8]
+                [[0.0, 0.0, 0.0, length].map(f16::from_f32); 8]
             })
             .collect();
         gpu.queue
@@ -459,7 +460,8 @@ fn a_probe_walks_only_after_a_long_time_in_a_solid_voxel() {
     let walk = walk.expect("compiles").expect("probes walk");
     begin(&gpu, &walk);
     let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
-    let rays = vec![[0.0f32, 0.0, 0.0, -1.0]; volume().slots() as usize * 8];
+    let ray = [0.0, 0.0, 0.0, -1.0].map(f16::from_f32);
+    let rays = vec![ray; volume().slots() as usize * 8];
     gpu.queue
         .write_buffer(field.rays(), 0, bytemuck::cast_slice(&rays));
     let before: Vec<[f32; 4]> = gpu.read_buffer(field.places()).expect("reads back");

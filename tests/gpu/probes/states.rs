@@ -16,6 +16,7 @@ use grotto::{
     probes::Layout as _,
     world::voxels::{NewCell, Voxels},
 };
+use half::f16;
 
 use crate::support::{
     gpu,
@@ -83,7 +84,7 @@ impl Slab {
 
     /// All rays of a probe have this length (negative: they begin in a solid voxel) and bring no light.
     fn set_rays(&self, slot: u32, length: f32) {
-        let rays = [[0.0, 0.0, 0.0, length]; RAYS as usize];
+        let rays = [[0.0, 0.0, 0.0, length].map(f16::from_f32); RAYS as usize];
         let offset = u64::from(slot) * size_of_val(&rays) as u64;
         let bytes = bytemuck::cast_slice(&rays);
         self.gpu

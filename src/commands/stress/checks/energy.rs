@@ -107,16 +107,16 @@ pub fn picture(what: &str, picture: &Picture, case: &TestCase) -> Result<(), Str
 }
 
 /// The irradiance over π that probes store is a mean of radiances, so the same bound holds.
-pub fn atlas(texels: &[f32], case: &TestCase) -> Result<(), String> {
+pub fn irradiance(texels: &[f32], case: &TestCase) -> Result<(), String> {
     let Some(bound) = bound(case) else {
         return Ok(());
     };
     let most = bound * slack(&case.world) + 1e-4;
-    for (index, texel) in texels.chunks_exact(4).enumerate() {
+    for (index, texel) in texels.chunks_exact(3).enumerate() {
         let light = Vec3::new(texel[0], texel[1], texel[2]);
         if light.cmpgt(most).any() {
             return Err(format!(
-                "the irradiance atlas: {light} in texel {index}, and nothing in this world can send more than {bound}"
+                "the irradiance of probes: {light} in texel {index}, and nothing in this world can send more than {bound}"
             ));
         }
     }
@@ -157,6 +157,6 @@ mod tests {
         };
         assert_eq!(picture("it", &of(2.0), &case), Ok(()));
         assert!(picture("it", &of(4.1), &case).is_err());
-        assert!(atlas(&[0.0, 5.0, 0.0, 1.0], &case).is_err());
+        assert!(irradiance(&[0.0, 5.0, 0.0], &case).is_err());
     }
 }

@@ -6,10 +6,7 @@ use super::super::play::Play;
 use crate::{
     commands::Failure,
     measure::picture::Picture,
-    passes::{
-        probes::ProbeField,
-        surface_cache::{GpuFaceHistory, GpuFaceQuadrant},
-    },
+    passes::surface_cache::{GpuFaceHistory, GpuFaceQuadrant},
 };
 
 /// Checks the linear light of a picture.
@@ -44,28 +41,25 @@ fn light(what: &str, values: &[f32]) -> Result<(), String> {
 /// Checks the stored light of probes and faces.
 pub fn buffers(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
     let (gpu, field) = (play.gpu, play.frame.field());
-    for (name, buffer) in field.histories() {
-        let values: Vec<f32> = gpu.read_buffer(buffer)?;
-        if let bad @ Err(_) = finite(name, values.into_iter()) {
-            return Ok(bad);
-        }
+    let rays: Vec<f16> = gpu.read_buffer(field.rays())?;
+    if let bad @ Err(_) = finite("the rays of probes", rays.into_iter().map(f16::to_f32)) {
+        return Ok(bad);
+    }
+    let variability: Vec<f32> = gpu.read_buffer(field.variability())?;
+    if let bad @ Err(_) = finite("the variability of probes", variability.into_iter()) {
+        return Ok(bad);
     }
     let cubes: Vec<f16> = gpu.read_buffer(field.ambient_cubes())?;
     let cubes: Vec<f32> = cubes.into_iter().map(f16::to_f32).collect();
     if let bad @ Err(_) = light("the light of probes along the axes", &cubes) {
         return Ok(bad);
     }
-    if let bad @ Err(_) = light("the irradiance atlas", &atlas(play)?) {
-        return Ok(bad);
-    }
     faces(play)
 }
 
-/// The first layer of the irradiance atlas; worlds as small as these have only one.
-pub fn atlas(play: &Play<'_>) -> Result<Vec<f32>, Failure> {
-    let field: &ProbeField = play.frame.field();
-    let texels: Vec<[f16; 4]> = play.gpu.read_texture(field.irradiance_atlas())?;
-    Ok(texels.into_iter().flatten().map(f16::to_f32).collect())
+/// The irradiance maps of all probes. What they store is always finite.
+pub fn irradiance(play: &Play<'_>) -> Result<Vec<f32>, Failure> {
+    Ok(play.frame.field().irradiance(play.gpu)?.into_flattened())
 }
 
 fn faces(play: &Play<'_>) -> Result<Result<(), String>, Failure> {

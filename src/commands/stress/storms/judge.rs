@@ -156,10 +156,8 @@ fn different_emitters(gpu: &Gpu, frame: &Frame, found: &Emitters) -> Result<u64,
 /// Number of values in the picture and in the results of probes that are not finite.
 pub fn not_finite(gpu: &Gpu, frame: &Frame) -> Result<u64, GpuError> {
     let picture = frame.read_radiance(gpu)?;
-    let rays: Vec<f32> = gpu.read_buffer(frame.field().rays())?;
-    let maps: Vec<half::f16> = gpu
-        .read_texture::<[half::f16; 4]>(frame.field().irradiance_atlas())?
-        .into_flattened();
+    let rays: Vec<half::f16> = gpu.read_buffer(frame.field().rays())?;
+    let cubes: Vec<half::f16> = gpu.read_buffer(frame.field().ambient_cubes())?;
     let bad = picture
         .rgb
         .iter()
@@ -167,7 +165,7 @@ pub fn not_finite(gpu: &Gpu, frame: &Frame) -> Result<u64, GpuError> {
         .filter(|value| !value.is_finite());
     let count = bad.count()
         + rays.iter().filter(|value| !value.is_finite()).count()
-        + maps.iter().filter(|value| !value.is_finite()).count();
+        + cubes.iter().filter(|value| !value.is_finite()).count();
     Ok(count as u64)
 }
 

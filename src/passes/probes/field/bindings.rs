@@ -4,17 +4,16 @@ use super::{ProbeField, Source};
 
 impl ProbeField {
     /// The bindings of `shaders/probes/field.wesl`: what kernels that gather read.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 10] {
-        use wgpu::BindingResource::{Sampler, TextureView};
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 9] {
+        use wgpu::BindingResource::TextureView;
         let [update_schedule, work] = self.update_schedule.resources();
         [
             update_schedule,
             work,
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
-            ("irradiance_atlas", TextureView(&self.irradiance_view)),
+            ("irradiance_maps", self.irradiance_maps.as_entire_binding()),
             ("distance_atlas", TextureView(&self.distance_view)),
-            ("probe_sampler", Sampler(&self.sampler)),
             ("probe_places", self.places.as_entire_binding()),
             (
                 "probe_visibility",
@@ -24,8 +23,8 @@ impl ProbeField {
         ]
     }
 
-    /// What an update of the field writes: rays, histories, states, and the atlas.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
+    /// What an update of the field writes: rays, maps, and states.
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 12] {
         use wgpu::BindingResource::TextureView;
         let [update_schedule, work] = self.update_schedule.resources();
         [
@@ -34,19 +33,11 @@ impl ProbeField {
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
             ("probe_rays", self.rays.as_entire_binding()),
-            (
-                "irradiance_history",
-                self.irradiance_history.as_entire_binding(),
-            ),
-            (
-                "distance_history",
-                self.distance_history.as_entire_binding(),
-            ),
             ("probe_states", self.states.as_entire_binding()),
             ("probe_variability", self.variability.as_entire_binding()),
             ("probe_places", self.places.as_entire_binding()),
             ("changes", self.changes_info.as_entire_binding()),
-            ("irradiance_out", TextureView(&self.irradiance_view)),
+            ("irradiance_out", self.irradiance_maps.as_entire_binding()),
             ("distance_out", TextureView(&self.distance_view)),
             ("ambient_cubes_out", self.ambient_cubes.as_entire_binding()),
         ]

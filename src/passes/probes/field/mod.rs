@@ -16,7 +16,7 @@ use crate::{
     parameters::{ProbeParameters, Visibility},
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, ProbeError, VisibilityBits, Volume,
-        atlas::ProbeMemory, sampling,
+        atlas::ProbeMemory, packed, sampling,
     },
 };
 
@@ -32,7 +32,7 @@ pub enum ProbeFieldError {
 /// The name of the visibility bits in messages about memory.
 const VISIBILITY_BITS: &str = "the visibility bits of all probes (probes.visibility=exact)";
 
-/// Textures, histories and rays of the probes of one volume. All zero at first: no light.
+/// Maps and rays of the probes of one volume. All zero at first: no light.
 pub struct ProbeField {
     /// The changes that its probes respond to.
     pub changes: Changes,
@@ -47,19 +47,15 @@ pub struct ProbeField {
     info: wgpu::Buffer,
     ray_directions: wgpu::Buffer,
     rays: wgpu::Buffer,
-    irradiance_history: wgpu::Buffer,
-    distance_history: wgpu::Buffer,
+    irradiance_maps: wgpu::Buffer,
     states: wgpu::Buffer,
     variability: wgpu::Buffer,
     changes_info: wgpu::Buffer,
     places: wgpu::Buffer,
     visibility_buffer: wgpu::Buffer,
     ambient_cubes: wgpu::Buffer,
-    irradiance_atlas: wgpu::Texture,
     distance_atlas: wgpu::Texture,
-    irradiance_view: wgpu::TextureView,
     distance_view: wgpu::TextureView,
-    sampler: wgpu::Sampler,
 }
 
 impl ProbeField {
@@ -97,14 +93,7 @@ impl ProbeField {
         let parts = [
             (VISIBILITY_BITS, memory.visibility_bits),
             ("the rays of all probes (probes.rays)", memory.rays),
-            (
-                "the irradiance history of all probes",
-                memory.irradiance_history,
-            ),
-            (
-                "the distance history of all probes",
-                memory.distance_history,
-            ),
+            ("the irradiance maps of all probes", memory.irradiance_maps),
         ];
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
@@ -123,12 +112,11 @@ impl ProbeField {
         memory: ProbeMemory,
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
-        let texture = |label, texels| {
-            let format = wgpu::TextureFormat::Rgba16Float;
-            gpu.texture(label, atlas.texture_extent(texels), format)
-        };
-        let irradiance_atlas = texture("irradiance_atlas", atlas.irradiance_texels)?;
-        let distance_atlas = texture("distance_atlas", atlas.distance_texels)?;
+        let distance_atlas = gpu.texture(
+            "distance_atlas",
+            atlas.layer_extent(atlas.distance_texels),
+            wgpu::TextureFormat::R32Uint,
+        )?;
         let places = gpu.storage_buffer("probe_places", memory.places)?;
         // Until pass `probes/classify` runs, all probes are on the lattice and count as alive.
         let lattice: Vec<GpuProbePlace> = (0..volume.slots())
@@ -150,22 +138,12 @@ impl ProbeField {
             ray_directions: gpu
                 .storage_buffer("ray_directions", u64::from(parameters.rays) * 16)?,
             rays: gpu.storage_buffer("probe_rays", memory.rays)?,
-            irradiance_history: gpu
-                .storage_buffer("irradiance_history", memory.irradiance_history)?,
-            distance_history: gpu.storage_buffer("distance_history", memory.distance_history)?,
+            irradiance_maps: gpu.storage_buffer("irradiance_maps", memory.irradiance_maps)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
             variability: gpu.storage_buffer("probe_variability", memory.variability)?,
             changes_info: gpu.uniform_buffer("changes", &GpuChanges::default()),
-            irradiance_view: layers_of(&irradiance_atlas),
             distance_view: layers_of(&distance_atlas),
-            irradiance_atlas,
             distance_atlas,
-            sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some("probe_sampler"),
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                ..Default::default()
-            }),
             rays_per_probe: parameters.rays,
             source: Source::new(gpu, volume.slots(), parameters)?,
             motion: Motion::new(&volume),
@@ -287,19 +265,14 @@ impl ProbeField {
     }
 
     /// Radiance (linear RGB) and length (voxels; negative where the ray began in a solid voxel) of every ray of each
-    /// probe's last update, probe by probe: four f32 per ray, 0 before the first update.
+    /// probe's last update, probe by probe: four half floats per ray, 0 before the first update.
     pub fn rays(&self) -> &wgpu::Buffer {
         &self.rays
     }
 
-    /// Buffers that keep f32 data between frames, with names: light, distances, and the means behind variability.
-    pub fn histories(&self) -> [(&'static str, &wgpu::Buffer); 4] {
-        [
-            ("the rays of probes", &self.rays),
-            ("the irradiance history", &self.irradiance_history),
-            ("the distance history", &self.distance_history),
-            ("the variability of probes", &self.variability),
-        ]
+    /// The means behind the variability of probes: f32.
+    pub fn variability(&self) -> &wgpu::Buffer {
+        &self.variability
     }
 
     /// The light that each probe gives to faces of voxels: `shaders/probes/probe_cube.wesl`, all in half floats.
@@ -307,13 +280,18 @@ impl ProbeField {
         &self.ambient_cubes
     }
 
-    /// Irradiance over π (RGB) and whether the probe gives light (A): rgba16float.
-    pub fn irradiance_atlas(&self) -> &wgpu::Texture {
-        &self.irradiance_atlas
+    /// Irradiance over π (linear RGB) of every texel of the maps: rows without borders, probe by probe; 0 where a probe
+    /// gives no light.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn irradiance(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, GpuError> {
+        let stored: Vec<[u32; 2]> = gpu.read_buffer(&self.irradiance_maps)?;
+        Ok(stored.into_iter().map(packed::light_of).collect())
     }
 
-    /// Mean distance (R) and mean of squares (G) in units of the longest distance and its square:
-    /// rgba16float; one texel where [`Self::keeps_distances`] says no.
+    /// Distances: r32uint, which [`distances_of`](crate::probes::packed::distances_of) unpacks; one texel where
+    /// [`Self::keeps_distances`] says no.
     pub fn distance_atlas(&self) -> &wgpu::Texture {
         &self.distance_atlas
     }
