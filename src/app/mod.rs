@@ -3,7 +3,7 @@
 //!
 //! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. The
 //! other modules are their parts: `camera` and `controls` steer, `brush` digs and builds, `panel` and `widgets`
-//! choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and `frame_graph`
+//! choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and `time_graph`
 //! draws frame times.
 
 mod benchmark;
@@ -11,7 +11,6 @@ mod brush;
 mod camera;
 mod clock;
 mod controls;
-mod frame_graph;
 mod messages;
 mod pace;
 mod panel;
@@ -20,6 +19,7 @@ mod reload;
 mod screen;
 mod screenshot;
 mod session;
+mod time_graph;
 mod viewport;
 mod views;
 mod widgets;

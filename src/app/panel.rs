@@ -7,7 +7,7 @@ use egui::{Align, Color32, Grid, Layout, RichText, ScrollArea, Slider, Ui};
 use super::{
     brush::Brush,
     clock::{FrameRate, WorldClock},
-    controls, frame_graph,
+    controls, time_graph,
     viewport::{Choice, Viewport},
     views, widgets,
 };
@@ -172,7 +172,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
             ui.weak(format!("{} ms", digits(1e3 / fps)));
         }
     });
-    frame_graph::show(ui, facts.rate);
+    time_graph::show(ui, facts.rate);
     ui.label(RichText::new(&gpu.summary.name).small())
         .on_hover_text(format!(
             "{}, through {}, driver {}",

@@ -11,7 +11,7 @@
 //! ```
 
 mod inspect;
-mod moved;
+mod lost;
 mod passes;
 mod stage;
 mod traced;

@@ -2,7 +2,7 @@
 
 use egui::{Align, Align2, Grid, Id, Layout, RichText, Ui, Window, vec2};
 
-use super::super::{frame_graph, panel::digits};
+use super::super::{panel::digits, time_graph};
 use crate::measure::frame_times::FrameStatistics;
 
 /// Size of the curve (egui's points).
@@ -141,11 +141,11 @@ impl Summary {
         ui.separator();
         let first = &self.series[0];
         let (frames_ms, figures) = (&first.frames_ms, &first.figures);
-        frame_graph::draw(ui, frames_ms, Some(figures), frames_ms.len(), GRAPH);
+        time_graph::draw(ui, frames_ms, Some(figures), frames_ms.len(), GRAPH);
         ui.horizontal(|ui| {
             ui.label(format!("{} time of every frame:", first.clock));
-            ui.colored_label(frame_graph::MEDIAN, "median");
-            ui.colored_label(frame_graph::LOW, "1 % low");
+            ui.colored_label(time_graph::MEDIAN, "median");
+            ui.colored_label(time_graph::LOW, "1 % low");
         });
         ui.separator();
         ui.label(self.pacing());

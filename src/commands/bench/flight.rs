@@ -15,7 +15,7 @@ use super::{
         test_case::{TestCase, TestCaseOptions},
     },
     flight_look::{Look, Meters},
-    suite::LightSuite,
+    light_suite::LightSuite,
 };
 use crate::{
     frame::{Frame, Stage},

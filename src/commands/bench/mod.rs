@@ -4,6 +4,7 @@ mod diff;
 mod flight;
 mod flight_look;
 mod history;
+mod light_suite;
 #[cfg(test)]
 mod made_up;
 pub mod merge;
@@ -13,7 +14,6 @@ mod response;
 pub mod results;
 mod speed;
 mod stability;
-mod suite;
 pub mod traversal;
 
 use std::path::PathBuf;

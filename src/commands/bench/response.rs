@@ -15,7 +15,7 @@ use super::{
         settings::Setting,
         test_case::{TestCase, TestCaseOptions},
     },
-    suite::LightSuite,
+    light_suite::LightSuite,
 };
 use crate::{frame::Stage, gpu::Gpu};
 
