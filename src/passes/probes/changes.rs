@@ -22,7 +22,9 @@ crate::shared! {
         pub variability_kept: f32,
         pub frame: u32,
         pub edit_count: u32,
-        pub _pad: [u32; 3],
+        /// Certainty that light has not changed for long, 0 to 1.
+        pub stillness: f32,
+        pub _pad: [u32; 2],
         pub edits: [GpuEditSphere; EDITS],
     }
 
@@ -49,6 +51,7 @@ impl GpuChanges {
         }
         Self {
             alert: changes.alert(),
+            stillness: changes.stillness(),
             deviations: parameters.change_deviations,
             variability_kept: VARIABILITY_KEPT,
             frame,

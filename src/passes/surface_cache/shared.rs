@@ -110,8 +110,7 @@ crate::shared! {
         pub samples: f32,
         /// The probes' estimate of `light`, as a mean over the same frames.
         pub by_probes: [f32; 3],
-        /// Noise of the probes: the mean square difference of their estimate from that mean, relative to the mean.
-        pub noise: f32,
+        pub _pad: u32,
     }
 
     /// What the rays of a face have found so far.

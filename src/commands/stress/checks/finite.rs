@@ -81,7 +81,7 @@ fn is_finite(history: &GpuFaceHistory) -> bool {
     let of_quadrant = |quadrant: &GpuFaceQuadrant| {
         let [r, g, b] = quadrant.light;
         let [probes_r, probes_g, probes_b] = quadrant.by_probes;
-        let numbers = [r, g, b, quadrant.samples, quadrant.noise];
+        let numbers = [r, g, b, quadrant.samples];
         let by_probes = [probes_r, probes_g, probes_b];
         numbers
             .iter()
