@@ -25,6 +25,10 @@ crate::shared! {
     /// Set in a probe's flags when no solid voxel lies within a spacing of it.
     const STATE_FAR: u32 = 4;
 
+    /// Set in a probe's flags from when pass `probes/classify` moves it until pass `probes/visibility` has found what it
+    /// sees from its new place.
+    const STATE_MOVED: u32 = 8;
+
     /// What a probe knows of its own light.
     pub struct GpuProbeState as ProbeState {
         /// Updates so far; 0 for a probe in a solid voxel.
