@@ -7,15 +7,20 @@
 //! draws frame times.
 
 mod benchmark;
+mod body;
 mod brush;
-mod camera;
 mod clock;
 mod controls;
+mod input;
 mod messages;
 mod pace;
 mod panel;
+mod player;
+pub mod record;
 mod reference_view;
 mod reload;
+pub mod replay;
+mod run;
 mod screen;
 mod screenshot;
 mod session;
@@ -41,6 +46,7 @@ use crate::{
     passes::view::Inspection,
     world::{Camera, World},
 };
+use record::{Record, RecordError};
 use session::Session;
 
 /// What a window starts with.
@@ -67,6 +73,10 @@ pub struct Options {
     pub benchmark: bool,
     /// Closes the window after this many frames.
     pub frames: Option<u32>,
+    /// Records the run into this file.
+    pub record: Option<PathBuf>,
+    /// Plays this record before the user takes over.
+    pub replay: Option<Record>,
     /// Destroys the device after this many frames, as a failing driver does: for tests.
     pub lose_device_at: Option<u32>,
 }
@@ -83,6 +93,8 @@ pub enum AppError {
     Gpu(#[from] GpuError),
     #[error(transparent)]
     Frame(#[from] FrameError),
+    #[error(transparent)]
+    Record(#[from] RecordError),
 }
 
 /// Opens the window. Returns, when it is closed, the number of frames that it has shown.
@@ -100,8 +112,13 @@ pub fn run(options: Options) -> Result<u32, AppError> {
         requested: Instant::now(),
     };
     event_loop.run_app(&mut app).map_err(no_window)?;
-    let presented = app.session.as_ref().map_or(0, Session::presented);
-    app.error.map_or(Ok(presented), Err)
+    let (mut presented, mut error) = (0, app.error);
+    if let Some(session) = &mut app.session {
+        presented = session.presented();
+        let finished = session.finish();
+        error = error.or(finished.err());
+    }
+    error.map_or(Ok(presented), Err)
 }
 
 /// An error of winit without the source position that it begins with.

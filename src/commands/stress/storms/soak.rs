@@ -128,9 +128,9 @@ impl Line {
     }
 }
 
-/// Rise of a line through the samples over the whole run. It is 0 unless the samples rise steadily: in both
+/// Rise of a line through samples (moment, value) over the whole run. It is 0 unless the samples rise steadily: in both
 /// halves, and by more than their scatter explains.
-fn steady_growth(points: &[(f64, f64)]) -> f64 {
+pub fn steady_growth(points: &[(f64, f64)]) -> f64 {
     let (first, second) = points.split_at(points.len() / 2);
     let lines = [points, first, second].map(Line::through);
     let [Some(whole), Some(first), Some(second)] = lines else {
