@@ -57,7 +57,7 @@ pub struct World {
     /// Boxes of voxels that fill air, in order (later ones override earlier ones; rock overrides all).
     pub features: Vec<FeaturePart>,
     /// Height of the player in voxels: 1.77 m unless the file says otherwise.
-    pub player_height: f32,
+    pub player_height: f64,
     pub sky: Sky,
     pub sun: Option<Sun>,
     /// Never empty; the first one is lit by default.

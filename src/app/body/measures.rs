@@ -31,8 +31,8 @@ pub struct Measures {
 
 impl Measures {
     /// For a player of this height in voxels.
-    pub fn of_height(height: f32) -> Self {
-        let scale = f64::from(height) / PLAYER_HEIGHT_M;
+    pub fn of_height(height: f64) -> Self {
+        let scale = height / PLAYER_HEIGHT_M;
         Self {
             half_width: to_units(0.3 * scale),
             height: to_units(PLAYER_HEIGHT_M * scale),

@@ -11,7 +11,7 @@ use super::{
 };
 
 const DT_S: f64 = 1.0 / 120.0;
-const HEIGHT: f32 = 1.77;
+const HEIGHT: f64 = 1.77;
 /// Edge of the random worlds (voxels); their outermost layer is solid.
 const EDGE: i32 = 16;
 

@@ -1,14 +1,19 @@
 //! Counts the frames between an input and the first picture that shows it.
 //!
 //! A twin of the player lives on without the input. The input is shown in the first frame in which the two see
-//! the world from different places or in different directions: there is no other way to tell when a jump or a
-//! short tap is seen.
+//! the world from different places or in different directions. Only inputs count that change what the player sees
+//! within one step of the simulation: a key that is pressed against a wall, or released in the middle of a jump,
+//! takes effect later because of the world, not because anything is late.
 
 use serde::Serialize;
 
-use crate::app::{body::Terrain, input::Input, player::Player};
+use crate::app::{
+    body::Terrain,
+    input::Input,
+    player::{Player, STEPS_PER_S},
+};
 
-/// An input that changes nothing in this many frames has no effect, as a key that runs into a wall.
+/// An input that is not shown in this many frames is lost.
 const PATIENCE: u32 = 60;
 /// Twins at a time; further inputs are not measured.
 const MOST: usize = 64;
@@ -20,7 +25,9 @@ pub struct LatencyFigures {
     pub inputs: u64,
     pub mean_frames: f64,
     pub most_frames: u32,
-    /// Inputs that never changed what was seen.
+    /// Inputs that were never shown.
+    pub lost: u64,
+    /// Inputs that had no effect at once, and were not measured.
     pub without_effect: u64,
 }
 
@@ -47,8 +54,12 @@ impl Latency {
         for twin in &mut self.twins {
             twin.player.take(input, terrain);
         }
-        let is_seen = matches!(input, Input::Press(_) | Input::Release(_) | Input::Look(..));
-        if is_seen && self.twins.len() < MOST {
+        if !matches!(input, Input::Press(_) | Input::Release(_) | Input::Look(..)) {
+            return;
+        }
+        if !is_seen_at_once(player, input, terrain) {
+            self.figures.without_effect += 1;
+        } else if self.twins.len() < MOST {
             self.twins.push(Twin {
                 player: player.clone(),
                 frames: 0,
@@ -76,7 +87,7 @@ impl Latency {
                 return false;
             }
             twin.frames += 1;
-            figures.without_effect += u64::from(twin.frames == PATIENCE);
+            figures.lost += u64::from(twin.frames == PATIENCE);
             twin.frames < PATIENCE
         });
     }
@@ -88,6 +99,20 @@ impl Latency {
             ..self.figures
         }
     }
+}
+
+/// Whether a step from now the player sees something else because of this input.
+fn is_seen_at_once(player: &Player, input: &Input, terrain: &impl Terrain) -> bool {
+    let in_a_step = player.now_ns() + 1_000_000_000 / STEPS_PER_S;
+    let [with, without] = [true, false].map(|with| {
+        let mut player = player.clone();
+        if with {
+            player.take(input, terrain);
+        }
+        player.advance(in_a_step, terrain);
+        player.view(terrain)
+    });
+    with != without
 }
 
 #[cfg(test)]
@@ -150,5 +175,7 @@ mod tests {
     fn a_key_that_does_nothing_has_no_latency() {
         let figures = measured(&[Some(Input::Press(Key::Run))], 0);
         assert_eq!((figures.inputs, figures.without_effect), (0, 1));
+        let blocked = measured(&[Some(Input::Press(Key::Forward))], 1000);
+        assert_eq!((blocked.inputs, blocked.lost), (0, 1), "it never arrives");
     }
 }

@@ -136,7 +136,7 @@ pub fn run(
     output::print(&format!(
         "{} frames, {} steps, {:.2} s; {} pictures\n\
          eye {x} {y} {z}, yaw {}°, pitch {}°, voxels {}\n\
-         {} inputs seen {:.2} frames late on average, at most {}; {} without effect\n\
+         {} inputs seen {:.2} frames late on average, at most {}; {} lost; {} without effect at once\n\
          memory {:.1} MB at first, {:.1} MB at the end, {:.1} MB of steady growth\n",
         figures.frames,
         figures.steps,
@@ -148,6 +148,7 @@ pub fn run(
         figures.latency.inputs,
         figures.latency.mean_frames,
         figures.latency.most_frames,
+        figures.latency.lost,
         figures.latency.without_effect,
         megabytes(figures.process_bytes.start),
         megabytes(figures.process_bytes.end),

@@ -182,13 +182,12 @@ impl Reader<'_> {
     }
 
     /// A person is 1.77 m high, where the edge of a voxel allows.
-    fn player_height(&self, player: &schema::Player) -> Read<f32> {
+    fn player_height(&self, player: &schema::Player) -> Read<f64> {
         let (low, high) = (*PLAYER_HEIGHTS.start(), *PLAYER_HEIGHTS.end());
         let person = (PLAYER_HEIGHT_M / f64::from(self.voxel_m)).clamp(low, high);
-        let height = or(&player.height, person, |leaf| {
+        or(&player.height, person, |leaf| {
             self.source.number_in(leaf, "height", PLAYER_HEIGHTS)
-        })?;
-        Ok(height as f32)
+        })
     }
 
     fn read_noises(&mut self, noises: &schema::Named<schema::Noise>) -> Read<()> {
