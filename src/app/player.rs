@@ -5,7 +5,7 @@
 //! time since the last whole step. Compared with the usual interpolation between the last two steps (Fiedler 2004,
 //! "Fix Your Timestep!"), no input waits a step until it is seen.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
@@ -75,8 +75,7 @@ pub struct Player {
 /// Keys that are down, and those that went down since the last step: even the shortest press counts for one.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Keys {
-    /// Since when (nanoseconds).
-    down: HashMap<Key, u64>,
+    down: HashSet<Key>,
     pressed: Vec<Key>,
     /// When each key last went down, for double presses.
     last: HashMap<Key, u64>,
@@ -86,7 +85,7 @@ struct Keys {
 
 impl Keys {
     fn is_down(&self, key: Key) -> bool {
-        self.down.contains_key(&key) || self.pressed.contains(&key)
+        self.down.contains(&key) || self.pressed.contains(&key)
     }
 
     fn axis(&self, plus: Key, minus: Key) -> i8 {
@@ -95,7 +94,7 @@ impl Keys {
 
     /// Returns whether this is the second of two quick presses.
     fn press(&mut self, key: Key, now_ns: u64) -> bool {
-        self.down.insert(key, now_ns);
+        self.down.insert(key);
         self.pressed.push(key);
         let last = self.last.insert(key, now_ns);
         let is_double = last.is_some_and(|last| now_ns - last <= DOUBLE_NS);

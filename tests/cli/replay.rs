@@ -14,6 +14,9 @@ use crate::{
 
 const MS: u64 = 1_000_000;
 
+/// The eye of who stands on the ball of `minimal.ron`.
+const ON_TOP: [f32; 3] = [0.0, 14.625, 0.0];
+
 /// A header for a run in this world, from a place above its rock.
 fn header(world: &Path, position: [f32; 3]) -> Value {
     let bytes = fs::read(root().join(world)).expect("a world");
@@ -24,7 +27,7 @@ fn header(world: &Path, position: [f32; 3]) -> Value {
         "seed": 3,
         "layout": "auto",
         "set": ["probes.rays=8"],
-        "size": [24, 16],
+        "size": [12, 8],
         "camera": {
             "name": "start", "position": position, "yaw_deg": 10.0, "pitch_deg": -40.0, "fov_deg": 70.0,
         },
@@ -41,7 +44,7 @@ fn moments() -> Vec<Value> {
         at(210, json!([{"press": "up"}, {"release": "up"}])),
         at(
             300,
-            json!([{"press": "run"}, {"wheel": 3.0}, {"look": [120.0, 60.0]}]),
+            json!([{"press": "run"}, {"wheel": 3.0}, {"look": [120.0, 300.0]}]),
         ),
         at(
             500,
@@ -53,7 +56,7 @@ fn moments() -> Vec<Value> {
         ),
         at(
             750,
-            json!([{"stroke": "place"}, {"set": "probes.rays=16"}, {"resize": [16, 24]}]),
+            json!([{"stroke": "place"}, {"set": "probes.rays=16"}, {"resize": [8, 12]}]),
         ),
         at(
             900,
@@ -98,12 +101,12 @@ fn replayed(record: &Path, fps: &str, every: &str) -> (Value, usize) {
 #[test]
 fn a_replay_is_the_same_run_at_any_frame_rate_and_shows_inputs_at_once() {
     let folder = folder();
-    let header = header(Path::new(MINIMAL), [0.0, 24.0, 8.0]);
+    let header = header(Path::new(MINIMAL), ON_TOP);
     let record = written(folder.path(), &header, &moments());
     let (slow, pictures) = replayed(&record, "20", "4");
     assert_eq!((&slow["frames"], pictures), (&json!(30), 7));
-    let (fast, pictures) = replayed(&record, "240", "0");
-    assert_eq!((&fast["frames"], pictures), (&json!(360), 0));
+    let (fast, pictures) = replayed(&record, "130", "0");
+    assert_eq!((&fast["frames"], pictures), (&json!(195), 0));
     for key in [
         "steps",
         "time_s",
@@ -149,7 +152,7 @@ fn worlds_of_nothing_but_stone_or_air_are_played() {
 #[test]
 fn a_record_without_its_end_is_played_as_far_as_it_goes() {
     let folder = folder();
-    let header = header(Path::new(MINIMAL), [0.0, 24.0, 8.0]);
+    let header = header(Path::new(MINIMAL), ON_TOP);
     let record = written(folder.path(), &header, &moments()[..3]);
     let mut command = grotto();
     command.args(["play", "--fps", "10", "--every", "0", "--replay"]);
@@ -170,7 +173,7 @@ fn a_record_without_its_end_is_played_as_far_as_it_goes() {
 #[test]
 fn bad_records_and_flags_are_refused_with_their_place() {
     let folder = folder();
-    let sound = header(Path::new(MINIMAL), [0.0, 24.0, 8.0]);
+    let sound = header(Path::new(MINIMAL), ON_TOP);
     let refuse = |header: &Value, moments: &[Value], more: &[&str], parts: &[&str]| {
         let record = written(folder.path(), header, moments);
         let mut command = grotto();
@@ -225,7 +228,7 @@ fn bad_records_and_flags_are_refused_with_their_place() {
     refuse(&sound, end, &["--fps", "0"], &["--fps"]);
     let nowhere = folder.path().join("no/run.record");
     for (flag, parts) in [
-        ("--replay", ["no/run.record", "not"]),
+        ("--replay", ["no/run.record", "no such file"]),
         ("--record", ["no/run.record", "folder"]),
     ] {
         refused(grotto().args(["play", flag]).arg(&nowhere), 2, &parts);
