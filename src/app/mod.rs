@@ -1,10 +1,11 @@
-//! The window: a camera that flies through a world, a panel, and files that are read again when
+//! The window: a player who walks and flies through a world, a panel, and files that are read again when
 //! they are edited.
 //!
-//! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. The
-//! other modules are their parts: `camera` and `controls` steer, `brush` digs and builds, `panel` and `widgets`
-//! choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and `time_graph`
-//! draws frame times.
+//! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. `run`
+//! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
+//! without a window. The other modules are their parts: `controls` names the keys, `brush` digs and builds, `panel`
+//! and `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
+//! `time_graph` draws frame times.
 
 mod benchmark;
 mod body;

@@ -1,17 +1,14 @@
 //! Counts the frames between an input and the first picture that shows it.
 //!
-//! A twin of the player lives on without the input. The input is shown in the first frame in which the two see
-//! the world from different places or in different directions. Only inputs count that change what the player sees
-//! within one step of the simulation: a key that is pressed against a wall, or released in the middle of a jump,
-//! takes effect later because of the world, not because anything is late.
+//! For each input a twin of the player lives on without it, and one ideal player gets every input at once. The
+//! input is shown in the first frame in which the player sees the world from another place or in another direction
+//! than the twin. Only inputs count that the ideal player sees in the very next frame: a key that is pressed
+//! against a wall, or released in the middle of a jump, takes effect later because of the world, not because
+//! anything is late.
 
 use serde::Serialize;
 
-use crate::app::{
-    body::Terrain,
-    input::Input,
-    player::{Player, STEPS_PER_S},
-};
+use crate::app::{body::Terrain, input::Input, player::Player};
 
 /// An input that is not shown in this many frames is lost.
 const PATIENCE: u32 = 60;
@@ -27,12 +24,14 @@ pub struct LatencyFigures {
     pub most_frames: u32,
     /// Inputs that were never shown.
     pub lost: u64,
-    /// Inputs that had no effect at once, and were not measured.
+    /// Inputs that could not be seen in the very next frame, such as a step against a wall.
     pub without_effect: u64,
 }
 
 #[derive(Default)]
 pub struct Latency {
+    /// Got every input at once.
+    ideal: Option<Player>,
     twins: Vec<Twin>,
     figures: LatencyFigures,
     total_frames: u64,
@@ -47,43 +46,52 @@ struct Twin {
 impl Latency {
     /// The player is about to take this input.
     pub fn input(&mut self, player: &Player, input: &Input, terrain: &impl Terrain) {
-        if matches!(input, Input::Camera(_)) {
-            // Both jump to the same place: nothing could be told apart any more.
+        if matches!(input, Input::Camera(_) | Input::Reload) {
+            // All are put in the same place: nothing could be told apart any more.
             self.twins.clear();
+            self.ideal = None;
+            return;
         }
+        let ideal = self.ideal.get_or_insert_with(|| player.clone());
         for twin in &mut self.twins {
             twin.player.take(input, terrain);
         }
-        if !matches!(input, Input::Press(_) | Input::Release(_) | Input::Look(..)) {
-            return;
-        }
-        if !is_seen_at_once(player, input, terrain) {
-            self.figures.without_effect += 1;
-        } else if self.twins.len() < MOST {
+        let is_measured = matches!(input, Input::Press(_) | Input::Release(_) | Input::Look(..));
+        if is_measured && self.twins.len() < MOST {
             self.twins.push(Twin {
-                player: player.clone(),
+                player: ideal.clone(),
                 frames: 0,
             });
         }
+        ideal.take(input, terrain);
     }
 
     /// The player is about to simulate until this time.
     pub fn advance(&mut self, to_ns: u64, terrain: &impl Terrain) {
-        for twin in &mut self.twins {
-            twin.player.advance(to_ns, terrain);
-            drop(twin.player.take_notices());
+        let twins = self.twins.iter_mut().map(|twin| &mut twin.player);
+        for player in twins.chain(&mut self.ideal) {
+            player.advance(to_ns, terrain);
+            drop(player.take_notices());
         }
     }
 
     /// A frame shows what the player sees.
     pub fn shown(&mut self, player: &Player, terrain: &impl Terrain) {
-        let seen = player.view(terrain);
+        let Some(ideal) = &self.ideal else {
+            return;
+        };
+        let (seen, possible) = (player.view(terrain), ideal.view(terrain));
         let (figures, total_frames) = (&mut self.figures, &mut self.total_frames);
         self.twins.retain_mut(|twin| {
-            if twin.player.view(terrain) != seen {
+            let without = twin.player.view(terrain);
+            if without != seen {
                 figures.inputs += 1;
                 figures.most_frames = figures.most_frames.max(twin.frames);
                 *total_frames += u64::from(twin.frames);
+                return false;
+            }
+            if twin.frames == 0 && without == possible {
+                figures.without_effect += 1;
                 return false;
             }
             twin.frames += 1;
@@ -99,20 +107,6 @@ impl Latency {
             ..self.figures
         }
     }
-}
-
-/// Whether a step from now the player sees something else because of this input.
-fn is_seen_at_once(player: &Player, input: &Input, terrain: &impl Terrain) -> bool {
-    let in_a_step = player.now_ns() + 1_000_000_000 / STEPS_PER_S;
-    let [with, without] = [true, false].map(|with| {
-        let mut player = player.clone();
-        if with {
-            player.take(input, terrain);
-        }
-        player.advance(in_a_step, terrain);
-        player.view(terrain)
-    });
-    with != without
 }
 
 #[cfg(test)]

@@ -86,7 +86,7 @@ pub fn run(
     let mut replay = Replay::new(gpu, record, options)?;
     let length = replay.length();
     let bar = output::progress(run, "frames", length);
-    let mut process = Process::new();
+    let mut process = Process::this();
     let (mut process_bytes, mut adapter_bytes) = (Vec::new(), Vec::new());
     let mut pictures = 0;
     for frame in 1..=length {

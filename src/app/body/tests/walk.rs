@@ -1,209 +1,17 @@
-//! The body against brute force: random worlds and moves, and worlds made for one question each.
+//! Worlds made for one question each, and the walk through the cave.
 
-use std::collections::HashSet;
+use std::path::Path;
 
-use glam::{DVec3, I64Vec3, IVec3};
-use proptest::prelude::*;
+use glam::{DVec3, IVec3};
 
 use super::{
-    Body, Event, Intent, Measures, Mode, Terrain,
-    sweep::{ONE, point_to_units, to_voxels},
+    super::{
+        Body, Event, Ground, Intent, Measures, Mode, Terrain,
+        sweep::{ONE, point_to_units, to_voxels},
+    },
+    DT_S, Grid, HEIGHT, ahead, body_at,
 };
-
-const DT_S: f64 = 1.0 / 120.0;
-const HEIGHT: f64 = 1.77;
-/// Edge of the random worlds (voxels); their outermost layer is solid.
-const EDGE: i32 = 16;
-
-/// Every voxel of a small world; everything else is solid or air.
-#[derive(Clone)]
-struct Grid {
-    solid: Vec<bool>,
-    outside: bool,
-}
-
-impl Grid {
-    fn new(solid: impl Fn(IVec3) -> bool) -> Self {
-        let all = 0..EDGE * EDGE * EDGE;
-        Self {
-            solid: all.map(|index| solid(voxel(index))).collect(),
-            outside: false,
-        }
-    }
-
-    /// A closed room, with a share of its voxels solid, and a block of air in the middle to start in.
-    fn room(share: f64, seed: u64) -> Self {
-        let inner = 1..EDGE - 1;
-        Self::new(|at| {
-            let is_inside = at.to_array().iter().all(|n| inner.contains(n));
-            let is_start = (at - EDGE / 2).abs().max_element() <= 2;
-            !is_inside || (!is_start && Random(seed ^ ((index(at) as u64) << 32)).share() < share)
-        })
-    }
-
-    fn set(&mut self, at: IVec3, solid: bool) {
-        self.solid[index(at)] = solid;
-    }
-
-    /// The voxels of air that can be reached from `start` through faces.
-    fn connected(&self, start: IVec3) -> HashSet<IVec3> {
-        let mut found = HashSet::from([start]);
-        let mut next = vec![start];
-        while let Some(at) = next.pop() {
-            for to in [IVec3::X, IVec3::Y, IVec3::Z]
-                .into_iter()
-                .flat_map(|n| [at + n, at - n])
-            {
-                if !self.is_solid(to) && found.insert(to) {
-                    next.push(to);
-                }
-            }
-        }
-        found
-    }
-}
-
-fn voxel(index: i32) -> IVec3 {
-    IVec3::new(index % EDGE, index / EDGE % EDGE, index / (EDGE * EDGE))
-}
-
-fn index(at: IVec3) -> usize {
-    (at.x + EDGE * (at.y + EDGE * at.z)) as usize
-}
-
-impl Terrain for Grid {
-    fn is_solid(&self, at: IVec3) -> bool {
-        match at.to_array().iter().all(|n| (0..EDGE).contains(n)) {
-            true => self.solid[index(at)],
-            false => self.outside,
-        }
-    }
-}
-
-/// splitmix64 (Steele et al. 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn share(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// −1, 0 or 1.
-    fn sign(&mut self) -> i8 {
-        (self.next() % 3) as i8 - 1
-    }
-
-    fn intent(&mut self) -> Intent {
-        let yaw = self.share() * std::f64::consts::TAU;
-        let pitch = (self.share() - 0.5) * 3.0;
-        let level = DVec3::new(yaw.sin(), 0.0, yaw.cos());
-        Intent {
-            forward: self.sign(),
-            right: self.sign(),
-            up: self.next().is_multiple_of(3),
-            down: self.next().is_multiple_of(4),
-            run: self.next().is_multiple_of(2),
-            heading: level * pitch.cos() + DVec3::Y * pitch.sin(),
-            rightwards: DVec3::new(-level.z, 0.0, level.x),
-            // Up to twenty voxels in one step.
-            fly_speed: 4.0 * 600.0f64.powf(self.share()),
-        }
-    }
-}
-
-fn body_at(eye: DVec3, terrain: &impl Terrain) -> Body {
-    Body::with_eye_at(eye, Measures::of_height(HEIGHT), 0.0, terrain)
-}
-
-/// A body in the middle of a room.
-fn in_the_middle(terrain: &impl Terrain) -> Body {
-    body_at(DVec3::splat(f64::from(EDGE) / 2.0) + 0.5, terrain)
-}
-
-/// Walks or flies straight ahead.
-fn ahead(heading: DVec3) -> Intent {
-    Intent {
-        forward: 1,
-        heading,
-        rightwards: DVec3::Z,
-        fly_speed: 4.0,
-        ..Intent::default()
-    }
-}
-
-/// What is wrong with where a body is: it must be in air that can be reached from where it began.
-fn fault(body: &Body, reachable: &HashSet<IVec3>) -> Option<IVec3> {
-    let (low, high) = body.shape().voxels();
-    let mut voxels = (low.y..=high.y).flat_map(|y| {
-        (low.z..=high.z).flat_map(move |z| (low.x..=high.x).map(move |x| IVec3::new(x, y, z)))
-    });
-    voxels.find(|voxel| !reachable.contains(voxel))
-}
-
-/// Plays random moves in a random room by `step`. Returns the first place where the body must not be.
-fn wander(
-    seed: u64,
-    moves: usize,
-    mut step: impl FnMut(&mut Body, &Grid, &Intent),
-) -> Option<IVec3> {
-    let mut random = Random(seed);
-    let grid = Grid::room(random.share() * 0.6, random.next());
-    let mut body = in_the_middle(&grid);
-    body.mode = if random.next().is_multiple_of(2) {
-        Mode::Walk
-    } else {
-        Mode::Fly
-    };
-    let reachable = grid.connected(body.shape().voxels().0);
-    let mut intent = random.intent();
-    for _ in 0..moves {
-        if random.next().is_multiple_of(8) {
-            intent = random.intent();
-        }
-        step(&mut body, &grid, &intent);
-        if let Some(at) = fault(&body, &reachable) {
-            return Some(at);
-        }
-    }
-    None
-}
-
-/// A million moves in a thousand worlds.
-#[test]
-fn a_body_is_never_in_stone_and_never_goes_through_a_wall() {
-    for seed in 0..1000 {
-        let found = wander(seed, 1000, |body, grid, intent| {
-            assert_eq!(body.step(grid, intent, DT_S), None);
-        });
-        assert_eq!(found, None, "in world {seed}");
-    }
-}
-
-/// A body that looks only at where a move ends goes through walls: the check finds it.
-#[test]
-fn the_check_finds_a_body_that_tunnels_and_one_that_enters_stone() {
-    let tunnels = |body: &mut Body, grid: &Grid, intent: &Intent| {
-        let before = body.feet;
-        body.feet += point_to_units(intent.heading * intent.fly_speed * DT_S);
-        if body.shape().overlaps(grid) {
-            body.feet = before;
-        }
-    };
-    assert!((0..20).any(|seed| wander(seed, 1000, tunnels).is_some()));
-    let enters = |body: &mut Body, grid: &Grid, intent: &Intent| {
-        let _ = body.step(grid, intent, DT_S);
-        body.feet += I64Vec3::X;
-    };
-    assert!((0..20).any(|seed| wander(seed, 1000, enters).is_some()));
-}
+use crate::world::{file, generate};
 
 /// Air above a floor that fills the voxels below `y` = 4.
 fn floor() -> Grid {
@@ -434,25 +242,41 @@ fn the_eye_stays_below_a_ceiling_that_comes_with_a_step_down() {
     assert_eq!(body.feet.y, 5 * ONE, "the lower part is too low to enter");
 }
 
-proptest! {
-    /// Whatever the numbers, nothing panics, and no place is out of range.
-    #[test]
-    fn wild_intents_and_steps_do_no_harm(
-        seed in any::<u64>(),
-        speed in prop::num::f64::ANY,
-        dt_s in 0.0f64..1e6,
-    ) {
-        let grid = Grid::room(0.3, seed);
-        let mut body = in_the_middle(&grid);
-        let mut random = Random(seed);
-        for mode in [Mode::Walk, Mode::Fly, Mode::NoClip] {
-            body.set_mode(mode, &grid);
-            for _ in 0..20 {
-                let intent = Intent { fly_speed: speed, ..random.intent() };
-                let _ = body.step(&grid, &intent, dt_s);
-                prop_assert!(mode == Mode::NoClip || !body.shape().overlaps(&grid));
-                prop_assert!(body.eye(&grid).is_finite());
+/// Straight on in all directions from below each camera, without a jump, no less than half of the way is made:
+/// walls and the stems of mushrooms stop who never turns.
+#[test]
+fn the_cave_is_walked_without_jumps() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/cave.ron");
+    let world = file::load(&path, &file::Overrides::default()).expect("it loads");
+    let voxels = generate::generate(&world);
+    let ground = Ground {
+        voxels: &voxels,
+        origin: world.origin,
+    };
+    let measures = Measures::of_height(world.player_height);
+    let bottom = f64::from(world.origin.y);
+    for camera in &world.cameras {
+        let mut landed = Body::with_eye_at(camera.position.as_dvec3(), measures, bottom, &ground);
+        assert!(landed.set_mode(Mode::Walk, &ground));
+        for _ in 0..1200 {
+            assert_eq!(landed.step(&ground, &Intent::default(), DT_S), None);
+        }
+        assert!(landed.shape().is_supported(&ground), "{}", camera.name);
+        let directions = 32;
+        let steps = 600;
+        let mut way = 0.0;
+        for direction in 0..directions {
+            let angle = f64::from(direction) / f64::from(directions) * std::f64::consts::TAU;
+            let intent = ahead(DVec3::new(angle.cos(), 0.0, angle.sin()));
+            let mut body = landed.clone();
+            let mut last = body.feet;
+            for _ in 0..steps {
+                assert_eq!(body.step(&ground, &intent, DT_S), None);
+                way += (body.feet - last).with_y(0).as_dvec3().length() / ONE as f64;
+                last = body.feet;
             }
         }
+        let share = way / (f64::from(directions * steps) * DT_S * measures.walk);
+        assert!(share > 0.5, "{}: {share}", camera.name);
     }
 }
