@@ -2,6 +2,7 @@
 
 use egui::{Color32, LayerId, Order, Slider, Stroke as Line, Ui};
 use glam::IVec3;
+use serde::{Deserialize, Serialize};
 
 use super::widgets;
 use crate::{
@@ -18,7 +19,8 @@ const MOST_RADIUS: f32 = 24.0;
 const CROSSHAIR: f32 = 7.0;
 
 /// Settings of the strokes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Brush {
     /// Material to place: 1-based index into the world's materials.
     pub material: u8,
@@ -36,7 +38,8 @@ impl Default for Brush {
 }
 
 /// What a stroke does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Stroke {
     /// Removes solid voxels, starting with the voxel under the crosshair.
     Dig,
@@ -46,19 +49,53 @@ pub enum Stroke {
     Pick,
 }
 
+/// Where strokes may go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Voxels from the camera to the face aimed at.
+    pub distance: f64,
+    /// The lowest and the highest voxel (world space) of the body that holds the brush: they stay free.
+    pub body: Option<(IVec3, IVec3)>,
+}
+
+impl Default for Reach {
+    fn default() -> Self {
+        Self {
+            distance: f64::INFINITY,
+            body: None,
+        }
+    }
+}
+
+impl Reach {
+    /// Whether a stroke where `camera` looks would meet a voxel of a world with this origin.
+    pub fn holds(&self, voxels: &Voxels, origin: IVec3, camera: &Camera) -> bool {
+        march(voxels, &self.ray(origin, camera)) != Outcome::Miss
+    }
+
+    fn ray(&self, origin: IVec3, camera: &Camera) -> Ray {
+        let basis = camera.basis(1.0);
+        let direction = basis.forward.normalize();
+        Ray {
+            max_distance: self.distance,
+            ..Ray::new(basis.origin - origin.as_dvec3(), direction)
+        }
+    }
+}
+
 impl Brush {
-    /// Makes a stroke where `camera` looks, however far that is.
+    /// Makes a stroke where `camera` looks, as far as `reach` allows.
     pub fn stroke(
         &mut self,
         voxels: &mut Voxels,
         world: &World,
         camera: &Camera,
         stroke: Stroke,
+        reach: &Reach,
     ) -> Edit {
         // An edited world file may have fewer materials.
         self.material = self.material.clamp(1, world.materials.len().max(1) as u8);
-        let basis = camera.basis(1.0);
-        let ray = Ray::new(basis.origin - world.origin.as_dvec3(), basis.forward);
+        let ray = reach.ray(world.origin, camera);
         match (stroke, march(voxels, &ray)) {
             (Stroke::Pick, Outcome::Hit(hit)) => self.material = hit.material,
             (Stroke::Pick, Outcome::Inside(material)) => self.material = material,
@@ -66,7 +103,10 @@ impl Brush {
             (Stroke::Dig, Outcome::Inside(_)) => return self.dig(voxels, ray.start),
             (Stroke::Place, Outcome::Hit(hit)) => {
                 let at = hit.voxel + FACE_NORMALS[usize::from(hit.face)];
-                return self.place(voxels, at, ray.start);
+                let body = reach
+                    .body
+                    .map(|(low, high)| (low - world.origin, high - world.origin));
+                return self.place(voxels, at, body.unwrap_or((ray.start, ray.start)));
             }
             (Stroke::Place, Outcome::Inside(_)) | (_, Outcome::Miss) => {}
         }
@@ -77,10 +117,11 @@ impl Brush {
         self.change(voxels, at, |_, _| 0)
     }
 
-    /// The voxel of `camera` stays as it is, so that nobody is walled in.
-    fn place(&self, voxels: &mut Voxels, at: IVec3, camera: IVec3) -> Edit {
+    /// The voxels from `low` to `high` stay as they are, so that nobody is walled in.
+    fn place(&self, voxels: &mut Voxels, at: IVec3, (low, high): (IVec3, IVec3)) -> Edit {
         self.change(voxels, at, |voxel, old| {
-            if old == 0 && voxel != camera {
+            let is_kept = voxel.cmpge(low).all() && voxel.cmple(high).all();
+            if old == 0 && !is_kept {
                 self.material
             } else {
                 old
@@ -122,12 +163,15 @@ impl Brush {
     }
 }
 
-/// Draws a cross where strokes go: light on dark backgrounds, dark on light ones.
-pub fn crosshair(ui: &Ui) {
+/// Draws a cross where strokes go: light on dark backgrounds, dark on light ones, and faint where they reach
+/// nothing.
+pub fn crosshair(ui: &Ui, reaches: bool) {
     let layer = LayerId::new(Order::Middle, egui::Id::unique("crosshair"));
     let painter = ui.ctx().layer_painter(layer);
     let centre = ui.ctx().content_rect().center();
+    let strength = if reaches { 1.0 } else { 0.4 };
     for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.0, Color32::WHITE)] {
+        let colour = colour.gamma_multiply(strength);
         let ends = CROSSHAIR + 0.5 * (width - 1.0);
         let across = centre.x - ends..=centre.x + ends;
         let down = centre.y - ends..=centre.y + ends;
@@ -174,16 +218,34 @@ mod tests {
         let (world, mut voxels, camera) = scene();
         let top = IVec3::new(16, 1, 16);
         let mut brush = Brush::default();
-        let edit = brush.stroke(&mut voxels, &world, &camera, Stroke::Dig);
+        let edit = brush.stroke(&mut voxels, &world, &camera, Stroke::Dig, &Reach::default());
         assert_eq!(edit.region, Some((top.as_uvec3(), top.as_uvec3())));
         assert_eq!((voxels.material(top), count(&voxels, 2)), (0, 2047));
-        brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        brush.stroke(
+            &mut voxels,
+            &world,
+            &camera,
+            Stroke::Place,
+            &Reach::default(),
+        );
         assert_eq!((voxels.material(top), count(&voxels, 1)), (1, 1));
         // On top of it, with the material that lies there.
         brush.material = 3;
-        brush.stroke(&mut voxels, &world, &camera, Stroke::Pick);
+        brush.stroke(
+            &mut voxels,
+            &world,
+            &camera,
+            Stroke::Pick,
+            &Reach::default(),
+        );
         assert_eq!(brush.material, 1);
-        brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        brush.stroke(
+            &mut voxels,
+            &world,
+            &camera,
+            Stroke::Place,
+            &Reach::default(),
+        );
         assert_eq!(voxels.material(top + IVec3::Y), 1);
         assert_eq!(voxels.validate(), Ok(()));
     }
@@ -195,12 +257,18 @@ mod tests {
             material: 3,
             radius: 2.0,
         };
-        brush.stroke(&mut voxels, &world, &camera, Stroke::Dig);
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Dig, &Reach::default());
         // Discs of radius 2 and √3 of the sphere around the voxel hit lie in the floor.
         assert_eq!(count(&voxels, 2), 2048 - 13 - 9);
         camera.position.y = 6.5;
         let (mut voxels, at) = (scene().1, IVec3::new(16, 2, 16));
-        brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        brush.stroke(
+            &mut voxels,
+            &world,
+            &camera,
+            Stroke::Place,
+            &Reach::default(),
+        );
         assert_eq!(count(&voxels, 2), 2048, "solid voxels stay as they are");
         assert_eq!(voxels.material(at), 0, "the camera stays free");
         assert_eq!(count(&voxels, 3), 13 - 1 + 9 + 1);
@@ -212,13 +280,19 @@ mod tests {
         let mut brush = Brush::default();
         camera.pitch_deg = 45.0;
         for stroke in [Stroke::Dig, Stroke::Place, Stroke::Pick] {
-            let edit = brush.stroke(&mut voxels, &world, &camera, stroke);
+            let edit = brush.stroke(&mut voxels, &world, &camera, stroke, &Reach::default());
             assert_eq!(edit, Edit::default());
         }
         camera.position.y = 5.5;
-        let edit = brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        let edit = brush.stroke(
+            &mut voxels,
+            &world,
+            &camera,
+            Stroke::Place,
+            &Reach::default(),
+        );
         assert_eq!(edit, Edit::default());
-        brush.stroke(&mut voxels, &world, &camera, Stroke::Dig);
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Dig, &Reach::default());
         assert_eq!(voxels.material(IVec3::new(16, 1, 16)), 0);
     }
 
@@ -229,7 +303,39 @@ mod tests {
             material: 255,
             radius: 0.0,
         };
-        brush.stroke(&mut voxels, &world, &camera, Stroke::Place);
+        brush.stroke(
+            &mut voxels,
+            &world,
+            &camera,
+            Stroke::Place,
+            &Reach::default(),
+        );
         assert_eq!(usize::from(brush.material), world.materials.len());
+    }
+
+    #[test]
+    fn strokes_end_at_the_reach_and_leave_the_body_free() {
+        let (world, mut voxels, mut camera) = scene();
+        let mut brush = Brush {
+            material: 1,
+            radius: 2.0,
+        };
+        camera.position.y = 6.0 + 5.5;
+        let body = (IVec3::new(0, 6, 0), IVec3::new(0, 7, 0));
+        let mut reach = Reach {
+            distance: 5.0,
+            body: Some(body),
+        };
+        assert!(!reach.holds(&voxels, world.origin, &camera));
+        for stroke in [Stroke::Dig, Stroke::Place] {
+            let edit = brush.stroke(&mut voxels, &world, &camera, stroke, &reach);
+            assert_eq!(edit, Edit::default());
+        }
+        reach.distance = 5.6;
+        assert!(reach.holds(&voxels, world.origin, &camera));
+        brush.stroke(&mut voxels, &world, &camera, Stroke::Place, &reach);
+        let at = |voxel: IVec3| voxels.material(voxel - world.origin);
+        assert_eq!((at(body.0), at(body.1)), (0, 0), "the body stays free");
+        assert_eq!((at(body.0 + IVec3::X), at(body.1 + IVec3::X)), (1, 1));
     }
 }

@@ -36,6 +36,13 @@ impl Messages {
         self.push(text.into(), true, ERROR_SHOWN);
     }
 
+    /// The errors so far, for where there is no window to show them.
+    pub fn take_errors(&mut self) -> Vec<String> {
+        let toasts = std::mem::take(&mut self.toasts).into_iter();
+        let errors = toasts.filter(|toast| toast.error).map(|toast| toast.text);
+        errors.chain(self.world.take()).collect()
+    }
+
     fn push(&mut self, text: String, error: bool, shown: Duration) {
         // The same text again only lasts longer.
         self.toasts.retain(|toast| toast.text != text);

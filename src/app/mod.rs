@@ -1,21 +1,27 @@
-//! The window: a camera that flies through a world, a panel, and files that are read again when
+//! The window: a player who walks and flies through a world, a panel, and files that are read again when
 //! they are edited.
 //!
-//! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. The
-//! other modules are their parts: `camera` and `controls` steer, `brush` digs and builds, `panel` and `widgets`
-//! choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and `time_graph`
-//! draws frame times.
+//! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. `run`
+//! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
+//! without a window. The other modules are their parts: `controls` names the keys, `brush` digs and builds, `panel`
+//! and `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
+//! `time_graph` draws frame times.
 
 mod benchmark;
+mod body;
 mod brush;
-mod camera;
 mod clock;
 mod controls;
+mod input;
 mod messages;
 mod pace;
 mod panel;
+mod player;
+pub mod record;
 mod reference_view;
 mod reload;
+pub mod replay;
+mod run;
 mod screen;
 mod screenshot;
 mod session;
@@ -41,6 +47,7 @@ use crate::{
     passes::view::Inspection,
     world::{Camera, World},
 };
+use record::{Record, RecordError};
 use session::Session;
 
 /// What a window starts with.
@@ -67,6 +74,10 @@ pub struct Options {
     pub benchmark: bool,
     /// Closes the window after this many frames.
     pub frames: Option<u32>,
+    /// Records the run into this file.
+    pub record: Option<PathBuf>,
+    /// Plays this record before the user takes over.
+    pub replay: Option<Record>,
     /// Destroys the device after this many frames, as a failing driver does: for tests.
     pub lose_device_at: Option<u32>,
 }
@@ -83,6 +94,8 @@ pub enum AppError {
     Gpu(#[from] GpuError),
     #[error(transparent)]
     Frame(#[from] FrameError),
+    #[error(transparent)]
+    Record(#[from] RecordError),
 }
 
 /// Opens the window. Returns, when it is closed, the number of frames that it has shown.
@@ -100,8 +113,13 @@ pub fn run(options: Options) -> Result<u32, AppError> {
         requested: Instant::now(),
     };
     event_loop.run_app(&mut app).map_err(no_window)?;
-    let presented = app.session.as_ref().map_or(0, Session::presented);
-    app.error.map_or(Ok(presented), Err)
+    let (mut presented, mut error) = (0, app.error);
+    if let Some(session) = &mut app.session {
+        presented = session.presented();
+        let finished = session.finish();
+        error = error.or(finished.err());
+    }
+    error.map_or(Ok(presented), Err)
 }
 
 /// An error of winit without the source position that it begins with.

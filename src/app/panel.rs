@@ -38,7 +38,8 @@ pub struct Facts<'a> {
     pub rate: &'a FrameRate,
     pub passes: &'a PassMeans,
     pub camera: &'a Camera,
-    pub speed: f32,
+    /// Voxels per second.
+    pub fly_speed: f64,
     /// Probes by state, once they have been counted.
     pub probes: Option<StateCounts>,
 }
@@ -227,7 +228,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
                 at.x, at.y, at.z
             ),
         );
-        line("speed", format!("{} voxels/s", digits(facts.speed.into())));
+        line("flight", format!("{} voxels/s", digits(facts.fly_speed)));
     });
 }
 

@@ -3,6 +3,7 @@
 use std::{fmt, io, path::Path};
 
 use crate::{
+    app::record::RecordError,
     frame::FrameError,
     gpu::GpuError,
     measure::{picture_file::PictureError, whole_file::FileError},
@@ -103,6 +104,15 @@ impl From<FileError> for Failure {
         match error.is_fault() {
             true => Self::fault(error),
             false => Self::bad_input(error),
+        }
+    }
+}
+
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Self {
+        match error {
+            RecordError::File(error) => error.into(),
+            error @ RecordError::Bad { .. } => Self::bad_input(error),
         }
     }
 }

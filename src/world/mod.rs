@@ -25,7 +25,8 @@ pub use features::FeaturePart;
 pub use materials::{Colour, Material, Pattern, Rule};
 pub use noise::NoiseField;
 pub use scenery::{
-    Camera, Lamp, LampKind, LampPreset, LayoutSpec, Motion, ResponseSpec, Sky, Sun, Wall,
+    Camera, Lamp, LampKind, LampPreset, LayoutSpec, Motion, PLAYER_HEIGHT_M, ResponseSpec, Sky,
+    Sun, Wall,
 };
 pub use sdf::Sdf;
 pub use view::View;
@@ -55,6 +56,8 @@ pub struct World {
     pub rules: Vec<Rule>,
     /// Boxes of voxels that fill air, in order (later ones override earlier ones; rock overrides all).
     pub features: Vec<FeaturePart>,
+    /// Height of the player in voxels: 1.77 m unless the file says otherwise.
+    pub player_height: f64,
     pub sky: Sky,
     pub sun: Option<Sun>,
     /// Never empty; the first one is lit by default.

@@ -20,6 +20,9 @@ pub const LEAST_SPACING: f32 = 0.25;
 /// Coordinates lie within ± this many voxels, so that f32 still tells voxels apart.
 pub const FARTHEST: f32 = 1_048_576.0;
 
+/// Height of a player (metres) in a world that says nothing about it.
+pub const PLAYER_HEIGHT_M: f64 = 1.77;
+
 /// A lamp as the file gives it; `lights` evaluates its motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lamp {

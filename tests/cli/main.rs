@@ -11,6 +11,7 @@ mod measuring;
 mod reference;
 mod refusals;
 mod render;
+mod replay;
 mod storms;
 mod stress;
 #[cfg(target_os = "linux")]

@@ -117,6 +117,32 @@ fn probes_and_atlases_are_shown_in_the_window() {
 }
 
 #[test]
+fn a_run_is_recorded_and_played_again() {
+    let folder = folder();
+    let record = folder.path().join("run.record");
+    let record = record.to_str().expect("UTF-8");
+    let small = ["--size", "160x96", "--frames", "6"];
+    let world = ["worlds/minimal.ron", "--set", "probes.rays=16"];
+    let recorded = play(&[&world[..], &small, &["--record", record]].concat());
+    assert_eq!(
+        recorded.status.code(),
+        Some(0),
+        "{}",
+        text(&recorded.stderr)
+    );
+    let lines = fs::read_to_string(record).expect("it has its name");
+    assert!(lines.starts_with("{\"grotto_record\":1,"), "{lines}");
+    assert!(lines.trim_end().ends_with("\"end\":true}"), "{lines}");
+    let replayed = play(&[&small[..], &["--replay", record]].concat());
+    assert_eq!(
+        replayed.status.code(),
+        Some(0),
+        "{}",
+        text(&replayed.stderr)
+    );
+}
+
+#[test]
 fn shaders_from_a_folder_run_and_broken_ones_leave_those_of_the_binary() {
     let folder = folder();
     copy_folder(&root().join("shaders"), folder.path());

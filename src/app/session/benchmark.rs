@@ -11,7 +11,7 @@ use super::{
     super::{
         AppError,
         benchmark::{Before, Benchmark, Course, Phase, Summary, Surroundings},
-        camera::flown,
+        input::Input,
     },
     Session,
 };
@@ -91,7 +91,7 @@ impl Session {
         self.messages.status = None;
         self.camera = before.camera;
         self.settings.clock = before.clock;
-        self.controls.release_all();
+        self.give(Input::Focus(false));
         self.remade();
     }
 
@@ -100,7 +100,6 @@ impl Session {
     /// # Errors
     /// [`AppError::Gpu`] when the device is lost.
     pub(super) fn steer(&mut self, now: Instant, elapsed: Duration) -> Result<(), AppError> {
-        let input = self.controls.take(now);
         let phase = self
             .benchmarks
             .running
@@ -127,10 +126,7 @@ impl Session {
                 self.camera = run.camera();
                 self.settings.clock.time_s = run.time_s();
             }
-            None => {
-                self.settings.clock.advance(elapsed.as_secs_f64());
-                self.camera = flown(&self.camera, &input, self.speed);
-            }
+            None => self.play_on(elapsed)?,
         }
         Ok(())
     }

@@ -1,7 +1,5 @@
 //! User input to the window: keys and mouse steer the camera or go to the panel.
 
-use std::time::Instant;
-
 use winit::{
     event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent},
     keyboard::{KeyCode, PhysicalKey},
@@ -9,7 +7,7 @@ use winit::{
 };
 
 use super::{
-    super::{brush::Stroke, camera::scrolled},
+    super::{brush::Stroke, controls::player_key, input::Input},
     Session,
 };
 
@@ -17,7 +15,7 @@ impl Session {
     /// The mouse was moved by this many pixels, right and down.
     pub fn mouse_moved(&mut self, (right, down): (f64, f64)) {
         if self.captured {
-            self.controls.look(right, down);
+            self.give(Input::Look(right as f32, down as f32));
         }
     }
 
@@ -45,8 +43,8 @@ impl Session {
                 self.focused = *focused;
                 // Frames before and after a change of pace do not belong to the same statistics.
                 self.rate.clear();
+                self.give(Input::Focus(*focused));
                 if !focused {
-                    self.controls.release_all();
                     self.release_mouse();
                 }
             }
@@ -65,7 +63,7 @@ impl Session {
                     MouseScrollDelta::LineDelta(_, lines) => *lines,
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / 40.0,
                 };
-                self.speed = scrolled(self.speed, notches);
+                self.give(Input::Wheel(notches));
             }
             _ => {}
         }
@@ -75,9 +73,9 @@ impl Session {
         match button {
             MouseButton::Left if !self.captured && !self.over_panel() => self.capture_mouse(),
             _ if !self.captured => {}
-            MouseButton::Left => self.strike(Stroke::Dig),
-            MouseButton::Right => self.strike(Stroke::Place),
-            MouseButton::Middle => self.strike(Stroke::Pick),
+            MouseButton::Left => self.give(Input::Stroke(Stroke::Dig)),
+            MouseButton::Right => self.give(Input::Stroke(Stroke::Place)),
+            MouseButton::Middle => self.give(Input::Stroke(Stroke::Pick)),
             _ => {}
         }
     }
@@ -91,9 +89,11 @@ impl Session {
         let PhysicalKey::Code(code) = event.physical_key else {
             return;
         };
-        let now = Instant::now();
+        let key = player_key(code);
         if event.state == ElementState::Released {
-            self.controls.release(code, now);
+            if let Some(key) = key {
+                self.give(Input::Release(key));
+            }
             return;
         }
         if event.repeat {
@@ -115,10 +115,12 @@ impl Session {
             // The user types a number into the panel.
             _ if !self.captured && self.egui.egui_ctx().egui_wants_keyboard_input() => {}
             KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
-            code => match digit(code) {
-                Some(index) => self.jump_to(index),
-                None => self.controls.press(code, now),
-            },
+            code => {
+                let camera = digit(code).map(Input::Camera);
+                if let Some(input) = key.map(Input::Press).or(camera) {
+                    self.give(input);
+                }
+            }
         }
     }
 
@@ -132,13 +134,6 @@ impl Session {
             self.messages.toast(
                 "Path-traced reference: time is paused (P resumes it), F6 returns to the probes",
             );
-        }
-    }
-
-    pub(super) fn jump_to(&mut self, index: usize) {
-        if let Some(camera) = self.viewport.world().cameras.get(index) {
-            self.camera = camera.clone();
-            self.messages.toast(format!("camera {}", camera.name));
         }
     }
 

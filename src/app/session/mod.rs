@@ -4,6 +4,7 @@ mod benchmark;
 mod input;
 mod lost;
 mod panels;
+mod play;
 mod times;
 mod views;
 
@@ -16,13 +17,13 @@ use std::{
 use winit::{event_loop::ActiveEventLoop, window::Window};
 
 use benchmark::Benchmarks;
+use play::Play;
 
 use super::{
     AppError, Options,
-    brush::{Brush, Stroke},
-    camera,
+    brush::Brush,
     clock::{FrameRate, WorldClock},
-    controls::Controls,
+    input::Input,
     messages::Messages,
     pace::Attention,
     panel::{PassMeans, Settings},
@@ -59,8 +60,7 @@ pub struct Session {
     panel_open: bool,
     messages: Messages,
     camera: Camera,
-    speed: f32,
-    controls: Controls,
+    play: Play,
     captured: bool,
     rate: FrameRate,
     passes: PassMeans,
@@ -117,22 +117,24 @@ impl Session {
             traced: options.traced,
         };
         let mut messages = Messages::default();
-        let viewport = build(&gpu, options, choice, &mut messages)?;
+        let mut viewport = build(&gpu, options, choice, &mut messages)?;
         messages.toast("Click into the picture to look around; F1 hides the panel");
+        let settings = Settings {
+            choice: viewport.choice().clone(),
+            inspection: options.inspection,
+            scale,
+            vsync: true,
+            clock: WorldClock {
+                paused: options.traced,
+                ..WorldClock::default()
+            },
+            brush: Brush::default(),
+        };
         let mut session = Self {
             overlay: Overlay::new(&viewport.gpu, screen.format())?,
             timing: Timing::new(&gpu)?,
-            settings: Settings {
-                choice: viewport.choice().clone(),
-                inspection: options.inspection,
-                scale,
-                vsync: true,
-                clock: WorldClock {
-                    paused: options.traced,
-                    ..WorldClock::default()
-                },
-                brush: Brush::default(),
-            },
+            play: Play::begin(options, &mut viewport)?,
+            settings,
             egui: lost::panel_state(event_loop, &window, &viewport.gpu),
             window,
             screen,
@@ -143,8 +145,6 @@ impl Session {
             panel_open: true,
             messages,
             camera: options.camera.clone(),
-            speed: camera::DEFAULT_SPEED,
-            controls: Controls::default(),
             captured: false,
             rate: FrameRate::default(),
             passes: PassMeans::default(),
@@ -300,19 +300,6 @@ impl Session {
             .map_or(Ok(()), |fault| Err(fault.into()))
     }
 
-    /// Digs or builds where the camera looks.
-    fn strike(&mut self, stroke: Stroke) {
-        let (brush, camera) = (&mut self.settings.brush, &self.camera);
-        let made = self
-            .viewport
-            .edit(|voxels, world| brush.stroke(voxels, world, camera, stroke));
-        if let Err(error) = made {
-            self.messages.toast_error(error.to_string());
-        }
-        // The edit may have freed probes from solid voxels, or buried them.
-        self.probes = None;
-    }
-
     /// Resets counts and times after work that must not count towards any frame.
     fn remade(&mut self) {
         self.probes = None;
@@ -343,15 +330,7 @@ impl Session {
         }
         if world {
             self.world_watch.follow_world();
-            self.messages.world = match self.viewport.reload_world() {
-                Ok(()) => {
-                    self.messages.toast("world read again");
-                    None
-                }
-                Err(error) => Some(error.to_string()),
-            };
-            self.settings.choice = self.viewport.choice().clone();
-            self.remade();
+            self.give(Input::Reload);
         }
     }
 

@@ -6,6 +6,7 @@ use super::Session;
 use crate::{
     app::{
         brush,
+        input::Input,
         panel::{self, Action, Facts},
     },
     passes::view::overlay::PanelShapes,
@@ -16,12 +17,13 @@ impl Session {
     pub(super) fn run_panel(&mut self, event_loop: &ActiveEventLoop) -> PanelShapes {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
+        let reaches = self.captured && self.reaches();
         let facts = Facts {
             viewport: &self.viewport,
             rate: &self.rate,
             passes: &self.passes,
             camera: &self.camera,
-            speed: self.speed,
+            fly_speed: self.play.player.fly_speed(),
             probes: self.probes,
         };
         let mut action = None;
@@ -32,12 +34,12 @@ impl Session {
                 action = panel::show(ui, &facts, &mut self.settings).or(action);
             }
             if self.captured {
-                brush::crosshair(ui);
+                brush::crosshair(ui, reaches);
             }
             self.messages.show(ui);
         });
         match action {
-            Some(Action::JumpTo(index)) => self.jump_to(index),
+            Some(Action::JumpTo(index)) => self.give(Input::Camera(index)),
             Some(Action::Screenshot) => self.screenshot_wanted = true,
             Some(Action::Reload) => self.reload(true, true),
             None => {}

@@ -16,7 +16,7 @@ use crate::world::generate::FeatureBins;
 use crate::world::materials::hash::hash;
 use crate::world::noise::{Basis, Fractal, NoiseBank, NoiseField};
 use crate::world::sdf::{NoiseId, Shape};
-use crate::world::{Colour, Material, Sky, World};
+use crate::world::{Colour, Material, PLAYER_HEIGHT_M, Sky, World};
 
 /// Longest edge of a world, voxels.
 pub const MAX_EDGE: u32 = 4096;
@@ -91,6 +91,7 @@ pub(super) fn resolve(
     let layouts = reader.layouts(&file.layouts)?;
     let response = reader.response(&file.response, &lamp_presets, overrides.size.is_some())?;
     let sun = file.sun.as_ref().map(|sun| reader.sun(sun)).transpose()?;
+    let player_height = reader.player_height(&file.player)?;
     let sky = or(&file.sky, DIM_SKY, |sky| reader.sky(sky))?;
     for material in &mut reader.materials {
         if let Some(albedo) = overrides.albedo {
@@ -114,6 +115,7 @@ pub(super) fn resolve(
         materials: reader.materials,
         rules,
         features,
+        player_height,
         sky,
         sun,
         lamp_presets,
@@ -122,6 +124,9 @@ pub(super) fn resolve(
         response,
     })
 }
+
+/// Heights that a world may give its player (voxels).
+const PLAYER_HEIGHTS: std::ops::RangeInclusive<f64> = 0.1..=100.0;
 
 /// Bright enough to see.
 const DIM_SKY: Sky = Sky {
@@ -174,6 +179,15 @@ impl Reader<'_> {
         let names = self.materials.iter().map(|material| material.name.as_str());
         let index = self.source.find(leaf, "material", names)?;
         Ok(u8::try_from(index + 1).expect("there are at most 255 materials"))
+    }
+
+    /// A person is 1.77 m high, where the edge of a voxel allows.
+    fn player_height(&self, player: &schema::Player) -> Read<f64> {
+        let (low, high) = (*PLAYER_HEIGHTS.start(), *PLAYER_HEIGHTS.end());
+        let person = (PLAYER_HEIGHT_M / f64::from(self.voxel_m)).clamp(low, high);
+        or(&player.height, person, |leaf| {
+            self.source.number_in(leaf, "height", PLAYER_HEIGHTS)
+        })
     }
 
     fn read_noises(&mut self, noises: &schema::Named<schema::Noise>) -> Read<()> {

@@ -92,6 +92,9 @@ pub struct World {
     pub sun: Option<Sun>,
     /// Default: a dim grey.
     pub sky: Option<Sky>,
+    /// Who walks through it.
+    #[serde(default)]
+    pub player: Player,
     /// Default: one camera that looks at the world's middle.
     #[serde(default)]
     pub cameras: Vec<Camera>,
@@ -450,6 +453,14 @@ pub struct Sky {
     pub zenith: Vector,
     pub horizon: Option<Vector>,
     pub ground: Option<Vector>,
+}
+
+/// `(height: 3.5)`: all sizes and speeds of the player are in proportion.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Player {
+    /// Voxels, 0.1 … 100. Default: 1.77 metres.
+    pub height: Option<Leaf>,
 }
 
 /// `look_at`, or `yaw_deg` (default 0: towards −Z; positive turns left) and `pitch_deg` (default 0;

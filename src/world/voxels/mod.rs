@@ -203,6 +203,24 @@ impl Voxels {
         }
     }
 
+    /// CRC-32 of what the voxels are, whatever bricks hold them.
+    pub fn crc32(&self) -> u32 {
+        let mut hasher = crc32fast::Hasher::new();
+        let used = self.size.map(|n| n.div_ceil(CELL));
+        for index in 0..used.element_product() {
+            let (x, rest) = (index % used.x, index / used.x);
+            match self.cell(UVec3::new(x, rest % used.y, rest / used.y)) {
+                Cell::Empty => hasher.update(&[0, 0]),
+                Cell::Uniform(material) => hasher.update(&[0, material]),
+                Cell::Brick(materials) => {
+                    hasher.update(&[1]);
+                    hasher.update(materials);
+                }
+            }
+        }
+        hasher.finalize()
+    }
+
     fn cell_index(&self, cell: UVec3) -> usize {
         let bits = self.cells.map(|n| n.trailing_zeros());
         (cell.x | cell.y << bits.x | cell.z << (bits.x + bits.y)) as usize
@@ -278,6 +296,25 @@ mod tests {
         assert_eq!(voxels.material(IVec3::new(7, 15, 15)), 3);
         assert_eq!(voxels.material(IVec3::new(8, 0, 0)), 0);
         assert_eq!(voxels.material(IVec3::new(-1, 0, 0)), 0);
+    }
+
+    #[test]
+    fn the_checksum_is_that_of_the_voxels_however_they_came_about() {
+        let mut once = Voxels::empty(UVec3::new(20, 8, 33));
+        let empty = once.crc32();
+        let mut twice = once.clone();
+        let (a, b) = (IVec3::new(3, 4, 5), IVec3::new(19, 7, 32));
+        once.set(a, 1);
+        once.set(b, 2);
+        twice.set(b, 2);
+        twice.set(IVec3::ZERO, 3);
+        twice.set(a, 1);
+        assert_ne!(once.crc32(), twice.crc32());
+        twice.set(IVec3::ZERO, 0);
+        assert_eq!(once.crc32(), twice.crc32());
+        once.set(a, 0);
+        once.set(b, 0);
+        assert_eq!(once.crc32(), empty);
     }
 
     #[test]

@@ -69,6 +69,7 @@ pub fn world(size: UVec3, shape: Sdf, rules: Vec<Rule>, features: Vec<FeaturePar
         materials: Vec::new(),
         rules,
         features,
+        player_height: 1.77,
         sky: Sky {
             zenith: Vec3::ONE,
             horizon: Vec3::ONE,

@@ -23,6 +23,7 @@ pub use self::{
     report::{FILE, StormRecord, table},
     rig::{Now, Scene},
     run::{Found, Length, Plan, Planted, run as run_plan},
+    soak::{Footprint, Process, steady_growth},
 };
 use super::super::{
     Failure,

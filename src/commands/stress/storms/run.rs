@@ -175,7 +175,7 @@ impl Storm<'_> {
     /// Draws the frames of the storm.
     fn blow(&mut self, after: After<'_>) -> Result<(), Failure> {
         let start = Instant::now();
-        let mut process = Process::new();
+        let mut process = Process::this();
         let mut frame_ms = Vec::new();
         loop {
             let frame = self.found.frames;

@@ -30,7 +30,8 @@ pub struct Process {
 }
 
 impl Process {
-    pub fn new() -> Self {
+    /// The process that this code runs in.
+    pub fn this() -> Self {
         Self {
             system: System::new().ok(),
             id: sysinfo::get_current_pid().ok(),
@@ -128,9 +129,9 @@ impl Line {
     }
 }
 
-/// Rise of a line through the samples over the whole run. It is 0 unless the samples rise steadily: in both
-/// halves, and by more than their scatter explains.
-fn steady_growth(points: &[(f64, f64)]) -> f64 {
+/// Rise of a line through samples (moment, value) over the whole run. It is 0 unless the samples rise steadily: in
+/// both halves, and by more than their scatter explains.
+pub fn steady_growth(points: &[(f64, f64)]) -> f64 {
     let (first, second) = points.split_at(points.len() / 2);
     let lines = [points, first, second].map(Line::through);
     let [Some(whole), Some(first), Some(second)] = lines else {
@@ -289,7 +290,7 @@ mod tests {
 
     #[test]
     fn this_process_takes_memory() {
-        let mut process = Process::new();
+        let mut process = Process::this();
         if cfg!(target_os = "linux") {
             assert!(process.bytes() > 1 << 20);
         }

@@ -1,0 +1,389 @@
+//! The body of the player: a box that walks, jumps, sneaks and flies through voxels. No GPU and no window.
+//!
+//! [`Body::step`] moves it by a short time. The box never enters a solid voxel: see `sweep`.
+
+mod escape;
+mod measures;
+mod sweep;
+#[cfg(test)]
+mod tests;
+
+use glam::{DVec3, I64Vec3, IVec3};
+use serde::{Deserialize, Serialize};
+
+pub use measures::Measures;
+pub use sweep::{Aabb, Terrain};
+use sweep::{FARTHEST, ONE, point_to_units, to_units, to_voxels};
+
+use crate::world::voxels::Voxels;
+
+/// Seconds in which the speed closes 63 % of its distance to the wanted one.
+const ON_GROUND_S: f64 = 0.05;
+const IN_AIR_S: f64 = 0.3;
+const IN_FLIGHT_S: f64 = 0.08;
+/// The same for the eye after a step up or down.
+const EYE_S: f64 = 0.06;
+/// Slower than this (voxels per second), what should stand still does.
+const STILL: f64 = 1e-3;
+/// A fall ends this far below the world (metres of the player).
+const BELOW_WORLD_M: f64 = 16.0;
+/// Seconds between two searches for room while there is none.
+const SEARCH_S: f64 = 0.5;
+
+/// How the body moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mode {
+    /// On the ground, with gravity.
+    #[default]
+    Walk,
+    /// Without gravity; voxels stop it.
+    Fly,
+    /// Without gravity, through everything.
+    NoClip,
+}
+
+/// What the player wants to do, for one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Intent {
+    /// −1, 0 or 1: backwards or forwards, left or right.
+    pub forward: i8,
+    pub right: i8,
+    /// Jump, or rise.
+    pub up: bool,
+    /// Sneak, or sink.
+    pub down: bool,
+    pub run: bool,
+    /// Where the player looks and what is right of it: unit vectors.
+    pub heading: DVec3,
+    pub rightwards: DVec3,
+    /// Speed of flight (voxels per second).
+    pub fly_speed: f64,
+}
+
+/// What happened to the body that its player should know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// It fell out of the world and is back where it last stood.
+    Returned,
+    /// Stone closed around it; it was moved out.
+    Freed,
+    /// Stone closed around it, and there is no room nearby.
+    Stuck,
+}
+
+/// The voxels of a world as terrain. Outside of the world there is nothing.
+pub struct Ground<'a> {
+    pub voxels: &'a Voxels,
+    pub origin: IVec3,
+}
+
+impl Terrain for Ground<'_> {
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.voxels.material(voxel - self.origin) != 0
+    }
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    pub measures: Measures,
+    pub mode: Mode,
+    /// Middle of the base of the box, in units of a voxel, world space.
+    feet: I64Vec3,
+    /// Voxels per second.
+    velocity: DVec3,
+    /// How far the eye is above its place in the body: after a step it follows smoothly. Voxels.
+    eye_lift: f64,
+    /// Where the body last stood.
+    safe: Option<I64Vec3>,
+    /// Where it began.
+    start: I64Vec3,
+    /// Seconds until room is searched again.
+    search_in_s: f64,
+    /// Lowest coordinate of the world (voxels).
+    bottom: f64,
+}
+
+impl Body {
+    /// A body with its eye at a place (world space, voxels). It walks if it stands on the ground, flies if there
+    /// is none, and passes through voxels if it is in one. `bottom`: lowest coordinate of the world.
+    pub fn with_eye_at(
+        eye: DVec3,
+        measures: Measures,
+        bottom: f64,
+        terrain: &impl Terrain,
+    ) -> Self {
+        let feet = point_to_units(eye) - I64Vec3::Y * measures.eye;
+        let mut body = Self {
+            measures,
+            mode: Mode::Fly,
+            feet,
+            velocity: DVec3::ZERO,
+            eye_lift: 0.0,
+            safe: None,
+            start: feet,
+            search_in_s: 0.0,
+            bottom,
+        };
+        // Ground that is nearly reached counts.
+        let near = to_units(0.3 * measures.scale);
+        if body.shape().overlaps(terrain) {
+            body.mode = Mode::NoClip;
+        } else if body.shape().sweep(terrain, 1, -near) != -near {
+            body.mode = Mode::Walk;
+        }
+        body
+    }
+
+    /// Takes other measures, with the feet where they are.
+    pub fn resize(&mut self, measures: Measures, bottom: f64) {
+        self.measures = measures;
+        self.bottom = bottom;
+    }
+
+    /// The box, for collision.
+    pub fn shape(&self) -> Aabb {
+        self.at(self.feet)
+    }
+
+    fn at(&self, feet: I64Vec3) -> Aabb {
+        let Measures {
+            half_width, height, ..
+        } = self.measures;
+        Aabb {
+            min: feet - I64Vec3::new(half_width, 0, half_width),
+            max: feet + I64Vec3::new(half_width, height, half_width),
+        }
+    }
+
+    /// Where the eye is (world space, voxels). It never leaves the box through a ceiling.
+    pub fn eye(&self, terrain: &impl Terrain) -> DVec3 {
+        let mut lift = to_units(self.eye_lift);
+        if lift > 0 && self.mode != Mode::NoClip {
+            lift = self.shape().sweep(terrain, 1, lift);
+        }
+        let eye = self.feet + I64Vec3::Y * (self.measures.eye + lift);
+        DVec3::from(eye.to_array().map(to_voxels))
+    }
+
+    /// Changes how the body moves. Returns false, and changes nothing, where a body in stone finds no room.
+    pub fn set_mode(&mut self, mode: Mode, terrain: &impl Terrain) -> bool {
+        if mode != Mode::NoClip && self.shape().overlaps(terrain) {
+            match self.nearest_room(terrain) {
+                Some(feet) => self.feet = feet,
+                None => return false,
+            }
+        }
+        if mode == Mode::Walk && self.mode != Mode::Walk {
+            self.velocity.y = self.velocity.y.min(0.0);
+        }
+        self.mode = mode;
+        true
+    }
+
+    /// Moves by `dt_s` seconds.
+    pub fn step(&mut self, terrain: &impl Terrain, intent: &Intent, dt_s: f64) -> Option<Event> {
+        self.eye_lift *= (-dt_s / EYE_S).exp();
+        if self.eye_lift.abs() < STILL {
+            self.eye_lift = 0.0;
+        }
+        let mut event = None;
+        if self.mode != Mode::NoClip && self.shape().overlaps(terrain) {
+            event = self.free(terrain, dt_s);
+            if self.shape().overlaps(terrain) {
+                return event;
+            }
+        }
+        match self.mode {
+            Mode::Walk => self.walk(terrain, intent, dt_s),
+            Mode::Fly | Mode::NoClip => self.fly(terrain, intent, dt_s),
+        }
+        let farthest = I64Vec3::splat(FARTHEST * ONE);
+        self.feet = self.feet.clamp(-farthest, farthest);
+        if self.mode == Mode::Walk {
+            if self.shape().is_supported(terrain) {
+                self.safe = Some(self.feet);
+            } else if to_voxels(self.feet.y) < self.bottom - BELOW_WORLD_M * self.measures.scale {
+                self.return_to_safety(terrain);
+                event = Some(Event::Returned);
+            }
+        }
+        event
+    }
+
+    /// Out of the stone that closed around the body: to room nearby, or to where it last stood.
+    fn free(&mut self, terrain: &impl Terrain, dt_s: f64) -> Option<Event> {
+        self.velocity = DVec3::ZERO;
+        self.search_in_s -= dt_s;
+        if self.search_in_s > 0.0 {
+            return None;
+        }
+        let last = self.safe.filter(|feet| !self.at(*feet).overlaps(terrain));
+        match self.nearest_room(terrain).or(last) {
+            Some(feet) => {
+                self.search_in_s = 0.0;
+                self.feet = feet;
+                Some(Event::Freed)
+            }
+            None => {
+                self.search_in_s = SEARCH_S;
+                Some(Event::Stuck)
+            }
+        }
+    }
+
+    /// Back to where the body last stood. Where that ground is gone, it flies, or it would fall for ever.
+    fn return_to_safety(&mut self, terrain: &impl Terrain) {
+        self.velocity = DVec3::ZERO;
+        self.eye_lift = 0.0;
+        self.feet = self.safe.unwrap_or(self.start);
+        if !self.shape().is_supported(terrain) {
+            self.mode = Mode::Fly;
+        }
+    }
+
+    fn walk(&mut self, terrain: &impl Terrain, intent: &Intent, dt_s: f64) {
+        let Measures {
+            walk,
+            sneak,
+            run,
+            jump,
+            gravity,
+            fastest_fall,
+            ..
+        } = self.measures;
+        let is_grounded = self.shape().is_supported(terrain) && self.velocity.y <= 0.0;
+        let jumps = is_grounded && intent.up;
+        let speed = match intent {
+            intent if intent.down => sneak,
+            intent if intent.run => run,
+            _ => walk,
+        };
+        let level = |v: DVec3| DVec3::new(v.x, 0.0, v.z).normalize_or_zero();
+        let course = level(intent.heading) * f64::from(intent.forward)
+            + level(intent.rightwards) * f64::from(intent.right);
+        let wanted = course.normalize_or_zero() * speed;
+        let lag_s = if is_grounded { ON_GROUND_S } else { IN_AIR_S };
+        let fall = self.velocity.y;
+        self.velocity.y = 0.0;
+        self.approach(wanted, lag_s, dt_s);
+
+        let mut way = point_to_units(self.velocity * dt_s);
+        if is_grounded && !jumps {
+            if intent.down {
+                self.stay_on_edges(terrain, &mut way);
+            }
+            self.slide_and_step_up(terrain, way);
+            if self.shape().is_supported(terrain) || (!intent.down && self.step_down(terrain)) {
+                return;
+            }
+        } else {
+            self.slide(terrain, way);
+        }
+        self.velocity.y = if jumps { jump } else { fall };
+        // Exact for a constant acceleration: a jump rises as high at any length of a step.
+        let rise = self.velocity.y * dt_s - 0.5 * gravity * dt_s * dt_s;
+        self.velocity.y = (self.velocity.y - gravity * dt_s).max(-fastest_fall);
+        self.slide(terrain, I64Vec3::Y * to_units(rise));
+    }
+
+    fn fly(&mut self, terrain: &impl Terrain, intent: &Intent, dt_s: f64) {
+        let rise = f64::from(i8::from(intent.up) - i8::from(intent.down));
+        let course = intent.heading * f64::from(intent.forward)
+            + intent.rightwards * f64::from(intent.right)
+            + DVec3::Y * rise;
+        let wanted = course.normalize_or_zero() * intent.fly_speed;
+        self.approach(wanted, IN_FLIGHT_S, dt_s);
+        let way = point_to_units(self.velocity * dt_s);
+        match self.mode {
+            Mode::NoClip => self.feet += way,
+            Mode::Walk | Mode::Fly => self.slide(terrain, way),
+        }
+    }
+
+    /// The velocity comes closer to the wanted one.
+    fn approach(&mut self, wanted: DVec3, lag_s: f64, dt_s: f64) {
+        self.velocity += (wanted - self.velocity) * (1.0 - (-dt_s / lag_s).exp());
+        if wanted == DVec3::ZERO && self.velocity.length_squared() < STILL * STILL {
+            self.velocity = DVec3::ZERO;
+        }
+    }
+
+    /// Moves along one axis after the other; what stops the box also stops its velocity on that axis.
+    fn slide(&mut self, terrain: &impl Terrain, way: I64Vec3) {
+        for axis in [1, 0, 2] {
+            let free = self.shape().sweep(terrain, axis, way[axis]);
+            self.feet[axis] += free;
+            if free != way[axis] {
+                self.velocity[axis] = 0.0;
+            }
+        }
+    }
+
+    /// Slides over the ground. Where a step stops it that is low enough, it goes up instead.
+    fn slide_and_step_up(&mut self, terrain: &impl Terrain, way: I64Vec3) {
+        let before = (self.feet, self.velocity);
+        self.slide(terrain, way);
+        let stopped = (self.feet, self.velocity);
+        if stopped.0 == before.0 + way {
+            return;
+        }
+        (self.feet, self.velocity) = before;
+        let raised = self.shape().sweep(terrain, 1, self.measures.step_up);
+        self.feet.y += raised;
+        self.slide(terrain, way);
+        self.feet.y += self.shape().sweep(terrain, 1, -raised);
+        let progress = |feet: I64Vec3| (feet - before.0).with_y(0).length_squared();
+        let climbed = self.feet.y - before.0.y;
+        if climbed > 0 && progress(self.feet) > progress(stopped.0) {
+            self.eye_lift -= to_voxels(climbed);
+        } else {
+            (self.feet, self.velocity) = stopped;
+        }
+    }
+
+    /// Goes down a step that is low enough, and says whether there was one.
+    fn step_down(&mut self, terrain: &impl Terrain) -> bool {
+        let deepest = self.measures.step_up;
+        let drop = -self.shape().sweep(terrain, 1, -deepest);
+        let lands = self
+            .shape()
+            .moved(I64Vec3::NEG_Y * drop)
+            .is_supported(terrain);
+        if lands {
+            self.feet.y -= drop;
+            self.eye_lift += to_voxels(drop);
+        }
+        lands
+    }
+
+    /// Shortens the way of a body that sneaks, so that a part of it stays above the ground.
+    fn stay_on_edges(&mut self, terrain: &impl Terrain, way: &mut I64Vec3) {
+        let mut along = I64Vec3::ZERO;
+        for axis in [0, 2] {
+            let stands = |distance: i64| {
+                let mut to = along;
+                to[axis] = distance;
+                self.shape().moved(to).is_supported(terrain)
+            };
+            let (mut held, mut lost) = (0, way[axis]);
+            if stands(lost) {
+                held = lost;
+            }
+            // A step is shorter than a voxel, so there is one edge.
+            while (lost - held).abs() > 1 {
+                let middle = held + (lost - held) / 2;
+                if stands(middle) {
+                    held = middle;
+                } else {
+                    lost = middle;
+                }
+            }
+            if held != way[axis] {
+                self.velocity[axis] = 0.0;
+            }
+            way[axis] = held;
+            along[axis] = held;
+        }
+    }
+}

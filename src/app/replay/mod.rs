@@ -1,0 +1,213 @@
+//! Plays a record without a window, at a frame rate of its own: for tests, bug reports and films.
+
+mod latency;
+
+use std::path::Path;
+
+pub use latency::LatencyFigures;
+
+use latency::Latency;
+
+use super::{
+    AppError,
+    brush::Brush,
+    clock::WorldClock,
+    messages::Messages,
+    panel::Settings,
+    player::Player,
+    record::{Playback, Record},
+    run::Run,
+    viewport::{Choice, Viewport},
+};
+use crate::{
+    gpu::{DeviceErrors, Gpu, GpuError, Recorder},
+    measure::picture::Picture,
+    parameters::Parameters,
+    passes::view::Inspection,
+    world::{Camera, World},
+};
+
+/// A record while it is played.
+pub struct Replay {
+    viewport: Viewport,
+    device_errors: DeviceErrors,
+    settings: Settings,
+    player: Player,
+    messages: Messages,
+    playback: Playback,
+    latency: Latency,
+    camera: Camera,
+    seed: u32,
+    frames_per_s: u32,
+    end_ns: u64,
+    frames: u64,
+    /// The size of all pictures, where it is not the record's.
+    size: Option<[u32; 2]>,
+}
+
+/// How a replay begins.
+pub struct ReplayOptions<'a> {
+    /// The world of the record, with its parameters, and the file that it was read from.
+    pub world: World,
+    pub world_path: &'a Path,
+    pub parameters: Parameters,
+    pub inspection: Inspection,
+    pub frames_per_s: u32,
+    /// Width and height of all pictures in pixels; `None` for those of the record.
+    pub size: Option<[u32; 2]>,
+}
+
+/// Where a run has come to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    pub frames: u64,
+    /// Steps of the simulation.
+    pub steps: u64,
+    /// Simulated seconds.
+    pub time_s: f64,
+    pub camera: Camera,
+    /// CRC-32 of all voxels.
+    pub voxels_crc32: u32,
+    pub latency: LatencyFigures,
+}
+
+impl Replay {
+    /// Builds the world of a record.
+    ///
+    /// # Errors
+    /// [`AppError`] when the adapter cannot hold it.
+    pub fn new(gpu: Gpu, record: Record, options: ReplayOptions<'_>) -> Result<Self, AppError> {
+        let device_errors = DeviceErrors::watch(&gpu);
+        let header = record.header.clone();
+        let choice = Choice {
+            parameters: options.parameters,
+            layout: header.layout.clone(),
+            size: options.size.unwrap_or(header.size),
+            traced: false,
+        };
+        let mut viewport = Viewport::new(gpu, options.world_path, options.world, choice)?;
+        let mut inspection = options.inspection;
+        viewport.inspect(&mut inspection)?;
+        let settings = Settings {
+            choice: viewport.choice().clone(),
+            inspection,
+            scale: 1.0,
+            vsync: false,
+            clock: WorldClock::default(),
+            brush: Brush::default(),
+        };
+        let camera = header.camera();
+        let world = viewport.world().clone();
+        let player = Player::new(&camera, &world, &viewport.ground()?);
+        Ok(Self {
+            viewport,
+            device_errors,
+            settings,
+            player,
+            messages: Messages::default(),
+            end_ns: record.end_ns(),
+            playback: Playback::new(record),
+            latency: Latency::default(),
+            camera,
+            seed: header.seed,
+            frames_per_s: options.frames_per_s,
+            frames: 0,
+            size: options.size,
+        })
+    }
+
+    /// Number of frames of the whole replay.
+    pub fn length(&self) -> u64 {
+        let frames = u128::from(self.end_ns) * u128::from(self.frames_per_s);
+        (frames.div_ceil(1_000_000_000) as u64).max(1)
+    }
+
+    /// Plays and draws the next frame. Returns false when the record is over.
+    ///
+    /// # Errors
+    /// [`AppError`] when the adapter fails.
+    pub fn next_frame(&mut self) -> Result<bool, AppError> {
+        if self.frames == self.length() {
+            return Ok(false);
+        }
+        self.frames += 1;
+        let frame_end = u128::from(self.frames) * 1_000_000_000 / u128::from(self.frames_per_s);
+        let to_ns = (frame_end as u64).min(self.end_ns);
+        self.play_to(to_ns)?;
+        let gpu = self.viewport.gpu.clone();
+        let mut recorder = Recorder::new(&gpu, None);
+        let time_s = self.settings.clock.time_s;
+        self.viewport
+            .record(&mut recorder, &self.camera, time_s, self.seed)?;
+        recorder.submit(&gpu)?;
+        gpu.wait()?;
+        self.device_errors
+            .first()
+            .map_or(Ok(true), |error| Err(error.into()))
+    }
+
+    fn play_to(&mut self, to_ns: u64) -> Result<(), AppError> {
+        for moment in self.playback.before(to_ns) {
+            self.advance(moment.at_ns)?;
+            for input in &moment.inputs {
+                if self.size.is_some() && matches!(input, super::input::Input::Resize(_)) {
+                    continue;
+                }
+                self.latency
+                    .input(&self.player, input, &self.viewport.ground()?);
+                self.run().take(input)?;
+            }
+        }
+        self.advance(to_ns)?;
+        let ground = self.viewport.ground()?;
+        self.latency.shown(&self.player, &ground);
+        self.camera = self.player.view(&ground);
+        Ok(())
+    }
+
+    fn advance(&mut self, to_ns: u64) -> Result<(), AppError> {
+        self.latency.advance(to_ns, &self.viewport.ground()?);
+        self.run().advance(to_ns)
+    }
+
+    fn run(&mut self) -> Run<'_> {
+        Run {
+            viewport: &mut self.viewport,
+            settings: &mut self.settings,
+            player: &mut self.player,
+            messages: &mut self.messages,
+        }
+    }
+
+    /// The last frame as a display shows it.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn picture(&self) -> Result<Picture, GpuError> {
+        self.viewport.read_display()
+    }
+
+    /// Errors of inputs since the last call: the run went on without them.
+    pub fn take_errors(&mut self) -> Vec<String> {
+        self.messages.take_errors()
+    }
+
+    pub fn gpu(&self) -> &Gpu {
+        &self.viewport.gpu
+    }
+
+    /// Where the run has come to.
+    ///
+    /// # Errors
+    /// [`AppError`] when the voxels must be read back and the device is lost.
+    pub fn state(&mut self) -> Result<State, AppError> {
+        Ok(State {
+            frames: self.frames,
+            steps: self.player.steps(),
+            time_s: self.player.now_ns() as f64 * 1e-9,
+            camera: self.camera.clone(),
+            voxels_crc32: self.viewport.voxels()?.crc32(),
+            latency: self.latency.figures(),
+        })
+    }
+}

@@ -1,0 +1,236 @@
+//! A run of a world: applies inputs to the player, the clock, the brush and the voxels. The window and a replay
+//! both play through it.
+
+use super::{
+    AppError,
+    body::{Body, Ground, Mode},
+    brush::{Brush, Reach},
+    clock::WorldClock,
+    input::Input,
+    messages::Messages,
+    panel::Settings,
+    player::Player,
+    viewport::{Choice, Viewport},
+};
+use crate::{parameters::KEYS, world::Camera};
+
+/// What a run changes.
+pub struct Run<'a> {
+    pub viewport: &'a mut Viewport,
+    pub settings: &'a mut Settings,
+    pub player: &'a mut Player,
+    pub messages: &'a mut Messages,
+}
+
+/// What an input did that costs time, so that frame times from before say nothing any more.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Done {
+    /// The world or its probes were built again.
+    pub remade: bool,
+    /// Voxels changed.
+    pub edited: bool,
+}
+
+impl Run<'_> {
+    /// Applies an input at the current simulated time.
+    ///
+    /// # Errors
+    /// [`AppError`] when the device fails. Inputs that the world does not know change nothing but the messages.
+    pub fn take(&mut self, input: &Input) -> Result<Done, AppError> {
+        let mut done = Done::default();
+        match input {
+            Input::Stroke(stroke) => {
+                let camera = self.view()?;
+                let reach = Reach::of(self.player.body());
+                let brush = &mut self.settings.brush;
+                let edit = |voxels: &mut _, world: &_| {
+                    brush.stroke(voxels, world, &camera, *stroke, &reach)
+                };
+                if let Err(error) = self.viewport.edit(edit) {
+                    self.messages.toast_error(error.to_string());
+                }
+                done.edited = true;
+            }
+            Input::Brush(brush) => self.settings.brush = *brush,
+            Input::Camera(index) => self.jump_to(*index)?,
+            Input::Clock {
+                paused,
+                rate,
+                time_s,
+            } => {
+                self.settings.clock = WorldClock {
+                    paused: *paused,
+                    rate: *rate,
+                    time_s: *time_s,
+                };
+            }
+            Input::Set(assignment) => {
+                let mut next = self.viewport.choice().clone();
+                match next.parameters.set(assignment) {
+                    Ok(()) => done.remade = self.choose(next),
+                    Err(error) => self.messages.toast_error(error.to_string()),
+                }
+            }
+            Input::Layout(name) => {
+                let mut next = self.viewport.choice().clone();
+                next.layout.clone_from(name);
+                done.remade = self.choose(next);
+            }
+            Input::Resize(size) => {
+                let mut next = self.viewport.choice().clone();
+                next.size = *size;
+                done.remade = self.choose(next);
+            }
+            Input::Reload => {
+                self.reload_world();
+                done.remade = true;
+            }
+            input => self.player.take(input, &self.viewport.ground()?),
+        }
+        Ok(done)
+    }
+
+    /// Simulates until this time (nanoseconds of the run), and advances world time by as much.
+    ///
+    /// # Errors
+    /// [`AppError`] when the device fails.
+    pub fn advance(&mut self, to_ns: u64) -> Result<(), AppError> {
+        let elapsed_ns = to_ns.saturating_sub(self.player.now_ns());
+        self.settings.clock.advance(elapsed_ns as f64 * 1e-9);
+        self.player.advance(to_ns, &self.viewport.ground()?);
+        for notice in self.player.take_notices() {
+            self.messages.toast(notice.text());
+        }
+        Ok(())
+    }
+
+    /// What the player sees now.
+    ///
+    /// # Errors
+    /// [`AppError`] when the device fails.
+    pub fn view(&mut self) -> Result<Camera, AppError> {
+        Ok(self.player.view(&self.viewport.ground()?))
+    }
+
+    /// Returns whether anything was rebuilt.
+    fn choose(&mut self, next: Choice) -> bool {
+        if next == *self.viewport.choice() {
+            return false;
+        }
+        let remade = self.viewport.apply(next).unwrap_or_else(|error| {
+            self.messages.toast_error(error.to_string());
+            false
+        });
+        // What cannot be shown is reverted.
+        self.settings.choice = self.viewport.choice().clone();
+        self.player.resize(self.viewport.world());
+        remade
+    }
+
+    fn reload_world(&mut self) {
+        self.messages.world = match self.viewport.reload_world() {
+            Ok(()) => {
+                self.messages.toast("world read again");
+                None
+            }
+            Err(error) => Some(error.to_string()),
+        };
+        self.settings.choice = self.viewport.choice().clone();
+        self.player.resize(self.viewport.world());
+    }
+
+    fn jump_to(&mut self, index: usize) -> Result<(), AppError> {
+        let Some(camera) = self.viewport.world().cameras.get(index).cloned() else {
+            return Ok(());
+        };
+        let world = self.viewport.world().clone();
+        self.player.place(&camera, &world, &self.viewport.ground()?);
+        self.messages.toast(format!("camera {}", camera.name));
+        Ok(())
+    }
+}
+
+/// What a user last chose in the panel, to find out what was changed there.
+#[derive(Clone, Debug)]
+pub struct Chosen {
+    choice: Choice,
+    clock: WorldClock,
+    brush: Brush,
+}
+
+impl Chosen {
+    /// What a run begins with.
+    pub fn at_start(viewport: &Viewport) -> Self {
+        Self {
+            choice: viewport.choice().clone(),
+            clock: WorldClock::default(),
+            brush: Brush::default(),
+        }
+    }
+
+    pub fn of(viewport: &Viewport, settings: &Settings) -> Self {
+        Self {
+            choice: viewport.choice().clone(),
+            clock: settings.clock,
+            brush: settings.brush,
+        }
+    }
+
+    /// The inputs that lead from here to `next`.
+    pub fn changes_to(&self, next: &Self) -> Vec<Input> {
+        let mut inputs = Vec::new();
+        if self.clock != next.clock {
+            let WorldClock {
+                paused,
+                rate,
+                time_s,
+            } = next.clock;
+            inputs.push(Input::Clock {
+                paused,
+                rate,
+                time_s,
+            });
+        }
+        if self.brush != next.brush {
+            inputs.push(Input::Brush(next.brush));
+        }
+        let (old, new) = (&self.choice, &next.choice);
+        let changed = KEYS
+            .iter()
+            .filter(|key| key.get(&old.parameters) != key.get(&new.parameters));
+        inputs.extend(
+            changed.map(|key| Input::Set(format!("{}={}", key.name, key.get(&new.parameters)))),
+        );
+        if old.layout != new.layout {
+            inputs.push(Input::Layout(new.layout.clone()));
+        }
+        if old.size != new.size {
+            inputs.push(Input::Resize(new.size));
+        }
+        inputs
+    }
+}
+
+/// The ground that the player of a viewport stands on.
+impl Viewport {
+    /// # Errors
+    /// [`AppError`] when the voxels must be read back and the device is lost.
+    pub fn ground(&mut self) -> Result<Ground<'_>, AppError> {
+        let origin = self.world().origin;
+        let voxels = self.voxels()?;
+        Ok(Ground { voxels, origin })
+    }
+}
+
+impl Reach {
+    /// How far a player reaches: like an arm, or everywhere for one who passes through voxels.
+    pub fn of(body: &Body) -> Self {
+        match body.mode {
+            Mode::NoClip => Self::default(),
+            Mode::Walk | Mode::Fly => Self {
+                distance: body.measures.reach,
+                body: Some(body.shape().voxels()),
+            },
+        }
+    }
+}

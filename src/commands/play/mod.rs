@@ -1,0 +1,228 @@
+//! `grotto play`: the window, and its records.
+
+mod replay;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+
+use super::{
+    Failure,
+    options::{
+        InspectionOptions, OutputOptions, PictureOptions, RunOptions, Setup, assignment,
+        picture_size,
+    },
+    output,
+};
+use crate::{
+    app::{
+        self, AppError,
+        record::{self, Record as Run},
+        replay::ReplayOptions,
+    },
+    measure::whole_file,
+    world::View,
+};
+
+/// The `--json` of a window that was closed.
+#[derive(Serialize)]
+struct Record {
+    world: String,
+    /// Frames that the window has shown.
+    frames: u32,
+}
+
+/// The world of a session that names none.
+const WORLD: &str = "worlds/cave.ron";
+const SIZE: [u32; 2] = [1280, 720];
+
+/// Walk through a world in a window
+#[derive(Args)]
+pub struct Arguments {
+    /// World file; read again whenever it is edited [default: worlds/cave.ron, or the record's]
+    world: Option<PathBuf>,
+    /// Width and height of the window in pixels [default: 1280x720]; with --out of the pictures [default: those
+    /// of the record]
+    #[arg(long, value_name = "WxH", value_parser = picture_size)]
+    size: Option<[u32; 2]>,
+    /// One of the world's cameras to start at [default: its first]
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// One of the world's probe layouts [default: its first]
+    #[arg(long, value_name = "NAME")]
+    layout: Option<String>,
+    /// What the picture shows
+    #[arg(long, value_name = "VIEW", value_enum, default_value_t)]
+    view: View,
+    #[command(flatten)]
+    inspection: InspectionOptions,
+    /// Start with the path-traced reference (F6), and with time paused
+    #[arg(long)]
+    reference: bool,
+    /// Start with the benchmark (F4)
+    #[arg(long, conflicts_with = "reference")]
+    benchmark: bool,
+    /// Set a parameter (repeatable); `grotto info --keys` lists them
+    #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
+    set: Vec<String>,
+    /// Use the adapter whose name contains this [default: the fastest]; NAME#2 is the second of several with
+    /// the same name
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Seed of the random rays; the world's own is `--set world.seed=N`
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u32,
+    /// Read the shaders from this folder, and again whenever they are edited
+    #[arg(long, value_name = "DIR")]
+    shaders: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputOptions,
+    /// Record all input into this file, so that the run can be played again
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Play a record: the same run, to the voxel
+    #[arg(long, value_name = "FILE",
+          conflicts_with_all = ["record", "camera", "layout", "set", "seed", "benchmark", "reference"])]
+    replay: Option<PathBuf>,
+    /// With --replay: no window; write the frames as pictures into this folder, and print figures
+    #[arg(long, value_name = "DIR", requires = "replay", conflicts_with_all = ["frames", "shaders", "lose_device_at"])]
+    out: Option<PathBuf>,
+    /// With --out: frames per second of the record's time
+    #[arg(long, value_name = "N", requires = "out", default_value_t = 60,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    fps: u32,
+    /// With --out: write every N-th frame only; 0 for none
+    #[arg(long, value_name = "N", requires = "out", default_value_t = 1)]
+    every: u64,
+    /// Close the window after this many frames
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// Destroy the device after this many frames, as a failing driver does
+    #[arg(long, value_name = "N", hide = true)]
+    lose_device_at: Option<u32>,
+}
+
+pub fn run(arguments: Arguments) -> Result<(), Failure> {
+    if let Some(folder) = &arguments.shaders
+        && !folder.join("view/shade.wesl").is_file()
+    {
+        return Err(Failure::bad_input(format!(
+            "{} is no folder of shaders: it has no view/shade.wesl. \
+             A checkout of grotto has them in shaders/.",
+            folder.display()
+        )));
+    }
+    if let Some(path) = &arguments.record {
+        let file = whole_file::open(path)?;
+        file.discard()
+            .map_err(|reason| Failure::unwritten(path, reason))?;
+    }
+    let mut run = RunOptions {
+        adapter: arguments.adapter.clone(),
+        set: arguments.set.clone(),
+        json: arguments.output.json,
+        quiet: arguments.output.quiet,
+    };
+    let replay = arguments.replay.as_deref().map(Run::read).transpose()?;
+    let (world_path, layout, seed) = match &replay {
+        Some(replay) => {
+            run.set.clone_from(&replay.header.set);
+            let path = arguments.world.clone();
+            (
+                path.unwrap_or_else(|| replay.header.world.clone()),
+                Some(replay.header.layout.clone()),
+                replay.header.seed,
+            )
+        }
+        None => (
+            arguments.world.clone().unwrap_or_else(|| WORLD.into()),
+            arguments.layout.clone(),
+            arguments.seed,
+        ),
+    };
+    if let (Some(replay), Some(path)) = (&replay, &arguments.replay) {
+        check_world(replay, path, &world_path)?;
+        if let Some(cut) = &replay.cut {
+            output::note(&run, &format!("note: {cut}"));
+        }
+    }
+    let picture = PictureOptions {
+        size: arguments.size.unwrap_or(SIZE),
+        camera: arguments.camera.clone(),
+        layout,
+        frames: None,
+        time: 0.0,
+        seed,
+        view: arguments.view,
+    };
+    let setup = Setup::load(&world_path, &run, &picture)?;
+    let inspection = arguments.inspection.with(arguments.view);
+    if let (Some(replay), Some(folder)) = (replay.clone(), &arguments.out) {
+        let options = ReplayOptions {
+            world: setup.world,
+            world_path: &world_path,
+            parameters: setup.parameters,
+            inspection,
+            frames_per_s: arguments.fps,
+            size: arguments.size,
+        };
+        let film = replay::Film {
+            folder: folder.clone(),
+            every: arguments.every,
+        };
+        return replay::run(replay, options, &film, &run);
+    }
+    let world = setup.world.name.clone();
+    let camera = match &replay {
+        Some(replay) => replay.header.camera(),
+        None => setup.camera,
+    };
+    let frames = app::run(app::Options {
+        world_path,
+        world: setup.world,
+        parameters: setup.parameters,
+        camera,
+        layout: setup.layout.name,
+        inspection,
+        traced: arguments.reference,
+        size: picture.size,
+        adapter: run.adapter,
+        seed,
+        shaders: arguments.shaders,
+        benchmark: arguments.benchmark,
+        frames: arguments.frames,
+        record: arguments.record,
+        replay,
+        lose_device_at: arguments.lose_device_at,
+    })?;
+    match run.json {
+        true => output::print_json(&Record { world, frames }),
+        false => Ok(()),
+    }
+}
+
+/// A record plays in the very world that it was made in: in another, the player would walk into walls.
+fn check_world(replay: &Run, path: &Path, world: &Path) -> Result<(), Failure> {
+    if record::crc32_of(world)? == replay.header.world_crc32 {
+        return Ok(());
+    }
+    Err(Failure::bad_input(format!(
+        "{}:1: the record was made in another version of {}. Name the file that it was made with: \
+         grotto play WORLD --replay {}",
+        path.display(),
+        world.display(),
+        path.display()
+    )))
+}
+
+impl From<AppError> for Failure {
+    fn from(error: AppError) -> Self {
+        match error {
+            AppError::NoWindow(_) => Self::fault(error),
+            AppError::Gpu(error) => error.into(),
+            AppError::Frame(error) => error.into(),
+            AppError::Record(error) => error.into(),
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Records of runs, played without a window.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use serde_json::{Value, json};
+
+use crate::{
+    CAVE, MINIMAL, folder, root,
+    support::binary::{end, grotto, refused},
+};
+
+const MS: u64 = 1_000_000;
+
+/// The eye of who stands on the ball of `minimal.ron`.
+const ON_TOP: [f32; 3] = [0.0, 14.625, 0.0];
+
+/// A header for a run in this world, from a place above its rock.
+fn header(world: &Path, position: [f32; 3]) -> Value {
+    let bytes = fs::read(root().join(world)).expect("a world");
+    json!({
+        "grotto_record": 1,
+        "world": world,
+        "world_crc32": crc32fast::hash(&bytes),
+        "seed": 3,
+        "layout": "auto",
+        "set": ["probes.rays=8"],
+        "size": [12, 8],
+        "camera": {
+            "name": "start", "position": position, "yaw_deg": 10.0, "pitch_deg": -40.0, "fov_deg": 70.0,
+        },
+    })
+}
+
+/// A second and a half of everything that a player does.
+fn moments() -> Vec<Value> {
+    let at = |ms: u64, inputs: Value| json!({"t": ms * MS + 7, "do": inputs});
+    vec![
+        at(0, json!([{"press": "forward"}, {"look": [13.0, -4.5]}])),
+        at(100, json!([{"press": "up"}])),
+        at(130, json!([{"release": "up"}])),
+        at(210, json!([{"press": "up"}, {"release": "up"}])),
+        at(
+            300,
+            json!([{"press": "run"}, {"wheel": 3.0}, {"look": [120.0, 300.0]}]),
+        ),
+        at(
+            500,
+            json!([{"stroke": "dig"}, {"brush": {"material": 1, "radius": 2.5}}]),
+        ),
+        at(
+            600,
+            json!([{"stroke": "dig"}, {"release": "run"}, {"press": "fly"}]),
+        ),
+        at(
+            750,
+            json!([{"stroke": "place"}, {"set": "probes.rays=16"}, {"resize": [8, 12]}]),
+        ),
+        at(
+            900,
+            json!([{"release": "forward"}, {"press": "no_clip"}, {"clock":
+            {"paused": true, "rate": 0.5, "time_s": 3.25}}]),
+        ),
+        at(
+            1000,
+            json!([{"focus": false}, {"camera": 0}, {"camera": 99}, {"layout": "nowhere"}]),
+        ),
+        at(1200, json!([{"press": "back"}, {"stroke": "pick"}])),
+        json!({"t": 1500 * MS, "end": true}),
+    ]
+}
+
+fn written(folder: &Path, header: &Value, moments: &[Value]) -> PathBuf {
+    let path = folder.join("run.record");
+    let lines = std::iter::once(header).chain(moments);
+    let text: String = lines.map(|line| format!("{line}\n")).collect();
+    fs::write(&path, text).expect("writable");
+    path
+}
+
+/// The figures of a replay at this frame rate, and the number of its pictures.
+fn replayed(record: &Path, fps: &str, every: &str) -> (Value, usize) {
+    let out = folder();
+    let mut command = grotto();
+    command.args(["play", "--json", "--quiet", "--fps", fps, "--every", every]);
+    command
+        .arg("--replay")
+        .arg(record)
+        .arg("--out")
+        .arg(out.path());
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+    let ended = end(&mut command);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert_eq!(ended.stderr, "");
+    let pictures = fs::read_dir(out.path()).expect("readable").count();
+    (ended.json(), pictures)
+}
+
+#[test]
+fn a_replay_is_the_same_run_at_any_frame_rate_and_shows_inputs_at_once() {
+    let folder = folder();
+    let header = header(Path::new(MINIMAL), ON_TOP);
+    let record = written(folder.path(), &header, &moments());
+    let (slow, pictures) = replayed(&record, "20", "4");
+    assert_eq!((&slow["frames"], pictures), (&json!(30), 7));
+    let (fast, pictures) = replayed(&record, "130", "0");
+    assert_eq!((&fast["frames"], pictures), (&json!(195), 0));
+    for key in [
+        "steps",
+        "time_s",
+        "eye",
+        "yaw_deg",
+        "pitch_deg",
+        "voxels_crc32",
+    ] {
+        assert_eq!(slow[key], fast[key], "{key}");
+    }
+    assert_eq!(slow["steps"], 180);
+    for figures in [&slow, &fast] {
+        let latency = &figures["latency"];
+        assert!(latency["inputs"].as_u64() > Some(4), "{latency}");
+        assert!(latency["most_frames"].as_u64() <= Some(1), "{latency}");
+        assert_eq!(latency["lost"], 0, "{latency}");
+    }
+    // Without its strokes it is another run.
+    let idle: Vec<Value> = moments().split_off(moments().len() - 1);
+    let idle = written(
+        folder.path(),
+        &header,
+        &[vec![json!({"t": 700 * MS})], idle].concat(),
+    );
+    let (other, _) = replayed(&idle, "20", "0");
+    assert_ne!(other["voxels_crc32"], slow["voxels_crc32"]);
+    assert_ne!(other["eye"], slow["eye"]);
+}
+
+#[test]
+fn worlds_of_nothing_but_stone_or_air_are_played() {
+    let folder = folder();
+    for shape in ["Box(half: (99, 99, 99))", "Empty"] {
+        let world = folder.path().join("world.ron");
+        let text = format!("(title: \"T.\", size: (16, 16, 16), shape: {shape})");
+        fs::write(&world, text).expect("writable");
+        let record = written(folder.path(), &header(&world, [8.0, 8.0, 8.0]), &moments());
+        let (figures, _) = replayed(&record, "20", "0");
+        assert_eq!(figures["steps"], 180, "{shape}");
+    }
+}
+
+#[test]
+fn a_record_without_its_end_is_played_as_far_as_it_goes() {
+    let folder = folder();
+    let header = header(Path::new(MINIMAL), ON_TOP);
+    let record = written(folder.path(), &header, &moments()[..3]);
+    let mut command = grotto();
+    command.args(["play", "--fps", "10", "--every", "0", "--replay"]);
+    command
+        .arg(&record)
+        .arg("--out")
+        .arg(folder.path().join("out"));
+    let ended = end(&mut command);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    assert!(ended.stderr.contains("run.record:4: "), "{}", ended.stderr);
+    assert!(
+        ended.stdout.starts_with("2 frames, 15 steps, 0.13 s"),
+        "{}",
+        ended.stdout
+    );
+}
+
+#[test]
+fn bad_records_and_flags_are_refused_with_their_place() {
+    let folder = folder();
+    let sound = header(Path::new(MINIMAL), ON_TOP);
+    let refuse = |header: &Value, moments: &[Value], more: &[&str], parts: &[&str]| {
+        let record = written(folder.path(), header, moments);
+        let mut command = grotto();
+        command.arg("play").args(more).arg("--replay").arg(record);
+        command.arg("--out").arg(folder.path().join("out"));
+        refused(&mut command, 2, parts);
+    };
+    let with = |key: &str, value: Value| {
+        let mut header = sound.clone();
+        header[key] = value;
+        header
+    };
+    let end = &moments()[11..];
+    refuse(
+        &with("grotto_record", json!(2)),
+        end,
+        &[],
+        &["run.record:1: ", "version 2"],
+    );
+    refuse(
+        &with("world_crc32", json!(5)),
+        end,
+        &[],
+        &["run.record:1: ", "another version", "grotto play WORLD"],
+    );
+    refuse(
+        &sound,
+        end,
+        &[CAVE],
+        &["another version of worlds/cave.ron"],
+    );
+    refuse(
+        &with("world", json!("worlds/gone.ron")),
+        end,
+        &[],
+        &["worlds/gone.ron"],
+    );
+    refuse(
+        &with("layout", json!("gone")),
+        end,
+        &[],
+        &["no layout called `gone`"],
+    );
+    refuse(
+        &sound,
+        &[json!({"t": 0, "do": [{"jump": 3}]})],
+        &[],
+        &["run.record:2: ", "jump"],
+    );
+    refuse(&sound, &[], &[], &["run.record:2: "]);
+    refuse(&sound, end, &["--seed", "3"], &["--seed"]);
+    refuse(&sound, end, &["--fps", "0"], &["--fps"]);
+    let nowhere = folder.path().join("no/run.record");
+    for (flag, parts) in [
+        ("--replay", ["no/run.record", "no such file"]),
+        ("--record", ["no/run.record", "folder"]),
+    ] {
+        refused(grotto().args(["play", flag]).arg(&nowhere), 2, &parts);
+    }
+    refused(grotto().args(["play", "--out", "x"]), 2, &["--replay"]);
+}
