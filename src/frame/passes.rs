@@ -1,5 +1,7 @@
 //! Every pass of a frame, with what it reads and writes there.
 
+use std::thread::{self, ScopedJoinHandle};
+
 use super::{FrameError, inspect::Inspect};
 use crate::{
     gpu::{Gpu, Offer, Recorder},
@@ -38,7 +40,8 @@ pub(super) struct Passes {
 }
 
 impl Passes {
-    /// `scene` are the resources of the voxels, the materials, the lights and the view.
+    /// `scene` are the resources of the voxels, the materials, the lights and the view. Pipelines take most of the time
+    /// to the first frame, so they are compiled side by side.
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
@@ -50,27 +53,42 @@ impl Passes {
     ) -> Result<Self, FrameError> {
         let offer = offer(field, cache, scene);
         let requests_apart = offer.with([field.requests_of_faces()]);
-        let camera_rays = CameraRays::new(gpu, size, scene)?;
-        let surfaces = &camera_rays.surfaces;
-        let shade = Shade::new(gpu, size, surfaces, &offer)?;
-        let hdr = shade.hdr.create_view(&Default::default());
-        Ok(Self {
-            uses_cache: cache.is_used(),
-            lamp_lists: LampLists::new(gpu, lights, scene)?,
-            tonemap: Tonemap::new(gpu, size, &hdr, scene)?,
-            classify: ProbeClassify::new(gpu, field, scene)?,
-            visibility: ProbeVisibility::new(gpu, field, scene)?,
-            schedule: ProbeSchedule::new(gpu, field)?,
-            seed: ProbeSeed::new(gpu, field, scene)?,
-            walk: SourceWalk::new(gpu, field, scene)?,
-            probe_trace: ProbeTrace::new(gpu, field, scene)?,
-            blend: ProbeBlend::new(gpu, field)?,
-            allocate: SurfaceAllocate::new(gpu, size, surfaces, cache, scene)?,
-            surface_trace: SurfaceTrace::new(gpu, size, cache, &requests_apart)?,
-            resolve: SurfaceResolve::new(gpu, size, cache, &offer)?,
-            inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, &offer)?,
-            camera_rays,
-            shade,
+        thread::scope(|threads| {
+            let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, scene));
+            let classify = threads.spawn(|| ProbeClassify::new(gpu, field, scene));
+            let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, scene));
+            let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
+            let seed = threads.spawn(|| ProbeSeed::new(gpu, field, scene));
+            let walk = threads.spawn(|| SourceWalk::new(gpu, field, scene));
+            let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, scene));
+            let blend = threads.spawn(|| ProbeBlend::new(gpu, field));
+            let surface_trace =
+                threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &requests_apart));
+            let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
+            let camera_rays = CameraRays::new(gpu, size, scene)?;
+            let surfaces = camera_rays.surfaces.clone();
+            let allocate =
+                threads.spawn(move || SurfaceAllocate::new(gpu, size, &surfaces, cache, scene));
+            let shade = Shade::new(gpu, size, &camera_rays.surfaces, &offer)?;
+            let hdr = shade.hdr.create_view(&Default::default());
+            Ok(Self {
+                uses_cache: cache.is_used(),
+                tonemap: Tonemap::new(gpu, size, &hdr, scene)?,
+                inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, &offer)?,
+                lamp_lists: made(lamp_lists)?,
+                classify: made(classify)?,
+                visibility: made(visibility)?,
+                schedule: made(schedule)?,
+                seed: made(seed)?,
+                walk: made(walk)?,
+                probe_trace: made(probe_trace)?,
+                blend: made(blend)?,
+                allocate: made(allocate)?,
+                surface_trace: made(surface_trace)?,
+                resolve: made(resolve)?,
+                camera_rays,
+                shade,
+            })
         })
     }
 }
@@ -219,6 +237,13 @@ impl Passes {
     fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance) {
         self.tonemap.record(recorder);
     }
+}
+
+/// What a thread has made; a panic there is one here.
+fn made<T>(thread: ScopedJoinHandle<'_, T>) -> T {
+    thread
+        .join()
+        .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// What must be brought up to date in a frame.
