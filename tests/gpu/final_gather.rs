@@ -192,11 +192,13 @@ fn faces_that_rays_hit_have_their_own_light() {
     );
     let mut room = Room::seen(&bright, quick(), [96, 72]);
     let truth = room.truth();
-    room.after(24);
+    // Rays of the first frame make the first requests, so its list has only faces that pixels see.
+    room.after(1);
     let seen = room.listed();
-    let (picture, coarse) = (room.after(276), by_probes.after(300));
+    room.after(1);
     let listed = room.listed();
     assert!(listed > seen + 10, "{listed} faces, {seen} of them seen");
+    let (picture, coarse) = (room.after(298), by_probes.after(300));
     // Measured: 0.955, and 0.84 by probes. Without the light of faces where rays hit them it is 0.88.
     let [ours, theirs] = [&picture, &coarse].map(|picture| mean(picture) / mean(&truth));
     assert!(
