@@ -91,7 +91,7 @@ impl Frame {
     ) -> Result<Self, FrameError> {
         let view = Shot::buffer(gpu);
         let lights = GpuLights::new(gpu, Some(stage.voxels.size))?;
-        let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let field = ProbeField::new(gpu, volume(gpu, &stage, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&stage, &view, &lights);
         let wanted = Inspection::default();
@@ -136,6 +136,7 @@ impl Frame {
             Some(before) => lights.change_since(before),
             None => 0.0,
         };
+        self.field.end_growth(gpu);
         if self
             .field
             .follow(shot.camera.position, u64::from(self.frames))
@@ -248,7 +249,7 @@ impl Frame {
         layout: &LayoutSpec,
         probes: &ProbeParameters,
     ) -> Result<(), FrameError> {
-        let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let field = ProbeField::new(gpu, volume(gpu, &self.stage, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&self.stage, &self.view, &self.lights);
         let wanted = Inspection {
@@ -295,6 +296,8 @@ impl Frame {
         }
         if let Some((first, last)) = edit.region {
             let origin_ws = self.stage.voxels.origin;
+            self.field
+                .regrow(gpu, voxels, first.as_ivec3(), last.as_ivec3());
             self.field
                 .changes
                 .edit(first.as_ivec3(), last.as_ivec3(), origin_ws, self.frames);
@@ -383,6 +386,15 @@ impl Frame {
             total: voxels + probes + others,
         }
     }
+}
+
+/// The probes of a layout. An octree needs the voxels.
+fn volume(gpu: &Gpu, stage: &Stage, layout: &LayoutSpec) -> Result<Volume, FrameError> {
+    if layout.octree.is_none() {
+        return Ok(Volume::new(layout)?);
+    }
+    let voxels = stage.read_back(gpu)?;
+    Ok(Volume::octree_of(layout, &voxels, stage.voxels.origin)?)
 }
 
 /// What every pass may bind by name.

@@ -107,6 +107,7 @@ fn the_gpu_places_probes_and_cages_as_the_cpu() {
             centre: Vec3::new(-0.2, 1.0, 3.4),
             follow: !eyes.is_empty(),
             cascades,
+            octree: None,
         })
         .expect("a good layout");
         let mut rig = Rig::new(volume.clone(), ProbeParameters::default());
@@ -231,6 +232,7 @@ fn bits_that_do_not_fit_a_binding_give_way_to_distances() {
             centre: Vec3::ZERO,
             follow: false,
             cascades: 1,
+            octree: None,
         })
         .expect("a good layout");
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
@@ -255,6 +257,7 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
         centre: Vec3::ZERO,
         follow: false,
         cascades: 1,
+        octree: None,
     })
     .expect("a good layout");
     let error = ProbeField::new(&gpu, huge, &parameters)
@@ -273,6 +276,7 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
         centre: Vec3::ZERO,
         follow: false,
         cascades: 1,
+        octree: None,
     })
     .expect("a good layout");
     let parameters = ProbeParameters {
