@@ -24,11 +24,8 @@ use geometry::Geometry;
 crate::shared! {
     in probes;
 
-    /// log2 of the width in texels of the texture that holds the tree.
-    pub const TREE_WIDTH_LOG2: u32 = 10;
-
-    /// Texels of a cell: its children and its borders, and its corners' slots.
-    pub const CELL_TEXELS: u32 = 3;
+    /// Rows of a cell: its children and its borders, and its corners' slots.
+    pub const CELL_ROWS: u32 = 3;
 
     /// Width, in its own size, of a cell's edge over which its light fades to that of the cell it was divided from.
     const CELL_FADE: f32 = 0.5;
@@ -147,7 +144,10 @@ impl Octree {
         let cells = division.cells(tree.roots);
         tree.cell_room = cells + cells / SPARE_SHARE + 8 * SPARE;
         let grown = tree.settle(&division, &homes);
-        debug_assert!(grown, "room for every probe was just made");
+        debug_assert!(
+            grown || homes.is_empty(),
+            "room for every probe was just made"
+        );
         for slot in &mut tree.slots {
             (slot.fresh, slot.touched) = (false, false);
         }
@@ -383,8 +383,8 @@ impl Octree {
         Some((share(cell.borders, along), weights))
     }
 
-    /// The texels of the tree: slots, then cells. Slots: the voxel at the probe's place (world space), and a word.
-    pub fn texels(&self) -> Vec<[u32; 4]> {
+    /// The rows of the tree: slots, then cells. Slots: the voxel at the probe's place (world space), and a word.
+    pub fn rows(&self) -> Vec<[u32; 4]> {
         let slot = |slot: &Slot| {
             let home = self.anchor + slot.home;
             let flags = [
@@ -399,21 +399,21 @@ impl Octree {
             let levels = u32::from(slot.level) | u32::from(slot.finest) << SLOT_FINEST_SHIFT;
             [home.x as u32, home.y as u32, home.z as u32, levels | flags]
         };
-        let mut texels: Vec<[u32; 4]> = self.slots.iter().map(slot).collect();
+        let mut rows: Vec<[u32; 4]> = self.slots.iter().map(slot).collect();
         for cell in &self.cells {
             let [a, b, c, d, e, f, g, h] = cell.corners;
-            texels.extend([
+            rows.extend([
                 [cell.children, cell.borders, 0, 0],
                 [a, b, c, d],
                 [e, f, g, h],
             ]);
         }
-        texels
+        rows
     }
 
-    /// Texels that a tree of this world may ever need, with the room for edits.
-    pub fn most_texels(&self) -> u64 {
-        u64::from(self.slots()) + u64::from(CELL_TEXELS) * u64::from(self.cell_room)
+    /// Rows of the tree with the room for edits.
+    pub fn most_rows(&self) -> u64 {
+        u64::from(self.slots()) + u64::from(CELL_ROWS) * u64::from(self.cell_room)
     }
 }
 

@@ -10,7 +10,7 @@ impl ProbeField {
         [
             update_schedule,
             work,
-            ("probe_tree", TextureView(&self.tree.view)),
+            ("probe_tree", self.tree.rows.as_entire_binding()),
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
             ("irradiance_maps", self.irradiance_maps.as_entire_binding()),
@@ -31,7 +31,7 @@ impl ProbeField {
         [
             update_schedule,
             work,
-            ("probe_tree", TextureView(&self.tree.view)),
+            ("probe_tree", self.tree.rows.as_entire_binding()),
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
             ("probe_rays", self.rays.as_entire_binding()),
@@ -48,12 +48,11 @@ impl ProbeField {
     /// What the passes `probes/classify` and `probes/visibility` read and write of each probe: its place, its state
     /// and its visibility bits.
     pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
-        use wgpu::BindingResource::TextureView;
         let [update_schedule, work] = self.update_schedule.resources();
         [
             update_schedule,
             work,
-            ("probe_tree", TextureView(&self.tree.view)),
+            ("probe_tree", self.tree.rows.as_entire_binding()),
             ("probe_info", self.info.as_entire_binding()),
             ("probe_places_out", self.places.as_entire_binding()),
             ("probe_states", self.states.as_entire_binding()),
