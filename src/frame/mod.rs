@@ -20,8 +20,8 @@ pub use stage::{BuildReport, Stage};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
 use inspect::Inspect;
-pub use passes::offer;
 use passes::{Passes, Update};
+pub use passes::{offer, resources};
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
@@ -35,7 +35,7 @@ use crate::{
         surface_cache::{NextFrame, SurfaceCache},
         view::{Inspection, InspectionError, Shot},
     },
-    probes::{ProbeError, Volume, warmup_frames},
+    probes::{ProbeError, warmup_frames},
     world::{
         LayoutSpec,
         voxels::{Edit, Voxels},
@@ -91,7 +91,7 @@ impl Frame {
     ) -> Result<Self, FrameError> {
         let view = Shot::buffer(gpu);
         let lights = GpuLights::new(gpu, Some(stage.voxels.size))?;
-        let field = ProbeField::new(gpu, volume(gpu, &stage, layout)?, probes)?;
+        let field = ProbeField::new(gpu, stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&stage, &view, &lights);
         let wanted = Inspection::default();
@@ -249,7 +249,7 @@ impl Frame {
         layout: &LayoutSpec,
         probes: &ProbeParameters,
     ) -> Result<(), FrameError> {
-        let field = ProbeField::new(gpu, volume(gpu, &self.stage, layout)?, probes)?;
+        let field = ProbeField::new(gpu, self.stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&self.stage, &self.view, &self.lights);
         let wanted = Inspection {
@@ -386,27 +386,4 @@ impl Frame {
             total: voxels + probes + others,
         }
     }
-}
-
-/// The probes of a layout. An octree needs the voxels.
-fn volume(gpu: &Gpu, stage: &Stage, layout: &LayoutSpec) -> Result<Volume, FrameError> {
-    if layout.octree.is_none() {
-        return Ok(Volume::new(layout)?);
-    }
-    let voxels = stage.read_back(gpu)?;
-    Ok(Volume::octree_of(layout, &voxels, stage.voxels.origin)?)
-}
-
-/// What every pass may bind by name.
-pub fn resources<'a>(
-    stage: &'a Stage,
-    view: &'a wgpu::Buffer,
-    lights: &'a GpuLights,
-) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
-    let mut all = stage.voxels.resources().to_vec();
-    all.extend(stage.materials.resources());
-    all.extend(stage.emitters.resources());
-    all.extend(lights.resources());
-    all.push(("view", view.as_entire_binding()));
-    all
 }

@@ -164,11 +164,11 @@ fn check(spec: &LayoutSpec) -> Result<u32, ProbeError> {
             counts,
         });
     }
-    if !(1..=MAX_LEVELS).contains(&spec.cascades) {
+    if !(1..=MAX_CASCADES).contains(&spec.cascades) {
         return Err(ProbeError::Cascades {
             layout: layout(),
             cascades: spec.cascades,
-            most: MAX_LEVELS,
+            most: MAX_CASCADES,
         });
     }
     let fades = spec.follow || spec.cascades > 1;
