@@ -73,7 +73,7 @@ fn it_lights_as_a_lattice_as_fine() {
 
 #[test]
 fn an_edit_divides_cells_and_keeps_the_light() {
-    let layout = octree(3, 0.8);
+    let layout = octree(3, 0.6);
     let mut room = room(&layout);
     room.draw(40);
     let (before, light) = (room.frame.field().volume().probes(), mean(&room.radiance()));

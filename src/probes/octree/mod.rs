@@ -328,6 +328,11 @@ impl Octree {
         self.by_home.len() as u32
     }
 
+    /// Whether a slot is not spare.
+    pub fn has_probe(&self, slot: u32) -> bool {
+        self.slots[slot as usize].used
+    }
+
     /// First slot of a level, or the end of the last one.
     pub fn first_slot(&self, level: u32) -> u32 {
         self.first_slots[level as usize]

@@ -339,11 +339,7 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn state_counts(&self, gpu: &Gpu) -> Result<StateCounts, GpuError> {
-        let slots = self.volume.slots();
-        let mut counts = self.update_schedule.count(gpu, &self.states, slots)?;
-        // Spare slots of an octree are no probes.
-        counts.dead -= slots - self.volume.probes();
-        Ok(counts)
+        self.update_schedule.count(gpu, &self.states, &self.volume)
     }
 
     /// How often each probe has been updated since it was new; 0 for a probe in a solid voxel.
