@@ -15,7 +15,6 @@ use crate::{
     gpu::PassTimes,
     parameters::{KEYS, Kind},
     passes::{probes::StateCounts, view::Inspection},
-    probes::Layout as _,
     world::Camera,
 };
 
@@ -194,7 +193,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
     let memory = frame.memory();
     let states = match facts.probes {
         Some(counts) => told(&counts),
-        None => frame.field().volume().slots().to_string(),
+        None => frame.field().volume().probes().to_string(),
     };
     grid(ui, "figures", |ui| {
         let mut line = |what: &str, value: String| {

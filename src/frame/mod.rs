@@ -20,8 +20,8 @@ pub use stage::{BuildReport, Stage};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
 use inspect::Inspect;
-pub use passes::offer;
 use passes::{Passes, Update};
+pub use passes::{offer, resources};
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
@@ -35,7 +35,7 @@ use crate::{
         surface_cache::{NextFrame, SurfaceCache},
         view::{Inspection, InspectionError, Shot},
     },
-    probes::{ProbeError, Volume, warmup_frames},
+    probes::{ProbeError, warmup_frames},
     world::{
         LayoutSpec,
         voxels::{Edit, Voxels},
@@ -91,7 +91,7 @@ impl Frame {
     ) -> Result<Self, FrameError> {
         let view = Shot::buffer(gpu);
         let lights = GpuLights::new(gpu, Some(stage.voxels.size))?;
-        let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let field = ProbeField::new(gpu, stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&stage, &view, &lights);
         let wanted = Inspection::default();
@@ -136,6 +136,7 @@ impl Frame {
             Some(before) => lights.change_since(before),
             None => 0.0,
         };
+        self.field.end_growth(gpu);
         if self
             .field
             .follow(shot.camera.position, u64::from(self.frames))
@@ -248,7 +249,7 @@ impl Frame {
         layout: &LayoutSpec,
         probes: &ProbeParameters,
     ) -> Result<(), FrameError> {
-        let field = ProbeField::new(gpu, Volume::new(layout)?, probes)?;
+        let field = ProbeField::new(gpu, self.stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&self.stage, &self.view, &self.lights);
         let wanted = Inspection {
@@ -295,6 +296,8 @@ impl Frame {
         }
         if let Some((first, last)) = edit.region {
             let origin_ws = self.stage.voxels.origin;
+            self.field
+                .regrow(gpu, voxels, first.as_ivec3(), last.as_ivec3());
             self.field
                 .changes
                 .edit(first.as_ivec3(), last.as_ivec3(), origin_ws, self.frames);
@@ -383,18 +386,4 @@ impl Frame {
             total: voxels + probes + others,
         }
     }
-}
-
-/// What every pass may bind by name.
-pub fn resources<'a>(
-    stage: &'a Stage,
-    view: &'a wgpu::Buffer,
-    lights: &'a GpuLights,
-) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
-    let mut all = stage.voxels.resources().to_vec();
-    all.extend(stage.materials.resources());
-    all.extend(stage.emitters.resources());
-    all.extend(lights.resources());
-    all.push(("view", view.as_entire_binding()));
-    all
 }

@@ -2,7 +2,7 @@
 
 use std::thread::{self, ScopedJoinHandle};
 
-use super::{FrameError, inspect::Inspect};
+use super::{FrameError, Stage, inspect::Inspect};
 use crate::{
     gpu::{Gpu, Offer, Recorder},
     passes::{
@@ -292,4 +292,18 @@ pub fn offer<'a>(
         resources,
         constants,
     }
+}
+
+/// What every pass may bind by name.
+pub fn resources<'a>(
+    stage: &'a Stage,
+    view: &'a wgpu::Buffer,
+    lights: &'a GpuLights,
+) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
+    let mut all = stage.voxels.resources().to_vec();
+    all.extend(stage.materials.resources());
+    all.extend(stage.emitters.resources());
+    all.extend(lights.resources());
+    all.push(("view", view.as_entire_binding()));
+    all
 }

@@ -11,7 +11,8 @@ use crate::{
         distances::Distances,
         voxelise::{Voxelise, VoxeliseReport},
     },
-    world::{World, materials::MaterialSet, voxels::Voxels},
+    probes::Volume,
+    world::{LayoutSpec, World, materials::MaterialSet, voxels::Voxels},
 };
 
 /// A world on the GPU, without a camera: its voxels and materials.
@@ -126,6 +127,15 @@ impl Stage {
     /// [`GpuError::Device`] when the device is lost.
     pub fn read_back(&self, gpu: &Gpu) -> Result<Voxels, GpuError> {
         self.voxels.read_back(gpu)
+    }
+
+    /// The probes of a layout. An octree needs the voxels.
+    pub(super) fn volume(&self, gpu: &Gpu, layout: &LayoutSpec) -> Result<Volume, FrameError> {
+        if layout.octree.is_none() {
+            return Ok(Volume::new(layout)?);
+        }
+        let voxels = self.read_back(gpu)?;
+        Ok(Volume::octree_of(layout, &voxels, self.voxels.origin)?)
     }
 }
 

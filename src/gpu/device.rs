@@ -139,9 +139,9 @@ pub fn adapters() -> Vec<AdapterReport> {
         .collect()
 }
 
-/// Pass `surface_cache/trace` binds twelve storage buffers: no pass needs more.
+/// Pass `surface_cache/trace` binds thirteen storage buffers: no pass needs more.
 fn is_usable(adapter: &wgpu::Adapter) -> bool {
-    adapter.limits().max_storage_buffers_per_shader_stage >= 12
+    adapter.limits().max_storage_buffers_per_shader_stage >= 13
 }
 
 /// Ranks adapters: the lowest rank is the fastest.

@@ -65,6 +65,8 @@ pub struct ProbeMemory {
     pub ambient_cubes: u64,
     /// Visibility bits of the probes under exact visibility; not part of the atlas.
     pub visibility_bits: u64,
+    /// The octree's cells and slots; not part of the atlas.
+    pub octree: u64,
     pub update_schedule: u64,
 }
 
@@ -78,6 +80,7 @@ impl ProbeMemory {
             + self.places
             + self.ambient_cubes
             + self.visibility_bits
+            + self.octree
             + self.update_schedule
     }
 }
@@ -167,6 +170,7 @@ impl AtlasLayout {
             places: slots * PLACE_BYTES,
             ambient_cubes: self.ambient_cube_bytes(),
             visibility_bits: 0,
+            octree: 0,
             update_schedule: slots * PLAN_BYTES,
         }
     }

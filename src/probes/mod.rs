@@ -11,6 +11,7 @@ pub mod changes;
 mod level;
 mod motion;
 pub mod octahedral;
+pub mod octree;
 pub mod packed;
 pub mod sampling;
 pub mod visibility_bits;
@@ -21,6 +22,7 @@ pub use atlas::AtlasLayout;
 pub use changes::Changes;
 pub use level::Level;
 pub use motion::Motion;
+pub use octree::Octree;
 pub use visibility_bits::{VisibilityBits, VisibilityBox};
 pub use volume::Volume;
 pub use warmup::warmup_frames;
@@ -82,6 +84,34 @@ pub enum ProbeError {
         layout: String,
         reach: f64,
         most: f32,
+    },
+    #[error(
+        "probe layout `{layout}`: spacing must be a whole multiple of 2^{depth} voxels, so that an octree can halve it \
+         {depth} times, not {spacing}"
+    )]
+    Halves {
+        layout: String,
+        spacing: String,
+        depth: u32,
+    },
+    #[error(
+        "probe layout `{layout}`: the finest lattice of an octree of depth {depth} would have {cells} cells; {most} are \
+         possible. Lower `depth` or `counts`."
+    )]
+    TooDeep {
+        layout: String,
+        depth: u32,
+        cells: u64,
+        most: u64,
+    },
+    #[error(
+        "probe layout `{layout}`: the octree of depth {depth} has more than {most} cells in this world. Lower `depth`, or \
+         raise `divide_at`."
+    )]
+    Cells {
+        layout: String,
+        depth: u32,
+        most: u32,
     },
     #[error("probe layout `{layout}`: centre must be finite, not {centre}")]
     Centre { layout: String, centre: String },

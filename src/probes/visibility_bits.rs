@@ -17,6 +17,9 @@ crate::shared! {
     /// log2 of the voxels along each axis of a brick, whose bits are one word.
     const BRICK_LOG2: [u32; 3] = [2, 2, 1];
 
+    /// Widest spacing whose box is complete.
+    const MOST_SPACING: u32 = (MOST_COUNT - 2) / 2;
+
     /// Two words for each row of the largest box with a border of one voxel.
     use 2 * (MOST_COUNT + 2) * (MOST_COUNT + 2) => MOST_SOLID: u32;
 }
@@ -35,9 +38,13 @@ pub struct VisibilityBox {
 }
 
 impl VisibilityBox {
-    /// `None` for cages of more than 20 voxels along an axis.
-    fn new(level: &Level, first_word: u32) -> Option<Self> {
-        let counts = (2.0 * level.spacing()).ceil() + 2.0;
+    /// `None` for cages of more than 20 voxels along an axis. `is_cut`: then their box is cut off around the probe.
+    fn new(level: &Level, is_cut: bool, first_word: u32) -> Option<Self> {
+        let mut spacing = level.spacing();
+        if is_cut {
+            spacing = spacing.min(Vec3::splat(MOST_SPACING as f32));
+        }
+        let counts = (2.0 * spacing).ceil() + 2.0;
         (counts.max_element() <= MOST_COUNT as f32).then(|| Self {
             counts: counts.as_uvec3(),
             first_word,
@@ -86,19 +93,26 @@ impl VisibilityBits {
     pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
         let is_requested = match parameters.visibility {
             Visibility::Exact => true,
-            Visibility::Auto => volume.levels().len() == 1,
+            Visibility::Auto => volume.levels().len() == 1 || volume.octree().is_some(),
             Visibility::Chebyshev => false,
         };
         if !is_requested {
             return None;
         }
         let moves = parameters.relocation == Relocation::Exact;
-        let back_side = volume.levels().len() == 1 && moves;
+        let octree = volume.octree();
+        if octree.is_some_and(|octree| octree.spec().source) {
+            return None;
+        }
+        let back_side = (volume.levels().len() == 1 || octree.is_some()) && moves;
         let mut words = 0u64;
         let mut boxes = Vec::new();
-        for level in volume.levels() {
-            let seen = VisibilityBox::new(level, u32::try_from(words).ok()?)?;
-            words += u64::from(volume.level_slots()) * u64::from(seen.words());
+        for (index, level) in volume.levels().iter().enumerate() {
+            // The coarse probes of an octree light surfaces near them, as corners of finer cells, and farther ones by
+            // marching.
+            let is_cut = octree.is_some() && index > 0;
+            let seen = VisibilityBox::new(level, is_cut, u32::try_from(words).ok()?)?;
+            words += u64::from(volume.slots_of_level(index)) * u64::from(seen.words());
             boxes.push(seen);
         }
         Some(Self {
@@ -152,6 +166,7 @@ mod tests {
             centre: Vec3::ZERO,
             follow: cascades > 1,
             cascades,
+            octree: None,
         };
         let parameters = ProbeParameters {
             visibility,

@@ -1,15 +1,23 @@
 //! Volumes of probes: one lattice, or several nested ones, each twice as wide as the previous one.
 
-use glam::{UVec3, Vec3};
+use std::sync::Arc;
 
-use super::{Layout, Level, ProbeError};
-use crate::world::LayoutSpec;
-use crate::world::scenery::{FARTHEST, LEAST_COUNT, LEAST_SPACING, MAX_CASCADES, MAX_PROBES};
+use glam::{IVec3, UVec3, Vec3};
+
+use super::{Layout, Level, Octree, ProbeError};
+use crate::world::scenery::{
+    FARTHEST, LEAST_COUNT, LEAST_SPACING, MAX_CASCADES, MAX_DEPTH, MAX_PROBES,
+};
+use crate::world::{LayoutSpec, voxels::Voxels};
 
 /// Maximum number of probes of one volume.
 pub const MAX_SLOTS: u32 = MAX_PROBES;
 /// Maximum number of levels of one volume; `shaders/probes/field.wesl` has room for as many.
-pub const MAX_LEVELS: u32 = MAX_CASCADES;
+pub const MAX_LEVELS: u32 = if MAX_CASCADES > MAX_DEPTH {
+    MAX_CASCADES
+} else {
+    MAX_DEPTH + 1
+};
 
 /// Probes on the lattices of one or more [`Level`]s, the finest first. Each further level has twice the
 /// spacing and the same number of probes. A volume that follows the camera moves each level by whole
@@ -20,6 +28,8 @@ pub struct Volume {
     /// Offset of a moving volume's middle from the camera.
     offset: Option<Vec3>,
     levels: Vec<Level>,
+    /// Which points of the levels have probes, where that is not all.
+    octree: Option<Arc<Octree>>,
 }
 
 impl Volume {
@@ -45,7 +55,41 @@ impl Volume {
             counts: spec.counts,
             offset: moves.then_some(spec.centre),
             levels: levels.collect(),
+            octree: None,
         })
+    }
+
+    /// The octree of a layout in the world of these voxels; `origin` is the world-space place of the first voxel.
+    ///
+    /// # Errors
+    /// As [`Octree::new`].
+    pub fn octree_of(
+        layout: &LayoutSpec,
+        voxels: &Voxels,
+        origin: IVec3,
+    ) -> Result<Self, ProbeError> {
+        let octree = Octree::new(layout, voxels, origin)?;
+        Ok(Self {
+            counts: layout.counts,
+            offset: None,
+            levels: octree.levels(),
+            octree: Some(Arc::new(octree)),
+        })
+    }
+
+    /// The octree of the volume, if it is one.
+    pub fn octree(&self) -> Option<&Octree> {
+        self.octree.as_deref()
+    }
+
+    /// To divide an octree again.
+    pub fn octree_mut(&mut self) -> Option<&mut Octree> {
+        self.octree.as_mut().map(Arc::make_mut)
+    }
+
+    /// Number of probes: slots, less the spare ones of an octree.
+    pub fn probes(&self) -> u32 {
+        self.octree().map_or(self.slots(), Octree::probes)
     }
 
     /// Moves each level of a moving volume by whole cells, so that the camera at `eye_ws` is at its
@@ -73,14 +117,27 @@ impl Volume {
         &self.levels
     }
 
-    /// Number of slots of each level.
+    /// Number of slots of each level of a volume without an octree.
     pub fn level_slots(&self) -> u32 {
         self.counts.element_product()
     }
 
+    /// Number of slots of a level.
+    pub fn slots_of_level(&self, level: usize) -> u32 {
+        let level = level as u32;
+        self.octree().map_or(self.level_slots(), |octree| {
+            octree.first_slot(level + 1) - octree.first_slot(level)
+        })
+    }
+
     /// The level that a slot belongs to.
     pub fn level_of(&self, slot: u32) -> &Level {
-        &self.levels[(slot / self.level_slots()) as usize]
+        let level = self
+            .octree()
+            .map_or((slot / self.level_slots()) as usize, |octree| {
+                octree.level_of(slot)
+            });
+        &self.levels[level]
     }
 
     /// Cells over which a level fades into the next one: `wanted`, but at most the distance from the
@@ -107,11 +164,11 @@ fn check(spec: &LayoutSpec) -> Result<u32, ProbeError> {
             counts,
         });
     }
-    if !(1..=MAX_LEVELS).contains(&spec.cascades) {
+    if !(1..=MAX_CASCADES).contains(&spec.cascades) {
         return Err(ProbeError::Cascades {
             layout: layout(),
             cascades: spec.cascades,
-            most: MAX_LEVELS,
+            most: MAX_CASCADES,
         });
     }
     let fades = spec.follow || spec.cascades > 1;
@@ -165,10 +222,14 @@ fn check(spec: &LayoutSpec) -> Result<u32, ProbeError> {
 
 impl Layout for Volume {
     fn slots(&self) -> u32 {
-        self.level_slots() * self.levels.len() as u32
+        let all = self.level_slots() * self.levels.len() as u32;
+        self.octree().map_or(all, Octree::slots)
     }
 
     fn position(&self, slot: u32) -> Vec3 {
+        if let Some(octree) = self.octree() {
+            return octree.position(slot);
+        }
         let level = self.level_of(slot);
         level.position(level.point(slot))
     }
@@ -179,6 +240,17 @@ impl Layout for Volume {
     fn cage(&self, point_ws: Vec3) -> Vec<(u32, f32)> {
         let mut corners = Vec::new();
         let mut left = 1.0;
+        if let Some(octree) = self.octree() {
+            for level in 0..self.levels.len() as u32 {
+                if left > 0.0
+                    && let Some((share, cage)) = octree.cage(level, point_ws)
+                {
+                    corners.extend(cage.map(|(slot, weight)| (slot, weight * share * left)));
+                    left *= 1.0 - share;
+                }
+            }
+            return corners;
+        }
         for (index, level) in self.levels.iter().enumerate() {
             let share = if index + 1 < self.levels.len() {
                 left * level.share(point_ws, self.fade(1.0))
@@ -212,6 +284,7 @@ mod tests {
             centre,
             follow: false,
             cascades: 1,
+            octree: None,
         }
     }
 

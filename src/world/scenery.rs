@@ -116,6 +116,48 @@ pub struct Camera {
     pub fov_deg: f32,
 }
 
+/// Largest number of times that an octree's roots are divided.
+pub const MAX_DEPTH: u32 = 6;
+/// Most cells of an octree's finest lattice, whether the tree has them or not: their surfaces are counted.
+pub const MAX_OCTREE_CELLS: u64 = 1 << 24;
+
+/// What decides whether a cell of an octree is divided.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Split {
+    /// Surface voxels (air beside a solid voxel) over the voxels of one of its faces: a flat wall through the cell
+    /// counts 1, an edge 2.
+    #[default]
+    Surface,
+    /// Share of the rays from its middle that hit a surface in it.
+    Hits,
+}
+
+/// How the cells of a probe layout are divided. The layout's lattice has the corners of the undivided cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OctreeSpec {
+    /// 1 … [`MAX_DEPTH`].
+    pub depth: u32,
+    pub split: Split,
+    /// Cells with more than this (`Hits`: as much) are divided.
+    pub divide_at: f32,
+    /// With `source`: leaves with a lower hit fraction have no probe.
+    pub free_below: f32,
+    /// Probes in the middles of leaves, all of which a gather visits: the published way, for comparison.
+    pub source: bool,
+}
+
+impl Default for OctreeSpec {
+    fn default() -> Self {
+        Self {
+            depth: 1,
+            split: Split::Surface,
+            divide_at: 0.0,
+            free_below: 0.25,
+            source: false,
+        }
+    }
+}
+
 /// Nested volumes of probes; each has twice the spacing of the previous one. In a single fixed volume,
 /// position(index) = (index − (count−1)/2)·spacing + centre.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,6 +173,8 @@ pub struct LayoutSpec {
     pub follow: bool,
     /// Number of volumes, 1 … [`MAX_CASCADES`].
     pub cascades: u32,
+    /// Divides the cells of a single fixed volume.
+    pub octree: Option<OctreeSpec>,
 }
 
 /// Changes with which measurements time the light's response; whatever is `None` they choose

@@ -71,6 +71,7 @@ impl Hall {
             centre: Vec3::ZERO,
             follow: true,
             cascades,
+            octree: None,
         };
         let probes = ProbeParameters {
             rays,

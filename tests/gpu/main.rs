@@ -17,6 +17,7 @@ mod lamps;
 mod light;
 mod many_lamps;
 mod marching;
+mod octree;
 mod probe_views;
 mod probes;
 mod tonemap;

@@ -56,6 +56,7 @@ pub fn lattice(counts: UVec3, spacing: Vec3, centre: Vec3) -> LayoutSpec {
         centre,
         follow: false,
         cascades: 1,
+        octree: None,
     }
 }
 

@@ -28,7 +28,6 @@ use crate::{
     },
     parameters::ProbeParameters,
     passes::view::Shot,
-    probes::Layout as _,
     reference::flight_path::Path,
     world::{Camera, LayoutSpec, View},
 };
@@ -295,7 +294,7 @@ impl<'a> Flyer<'a> {
             cameras: case.cameras.iter().map(|c| c.name.clone()).collect(),
             layout: self.layout.name.clone(),
             settings: Setting::default(),
-            probes: self.frame.field().volume().slots(),
+            probes: self.frame.field().volume().probes(),
             rays: self.probes.rays,
             metres: arguments.metres,
             speed: arguments.speed,

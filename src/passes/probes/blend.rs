@@ -28,6 +28,7 @@ impl ProbeBlend {
                         f64::from(u8::from(field.source().is_some_and(Source::rejects))),
                     ),
                 ],
+                offered: &field.layout_constants(),
                 ..Default::default()
             },
         )?;

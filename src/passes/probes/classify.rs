@@ -27,6 +27,7 @@ impl ProbeClassify {
         all.extend(field.state_resources());
         let spec = KernelSpec {
             shader: "probes/classify",
+            offered: &field.layout_constants(),
             ..Default::default()
         };
         let kernel = Kernel::new(gpu, &spec)?;

@@ -6,6 +6,7 @@ pub mod classify;
 mod field;
 mod info;
 mod level;
+mod octree;
 pub mod schedule;
 pub mod seed;
 mod source;

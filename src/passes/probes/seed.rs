@@ -28,6 +28,7 @@ impl ProbeSeed {
                     ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
                     ("DISTANCE_TEXELS", f64::from(atlas.distance_texels)),
                 ],
+                offered: &field.layout_constants(),
                 ..Default::default()
             },
         )?;

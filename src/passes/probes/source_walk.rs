@@ -54,6 +54,7 @@ impl SourceWalk {
         let overrides = [
             ("CLEARANCE", f64::from(clearance)),
             ("KEPT", f64::from(kept)),
+            field.layout_constants()[0],
         ];
         let mut all = resources.to_vec();
         all.extend(field.state_resources());

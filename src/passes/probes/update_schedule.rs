@@ -7,7 +7,7 @@ use super::state::{GpuProbeState, ProbeClass};
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
     parameters::{ProbeParameters, ProbeStates},
-    probes::Changes,
+    probes::{Changes, Layout as _, Volume},
 };
 
 crate::shared! {
@@ -234,7 +234,7 @@ impl UpdateSchedule {
         &self,
         gpu: &Gpu,
         states: &wgpu::Buffer,
-        lattice: u32,
+        volume: &Volume,
     ) -> Result<StateCounts, GpuError> {
         let mut counts = StateCounts {
             updated: self.head(gpu)?.count,
@@ -242,7 +242,14 @@ impl UpdateSchedule {
         };
         let states: Vec<GpuProbeState> = gpu.read_buffer(states)?;
         for (slot, state) in (0..self.slots).zip(&states) {
-            let is_back_side = slot >= lattice;
+            // Spare slots of an octree are no probes.
+            if volume
+                .octree()
+                .is_some_and(|octree| !octree.has_probe(slot % octree.slots()))
+            {
+                continue;
+            }
+            let is_back_side = slot >= volume.slots();
             match state.class() {
                 ProbeClass::Alive | ProbeClass::IndirectOnly => counts.alive += 1,
                 ProbeClass::Asleep => counts.sleeping += 1,

@@ -27,6 +27,7 @@ impl ProbeVisibility {
             gpu,
             &KernelSpec {
                 shader: "probes/visibility",
+                offered: &field.layout_constants(),
                 ..Default::default()
             },
         )?;

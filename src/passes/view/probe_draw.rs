@@ -79,6 +79,7 @@ impl ProbeDraw {
                 shader: "view/probe_draw",
                 entry,
                 overrides,
+                offered: &offer.constants,
                 ..Default::default()
             };
             Kernel::new(gpu, &spec)

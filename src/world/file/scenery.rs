@@ -6,7 +6,10 @@ use super::leaf::OneOrThree;
 use super::resolve::Reader;
 use super::schema;
 use super::values::{Read, or};
-use crate::world::scenery::{FARTHEST, LEAST_COUNT, LEAST_SPACING, MAX_CASCADES, MAX_PROBES};
+use crate::world::scenery::{
+    FARTHEST, LEAST_COUNT, LEAST_SPACING, MAX_CASCADES, MAX_DEPTH, MAX_OCTREE_CELLS, MAX_PROBES,
+    OctreeSpec, Split,
+};
 use crate::world::sdf::Shape;
 use crate::world::{Camera, LayoutSpec, Sky, Sun};
 
@@ -126,6 +129,7 @@ impl Reader<'_> {
                 centre: (low + high) / 2.0,
                 follow: false,
                 cascades: 1,
+                octree: None,
             });
         }
         Ok(resolved)
@@ -134,7 +138,19 @@ impl Reader<'_> {
     fn layout(&self, layout: &schema::Layout, names: &[String]) -> Read<LayoutSpec> {
         let source = self.source;
         let name = source.name(&layout.name, "layout", names)?;
-        let [x, y, z] = layout.counts.leaves();
+        if let Some(octree) = &layout.octree {
+            return self.octree_layout(layout, octree, name);
+        }
+        let missing = |key: &str| {
+            source.at(
+                &layout.name,
+                format!("layout `{name}` lacks `{key}`"),
+                format!("write `{key}`, or `octree: (depth: 4)`"),
+            )
+        };
+        let counts_at = layout.counts.as_ref().ok_or_else(|| missing("counts"))?;
+        let spacing_at = layout.spacing.as_ref().ok_or_else(|| missing("spacing"))?;
+        let [x, y, z] = counts_at.leaves();
         let count = |leaf| source.count(leaf, "counts", 1..=MAX_PROBES);
         let counts = UVec3::new(count(x)?, count(y)?, count(z)?);
         let cascades = or(&layout.cascades, 1, |leaf| {
@@ -144,26 +160,19 @@ impl Reader<'_> {
         let probes = each.iter().fold(u64::from(cascades), |a, b| a * b);
         if probes > u64::from(MAX_PROBES) {
             return Err(source.at_vector(
-                &layout.counts,
+                counts_at,
                 format!("layout `{name}` has {probes} probes"),
                 format!("a layout may have {MAX_PROBES}; widen the spacing"),
             ));
         }
         if (layout.follow || cascades > 1) && counts.min_element() < LEAST_COUNT {
             return Err(source.at_vector(
-                &layout.counts,
+                counts_at,
                 format!("layout `{name}` is too thin for light to fade at its edges"),
                 format!("with `follow` or `cascades`, write counts of at least {LEAST_COUNT}"),
             ));
         }
-        let apart = |leaf| -> Read<f32> {
-            let range = f64::from(LEAST_SPACING)..=f64::from(FARTHEST);
-            Ok(source.number_in(leaf, "spacing", range)? as f32)
-        };
-        let spacing = match &layout.spacing {
-            OneOrThree::One(leaf) => Vec3::splat(apart(leaf)?),
-            OneOrThree::Three(v) => Vec3::new(apart(&v.0)?, apart(&v.1)?, apart(&v.2)?),
-        };
+        let spacing = self.spacing(spacing_at)?;
         let (low, high) = self.world_box();
         let middle = if layout.follow {
             Vec3::ZERO
@@ -176,7 +185,7 @@ impl Reader<'_> {
         let reach = reach.max_element();
         if reach > f64::from(FARTHEST) {
             return Err(source.at_vector(
-                &layout.counts,
+                counts_at,
                 format!("layout `{name}` reaches {reach:.0} voxels from the origin"),
                 format!("{FARTHEST} are possible; narrow the spacing, or use fewer cascades"),
             ));
@@ -188,6 +197,99 @@ impl Reader<'_> {
             centre,
             follow: layout.follow,
             cascades,
+            octree: None,
+        })
+    }
+
+    fn spacing(&self, spacing: &OneOrThree) -> Read<Vec3> {
+        let apart = |leaf| -> Read<f32> {
+            let range = f64::from(LEAST_SPACING)..=f64::from(FARTHEST);
+            Ok(self.source.number_in(leaf, "spacing", range)? as f32)
+        };
+        Ok(match spacing {
+            OneOrThree::One(leaf) => Vec3::splat(apart(leaf)?),
+            OneOrThree::Three(v) => Vec3::new(apart(&v.0)?, apart(&v.1)?, apart(&v.2)?),
+        })
+    }
+
+    /// A layout with an octree. Whether the tree has too many probes depends on the voxels.
+    fn octree_layout(
+        &self,
+        layout: &schema::Layout,
+        octree: &schema::Octree,
+        name: String,
+    ) -> Read<LayoutSpec> {
+        let source = self.source;
+        let depth = source.count(&octree.depth, "depth", 1..=MAX_DEPTH)?;
+        if layout.follow || layout.cascades.is_some() {
+            return Err(source.at(
+                &layout.name,
+                format!("layout `{name}` has an octree and `follow` or `cascades`"),
+                "leave one of them out: an octree has levels of its own, and its place is fixed",
+            ));
+        }
+        let counts = or(&layout.counts, UVec3::splat(2), |counts| {
+            let [x, y, z] = counts.leaves();
+            let count = |leaf| source.count(leaf, "counts", 2..=MAX_PROBES);
+            Ok(UVec3::new(count(x)?, count(y)?, count(z)?))
+        })?;
+        let (low, high) = self.world_box();
+        let halvings = (1u32 << depth) as f32;
+        let longest = ((high - low).max_element() / halvings).ceil().max(1.0) * halvings;
+        let spacing = or(&layout.spacing, Vec3::splat(longest), |v| self.spacing(v))?;
+        let finest = spacing / halvings;
+        if finest.min_element() < 1.0 || finest != finest.round() {
+            return Err(source.at(
+                &octree.depth,
+                format!("layout `{name}` cannot halve a spacing of {spacing} voxels {depth} times"),
+                format!("write a `spacing` that is a multiple of {halvings}, or a lower `depth`"),
+            ));
+        }
+        let cells = (counts - 1).to_array().map(|n| u64::from(n) << depth);
+        let cells = cells.iter().fold(1u64, |a, b| a.saturating_mul(*b));
+        if cells > MAX_OCTREE_CELLS {
+            return Err(source.at(
+                &octree.depth,
+                format!("layout `{name}` divides its lattice into {cells} cells"),
+                format!("{MAX_OCTREE_CELLS} are possible; lower `depth` or `counts`"),
+            ));
+        }
+        let centre = or(&layout.centre, (low + high) / 2.0, |v| {
+            source.point(v, "centre")
+        })?;
+        let reach = centre.as_dvec3().abs() + (counts - 1).as_dvec3() * 0.5 * spacing.as_dvec3();
+        if reach.max_element() > f64::from(FARTHEST) {
+            return Err(source.at(
+                &octree.depth,
+                format!(
+                    "layout `{name}` reaches {:.0} voxels from the origin",
+                    reach.max_element()
+                ),
+                format!("{FARTHEST} are possible; narrow the spacing, or use lower counts"),
+            ));
+        }
+        let (split, divide_at) = match octree.split {
+            schema::Split::Surface => (Split::Surface, 0.0),
+            schema::Split::Hits => (Split::Hits, 0.5),
+        };
+        Ok(LayoutSpec {
+            name,
+            counts,
+            spacing,
+            centre,
+            follow: false,
+            cascades: 1,
+            octree: Some(OctreeSpec {
+                depth,
+                split,
+                divide_at: or(&octree.divide_at, divide_at, |leaf| {
+                    Ok(source.number_in(leaf, "divide_at", 0.0..=1000.0)? as f32)
+                })?,
+                free_below: or(&octree.free_below, 0.25, |leaf| {
+                    Ok(source.number_in(leaf, "free_below", 0.0..=1.0)? as f32)
+                })?,
+                source: octree.source,
+            }),
         })
     }
 }

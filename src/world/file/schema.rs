@@ -482,10 +482,10 @@ pub struct Camera {
 #[serde(deny_unknown_fields)]
 pub struct Layout {
     pub name: Leaf,
-    /// Whole numbers.
-    pub counts: Vector,
-    /// Voxels between probes: one number, or one for each axis.
-    pub spacing: OneOrThree,
+    /// Whole numbers. Default with `octree`: (2, 2, 2).
+    pub counts: Option<Vector>,
+    /// Voxels between probes: one number, or one for each axis. Default with `octree`: the world's longest edge.
+    pub spacing: Option<OneOrThree>,
     /// Default: the middle of the world's box, or the camera.
     pub centre: Option<Vector>,
     /// Whether the volume follows the camera. Default no.
@@ -493,6 +493,31 @@ pub struct Layout {
     pub follow: bool,
     /// 1 … 6, default 1.
     pub cascades: Option<Leaf>,
+    /// Divides the cells of the lattice where there is geometry.
+    pub octree: Option<Octree>,
+}
+
+/// `(depth: 4, split: Surface, divide_at: 0)`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Octree {
+    /// 1 … 6.
+    pub depth: Leaf,
+    #[serde(default)]
+    pub split: Split,
+    /// Default 0 for `Surface`, 0.5 for `Hits`.
+    pub divide_at: Option<Leaf>,
+    /// Default 0.25.
+    pub free_below: Option<Leaf>,
+    #[serde(default)]
+    pub source: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+pub enum Split {
+    #[default]
+    Surface,
+    Hits,
 }
 
 /// `(lamp: "ceiling", wall: (min: (0, 0, 4), max: (3, 6, 4), material: "plaster"))`. Measurements

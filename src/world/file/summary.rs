@@ -20,7 +20,7 @@ pub struct Summary {
     pub lamp_presets: Vec<(String, usize)>,
     pub sun: bool,
     pub cameras: Vec<String>,
-    /// Names, with the number of probes of each.
+    /// Names, with the number of probes of each; of octrees, which depend on the voxels, those that are not divided.
     pub layouts: Vec<(String, u64)>,
     /// Size in bytes of the grid of cells, without bricks, whose number depends on the surface.
     pub grid_bytes: u64,

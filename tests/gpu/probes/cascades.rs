@@ -21,6 +21,7 @@ fn nested(follow: bool) -> Volume {
         centre: Vec3::new(0.5, 1.5, 0.0),
         follow,
         cascades: 3,
+        octree: None,
     })
     .expect("a good layout")
 }

@@ -1,12 +1,12 @@
 //! The GPU encodes directions, places probes and finds cages as the CPU does.
 
-use glam::{DVec2, DVec3, UVec2, UVec3, Vec3};
+use glam::{DVec2, DVec3, IVec3, UVec2, UVec3, Vec3};
 use grotto::{
     gpu::{Kernel, KernelSpec, Recorder},
     parameters::{ProbeParameters, Visibility},
     passes::probes::ProbeField,
     probes::{Layout as _, Volume, octahedral, sampling},
-    world::LayoutSpec,
+    world::{LayoutSpec, scenery::OctreeSpec, voxels::Voxels},
 };
 
 use super::{Rig, SEED};
@@ -107,6 +107,7 @@ fn the_gpu_places_probes_and_cages_as_the_cpu() {
             centre: Vec3::new(-0.2, 1.0, 3.4),
             follow: !eyes.is_empty(),
             cascades,
+            octree: None,
         })
         .expect("a good layout");
         let mut rig = Rig::new(volume.clone(), ProbeParameters::default());
@@ -116,6 +117,30 @@ fn the_gpu_places_probes_and_cages_as_the_cpu() {
             rig.field.follow(*eye, 0);
             compare_cages(&rig, &volume, *eye);
         }
+    }
+}
+
+#[test]
+fn the_gpu_descends_octrees_as_the_cpu() {
+    let mut voxels = Voxels::empty(UVec3::splat(64));
+    voxels.fill_sphere(Vec3::new(20.0, 31.0, 40.0), 9.5, 1);
+    voxels.fill_box(IVec3::new(0, 0, 0), IVec3::new(63, 3, 20), 1);
+    for (depth, counts) in [(1, [2, 2, 2]), (3, [3, 2, 4]), (4, [3, 3, 3])] {
+        let layout = LayoutSpec {
+            name: "tree".into(),
+            counts: counts.into(),
+            spacing: Vec3::splat(32.0),
+            centre: Vec3::new(3.0, -2.0, 0.0),
+            follow: false,
+            cascades: 1,
+            octree: Some(OctreeSpec {
+                depth,
+                ..OctreeSpec::default()
+            }),
+        };
+        let volume = Volume::octree_of(&layout, &voxels, IVec3::splat(-32)).expect("a good layout");
+        let rig = Rig::new(volume.clone(), ProbeParameters::default());
+        compare_cages(&rig, &volume, Vec3::ZERO);
     }
 }
 
@@ -130,6 +155,7 @@ fn compare_cages(rig: &Rig, volume: &Volume, around: Vec3) {
         &KernelSpec {
             shader: "generated/cages",
             generated: &[("cages", CAGES)],
+            offered: &rig.field.layout_constants(),
             ..Default::default()
         },
     )
@@ -184,7 +210,7 @@ const CAGES: &str = "
 import package::probes::field::probe_info;
 import package::probes::volume::{
     lattice_point, lattice_position, level_of, level_share, point_within, cage_around, cage_slot,
-    lattice_weights,
+    has_cell, lattice_weights,
 };
 @group(3) @binding(0) var<storage, read> points: array<vec4f>;
 @group(3) @binding(1) var<storage, read_write> positions: array<vec4f>;
@@ -204,7 +230,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let share = left * select(level_share(level, point), 1.0, coarsest);
         left -= share;
         let cage = cage_around(level, point_within(level, point));
-        for (var corner = 0u; corner < 8u; corner += 1u) {
+        for (var corner = 0u; has_cell(cage) && corner < 8u; corner += 1u) {
             let weights = lattice_weights(cage, corner);
             corners[(id.x * probe_info.level_count + level) * 8u + corner] = vec2f(
                 f32(cage_slot(cage, corner)), share * weights.x * weights.y * weights.z,
@@ -231,6 +257,7 @@ fn bits_that_do_not_fit_a_binding_give_way_to_distances() {
             centre: Vec3::ZERO,
             follow: false,
             cascades: 1,
+            octree: None,
         })
         .expect("a good layout");
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
@@ -255,6 +282,7 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
         centre: Vec3::ZERO,
         follow: false,
         cascades: 1,
+        octree: None,
     })
     .expect("a good layout");
     let error = ProbeField::new(&gpu, huge, &parameters)
@@ -273,6 +301,7 @@ fn a_field_that_cannot_fit_is_refused_before_it_is_made() {
         centre: Vec3::ZERO,
         follow: false,
         cascades: 1,
+        octree: None,
     })
     .expect("a good layout");
     let parameters = ProbeParameters {

@@ -275,6 +275,7 @@ pub fn nested(cascades: u32) -> Volume {
         centre: Vec3::ZERO,
         follow: true,
         cascades,
+        octree: None,
     })
     .expect("a good layout")
 }

@@ -153,6 +153,7 @@ fn the_next_level_gives_by_degrees_what_a_hidden_cage_does_not() {
         centre: Vec3::ZERO,
         follow: true,
         cascades: 2,
+        octree: None,
     })
     .expect("a good layout");
     let slots = volume.level_slots();

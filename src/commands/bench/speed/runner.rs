@@ -22,7 +22,6 @@ use crate::{
     gpu::{Gpu, Recorder},
     measure::{frame_times::Interval, statistics::median},
     passes::scene::distances::Distances,
-    probes::Layout as _,
     world::View,
 };
 
@@ -86,7 +85,7 @@ impl Common<'_> {
             Work::Bytes => {
                 rig.prepare(spec, spec.size)?;
                 let field = rig.frame.field();
-                let slots = f64::from(field.volume().slots());
+                let slots = f64::from(field.volume().probes());
                 let probes = field.memory().total() as f64;
                 let (irradiance, distance) = (
                     spec.parameters.probes.irradiance_texels,

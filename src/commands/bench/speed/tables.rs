@@ -286,6 +286,7 @@ impl Tables<'_> {
             counts,
             spacing: spacing.max(Vec3::splat(1.0)),
             cascades: 1,
+            octree: None,
             follow: false,
             ..widest.clone()
         })

@@ -251,6 +251,7 @@ mod tests {
             "fov_deg",
             "follow",
             "cascades: 6",
+            "octree",
             "voxel_m",
             "origin",
             "response",

@@ -212,10 +212,28 @@ pub fn cameras(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     Term::List((0..count).map(|index| camera(dice, index)).collect())
 }
 
-/// Volumes of all kinds: covering the world, too small, beside the world, following the camera, nested.
+/// Over the whole world, divided by either measure.
+fn octree(dice: &mut Dice) -> Term {
+    let mut keys = vec![("depth", number(f64::from(dice.whole(1, 4))))];
+    let (split, most) = *dice.pick(&[("Surface", 2.0), ("Hits", 1.0)]);
+    keys.push(("split", Term::Word(split)));
+    if dice.chance(0.7) {
+        keys.push(("divide_at", number(dice.number(0.0, most))));
+    }
+    if dice.chance(0.2) {
+        keys.push(("source", Term::Word("true")));
+    }
+    record("", keys)
+}
+
+/// Volumes of all kinds, and octrees: covering the world, too small, beside the world, following the camera, nested.
 pub fn layouts(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     let layout = |dice: &mut Dice, index: u32| {
         let mut keys = vec![("name", Term::text(format!("l{index}")))];
+        if dice.chance(0.2) {
+            keys.push(("octree", octree(dice)));
+            return record("", keys);
+        }
         let follow = dice.chance(0.25);
         let cascades = if dice.chance(0.25) {
             dice.whole(2, 6)

@@ -96,6 +96,7 @@ impl Dice {
         if self.chance(0.25) {
             layout.counts = UVec3::from_array([0; 3].map(|_| self.random.random_range(2..=8)));
             layout.spacing = Vec3::splat(self.random.random_range(2..=12) as f32);
+            layout.octree = None;
             layout.cascades = self.random.random_range(1..=3);
             layout.follow = layout.cascades > 1 || self.chance(0.3);
         }

@@ -4,12 +4,13 @@ use super::{ProbeField, Source};
 
 impl ProbeField {
     /// The bindings of `shaders/probes/field.wesl`: what kernels that gather read.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 9] {
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 10] {
         use wgpu::BindingResource::TextureView;
         let [update_schedule, work] = self.update_schedule.resources();
         [
             update_schedule,
             work,
+            ("probe_tree", self.tree.rows.as_entire_binding()),
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
             ("irradiance_maps", self.irradiance_maps.as_entire_binding()),
@@ -24,12 +25,13 @@ impl ProbeField {
     }
 
     /// What an update of the field writes: rays, maps, and states.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 12] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
         use wgpu::BindingResource::TextureView;
         let [update_schedule, work] = self.update_schedule.resources();
         [
             update_schedule,
             work,
+            ("probe_tree", self.tree.rows.as_entire_binding()),
             ("probe_info", self.info.as_entire_binding()),
             ("ray_directions", self.ray_directions.as_entire_binding()),
             ("probe_rays", self.rays.as_entire_binding()),
@@ -45,11 +47,12 @@ impl ProbeField {
 
     /// What the passes `probes/classify` and `probes/visibility` read and write of each probe: its place, its state
     /// and its visibility bits.
-    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 7] {
+    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
         let [update_schedule, work] = self.update_schedule.resources();
         [
             update_schedule,
             work,
+            ("probe_tree", self.tree.rows.as_entire_binding()),
             ("probe_info", self.info.as_entire_binding()),
             ("probe_places_out", self.places.as_entire_binding()),
             ("probe_states", self.states.as_entire_binding()),
@@ -80,7 +83,12 @@ impl ProbeField {
     }
 
     /// The constants of kernels that gather.
-    pub fn gather_constants(&self) -> [(&'static str, f64); 3] {
+    pub fn gather_constants(&self) -> [(&'static str, f64); 5] {
+        let [octree] = self.layout_constants();
+        let visits_all = self
+            .volume
+            .octree()
+            .is_some_and(|octree| octree.spec().source);
         let nested = self.volume.moves() || self.volume.levels().len() > 1;
         [
             (
@@ -89,6 +97,16 @@ impl ProbeField {
             ),
             ("EXACT", f64::from(u8::from(self.exact()))),
             ("NESTED", f64::from(u8::from(nested))),
+            ("VISITS_ALL", f64::from(u8::from(visits_all))),
+            octree,
         ]
+    }
+
+    /// The constants of kernels that know where probes are.
+    pub fn layout_constants(&self) -> [(&'static str, f64); 1] {
+        [(
+            "OCTREE",
+            f64::from(u8::from(self.volume.octree().is_some())),
+        )]
     }
 }

@@ -4,10 +4,11 @@ mod bindings;
 
 use std::mem::offset_of;
 
-use glam::Vec3;
+use glam::{IVec3, Vec3};
 
 use super::{
     GpuChanges, GpuProbeInfo, GpuProbePlace, GpuProbeState,
+    octree::GpuOctree,
     source::Source,
     update_schedule::{GpuProbeDispatch, StateCounts, UpdateSchedule},
 };
@@ -15,9 +16,10 @@ use crate::{
     gpu::{Gpu, GpuError},
     parameters::{ProbeParameters, Visibility},
     probes::{
-        AtlasLayout, Changes, Layout as _, Motion, ProbeError, VisibilityBits, Volume,
+        AtlasLayout, Changes, Layout as _, Motion, Octree, ProbeError, VisibilityBits, Volume,
         atlas::ProbeMemory, packed, sampling,
     },
+    world::voxels::Voxels,
 };
 
 /// Why a probe field cannot be made.
@@ -37,6 +39,9 @@ pub struct ProbeField {
     /// The changes that its probes respond to.
     pub changes: Changes,
     volume: Volume,
+    tree: GpuOctree,
+    /// Whether a frame has shown the new probes of the octree.
+    shows_growth: bool,
     visibility_bits: Option<VisibilityBits>,
     motion: Motion,
     atlas: AtlasLayout,
@@ -88,6 +93,7 @@ impl ProbeField {
         )?;
         let memory = ProbeMemory {
             visibility_bits: visibility_bits.as_ref().map_or(0, VisibilityBits::bytes),
+            octree: GpuOctree::bytes(&volume),
             ..atlas.memory(parameters.rays)
         };
         let parts = [
@@ -98,7 +104,7 @@ impl ProbeField {
         for (what, bytes) in parts {
             gpu.check_buffer(what, bytes)?;
         }
-        let what = format!("a layout of {} probes", volume.slots());
+        let what = format!("a layout of {} probes", volume.probes());
         gpu.making(&what, memory.total(), || {
             Self::make(gpu, volume, visibility_bits, atlas, memory, parameters)
         })
@@ -128,6 +134,8 @@ impl ProbeField {
         gpu.queue
             .write_buffer(&places, 0, bytemuck::cast_slice(&lattice));
         Ok(Self {
+            tree: GpuOctree::new(gpu, &volume)?,
+            shows_growth: false,
             visibility_bits,
             visibility_buffer: gpu.storage_buffer("probe_visibility", memory.visibility_bits)?,
             ambient_cubes: gpu.storage_buffer("ambient_cubes", memory.ambient_cubes)?,
@@ -156,12 +164,38 @@ impl ProbeField {
     /// Moves a volume that follows the camera, before frame `frame`. Returns whether the move discards the light
     /// of all probes; the next frame then counts as the first.
     pub fn follow(&mut self, eye_ws: Vec3, frame: u64) -> bool {
+        if self.volume.octree().is_some() {
+            return false;
+        }
         self.motion.follow(&mut self.volume, eye_ws, frame)
     }
 
-    /// Probes that are new since the last move.
+    /// Divides an octree again where voxels have changed (grid space, both ends inclusive), before the next frame.
+    pub fn regrow(&mut self, gpu: &Gpu, voxels: &Voxels, first: IVec3, last: IVec3) {
+        self.end_growth(gpu);
+        if let Some(octree) = self.volume.octree_mut()
+            && octree.regrow(voxels, first, last)
+        {
+            self.tree.write(gpu, octree);
+        }
+    }
+
+    /// Before each frame: probes of an octree that the last frame has shown are not new any more.
+    pub fn end_growth(&mut self, gpu: &Gpu) {
+        if self.shows_growth
+            && let Some(octree) = self.volume.octree_mut()
+        {
+            octree.settle_down();
+            self.tree.write(gpu, octree);
+            self.shows_growth = false;
+        }
+    }
+
+    /// Probes that are new since the last move, or since an edit changed an octree.
     pub fn fresh(&self) -> u32 {
-        self.motion.fresh()
+        self.volume
+            .octree()
+            .map_or(self.motion.fresh(), Octree::fresh)
     }
 
     /// Whether passes `probes/classify` and `probes/visibility` must run in this frame: probes are new, have moved, or
@@ -175,6 +209,10 @@ impl ProbeField {
     /// Notes that those passes have been recorded.
     pub fn set_placed(&mut self) {
         self.update_schedule.set_placed();
+        self.shows_growth = self
+            .volume
+            .octree()
+            .is_some_and(|octree| octree.fresh() > 0);
     }
 
     /// Writes the uniform and rotates the rays for a frame. Must be called once before each submission that updates
@@ -301,8 +339,7 @@ impl ProbeField {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn state_counts(&self, gpu: &Gpu) -> Result<StateCounts, GpuError> {
-        self.update_schedule
-            .count(gpu, &self.states, self.volume.slots())
+        self.update_schedule.count(gpu, &self.states, &self.volume)
     }
 
     /// How often each probe has been updated since it was new; 0 for a probe in a solid voxel.
