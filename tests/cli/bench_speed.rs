@@ -124,8 +124,8 @@ fn what_varies_does_so_and_nothing_else() {
         &["--quick", "--runs", "1"],
     )
     .json();
-    // Two of the four layouts, two numbers of rays, on and off.
-    assert_eq!(rows(&report).len(), 2 * 2 * 2);
+    // Three of the five layouts, two numbers of rays, on and off.
+    assert_eq!(rows(&report).len(), 3 * 2 * 2);
     for row in rows(&report) {
         adds_up(row, 1);
         let states = row["varied"]["probes.states"].as_str().expect("a word");

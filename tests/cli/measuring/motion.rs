@@ -146,7 +146,7 @@ fn the_reference_of_another_time_is_a_clear_error() {
     let (wrong, said) = bench.judged(&flags);
     assert!(!said.contains("traced again"), "{said}");
     let [right, wrong] = [&right, &wrong].map(|json| flip(motion(json, "lamps")));
-    assert!(wrong > 1.5 * right, "{wrong} {right}");
+    assert!(wrong > 1.3 * right, "{wrong} {right}");
 }
 
 /// Light that follows a lamp late is an error that the same moments at rest do not have.

@@ -384,7 +384,7 @@ mod tests {
     fn every_layout_comes_in_every_condition() {
         let scenes = scenes();
         let rows = layouts(&wanted(&scenes[..2])).expect("sound");
-        assert_eq!(rows.len(), (4 + 4) * 4);
+        assert_eq!(rows.len(), (5 + 5) * 4);
         let ids: Vec<&str> = rows.iter().map(|row| row.id.as_str()).collect();
         assert!(ids.contains(&"layouts/cave/layout3/edits"), "{ids:?}");
     }

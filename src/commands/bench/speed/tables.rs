@@ -335,7 +335,7 @@ mod tests {
             ("g3d-7.3-7.6-7.9", 12),
             ("g3d-7.7", 10),
             ("g3d-weights", 4),
-            ("minecraft-layouts", 8),
+            ("minecraft-layouts", 10),
             ("minecraft-rays", 6),
             ("minecraft-textures", 2),
             ("minecraft-lamps", 16),
