@@ -1,14 +1,19 @@
 //! The keys of the window.
 
-use winit::keyboard::KeyCode;
+use winit::keyboard::{self, KeyCode, ModifiersState};
 
 use super::input::Key;
 
 /// What each key does, for the panel.
 pub const HELP: &[(&str, &str)] = &[
-    ("click", "look around with the mouse; then dig"),
-    ("right click", "place a voxel"),
+    (
+        "click",
+        "look around with the mouse; then dig (held: on and on)",
+    ),
+    ("right click", "place a voxel (held: on and on)"),
     ("middle click", "take the material"),
+    ("Ctrl + Z", "undo the last stroke"),
+    ("Ctrl + Y", "redo it"),
     ("Esc", "free the mouse"),
     ("W A S D", "walk, or fly"),
     ("Space", "jump; rise in flight"),
@@ -42,4 +47,26 @@ pub fn player_key(code: KeyCode) -> Option<Key> {
         KeyCode::KeyH => Key::NoClip,
         _ => return None,
     })
+}
+
+/// What a key does together with Ctrl.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shortcut {
+    Undo,
+    Redo,
+}
+
+/// The shortcut of a key. It goes by the letter, not by its place on the keyboard: Z and Y trade places on some.
+pub fn shortcut(modifiers: ModifiersState, key: &keyboard::Key) -> Option<Shortcut> {
+    let keyboard::Key::Character(letter) = key else {
+        return None;
+    };
+    if !modifiers.control_key() || modifiers.alt_key() {
+        return None;
+    }
+    match (letter.to_lowercase().as_str(), modifiers.shift_key()) {
+        ("z", false) => Some(Shortcut::Undo),
+        ("y", false) | ("z", true) => Some(Shortcut::Redo),
+        _ => None,
+    }
 }

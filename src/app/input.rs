@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::brush::{Brush, Stroke};
+use super::hands::brush::{Brush, Stroke};
 
 /// A key that moves the player.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -37,6 +37,14 @@ pub enum Input {
     Wheel(f32),
     /// A click, at what the crosshair points at.
     Stroke(Stroke),
+    /// The button of a stroke goes down: the stroke is made, and made again while the button is held.
+    Hold(Stroke),
+    /// The button of a stroke goes up.
+    LetGo(Stroke),
+    /// The last stroke is undone.
+    Undo,
+    /// The stroke that was undone last is made again.
+    Redo,
     /// The brush was changed in the panel.
     Brush(Brush),
     /// Jump to the world's camera of this index.

@@ -3,15 +3,15 @@
 //!
 //! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. `run`
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
-//! without a window. The other modules are their parts: `controls` names the keys, `brush` digs and builds, `panel`
+//! without a window. The other modules are their parts: `controls` names the keys, `hands` dig and build, `panel`
 //! and `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
 mod benchmark;
 mod body;
-mod brush;
 mod clock;
 mod controls;
+mod hands;
 mod input;
 mod messages;
 mod pace;

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use egui::{Align, Color32, Grid, Layout, RichText, ScrollArea, Slider, Ui};
 
 use super::{
-    brush::Brush,
     clock::{FrameRate, WorldClock},
-    controls, time_graph,
+    controls,
+    hands::brush::Brush,
+    time_graph,
     viewport::{Choice, Viewport},
     views, widgets,
 };

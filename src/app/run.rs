@@ -4,21 +4,26 @@
 use super::{
     AppError,
     body::{Body, Ground, Mode},
-    brush::{Brush, Reach},
     clock::WorldClock,
+    hands::{
+        Changes, Hands, Side,
+        aim::Reach,
+        brush::{Brush, Stroke},
+    },
     input::Input,
     messages::Messages,
     panel::Settings,
     player::Player,
     viewport::{Choice, Viewport},
 };
-use crate::{parameters::KEYS, world::Camera};
+use crate::{frame::FrameError, parameters::KEYS, world::Camera};
 
 /// What a run changes.
 pub struct Run<'a> {
     pub viewport: &'a mut Viewport,
     pub settings: &'a mut Settings,
     pub player: &'a mut Player,
+    pub hands: &'a mut Hands,
     pub messages: &'a mut Messages,
 }
 
@@ -39,18 +44,14 @@ impl Run<'_> {
     pub fn take(&mut self, input: &Input) -> Result<Done, AppError> {
         let mut done = Done::default();
         match input {
-            Input::Stroke(stroke) => {
-                let camera = self.view()?;
-                let reach = Reach::of(self.player.body());
-                let brush = &mut self.settings.brush;
-                let edit = |voxels: &mut _, world: &_| {
-                    brush.stroke(voxels, world, &camera, *stroke, &reach)
-                };
-                if let Err(error) = self.viewport.edit(edit) {
-                    self.messages.toast_error(error.to_string());
-                }
-                done.edited = true;
+            Input::Stroke(stroke) => done.edited = self.stroke(*stroke)?,
+            Input::Hold(stroke) => {
+                done.edited = self.stroke(*stroke)?;
+                self.hands.held.begin(*stroke, self.player.now_ns());
             }
+            Input::LetGo(stroke) => self.hands.held.end(*stroke),
+            Input::Undo => done.edited = self.undo(),
+            Input::Redo => done.edited = self.redo(),
             Input::Brush(brush) => self.settings.brush = *brush,
             Input::Camera(index) => self.jump_to(*index)?,
             Input::Clock {
@@ -85,16 +86,34 @@ impl Run<'_> {
                 self.reload_world();
                 done.remade = true;
             }
-            input => self.player.take(input, &self.viewport.ground()?),
+            input => {
+                if *input == Input::Focus(false) {
+                    self.hands.held.end_all();
+                }
+                self.player.take(input, &self.viewport.ground()?);
+            }
         }
         Ok(done)
     }
 
-    /// Simulates until this time (nanoseconds of the run), and advances world time by as much.
+    /// Simulates until this time (nanoseconds of the run), advances world time by as much, and repeats the
+    /// strokes of a held button whenever they are due.
     ///
     /// # Errors
     /// [`AppError`] when the device fails.
-    pub fn advance(&mut self, to_ns: u64) -> Result<(), AppError> {
+    pub fn advance(&mut self, to_ns: u64) -> Result<Done, AppError> {
+        let mut done = Done::default();
+        while let Some(due_ns) = self.hands.held.due_ns(to_ns) {
+            self.simulate(due_ns)?;
+            if let Some(stroke) = self.hands.held.take_due(due_ns) {
+                done.edited |= self.stroke(stroke)?;
+            }
+        }
+        self.simulate(to_ns)?;
+        Ok(done)
+    }
+
+    fn simulate(&mut self, to_ns: u64) -> Result<(), AppError> {
         let elapsed_ns = to_ns.saturating_sub(self.player.now_ns());
         self.settings.clock.advance(elapsed_ns as f64 * 1e-9);
         self.player.advance(to_ns, &self.viewport.ground()?);
@@ -102,6 +121,58 @@ impl Run<'_> {
             self.messages.toast(notice.text());
         }
         Ok(())
+    }
+
+    /// Makes a stroke where the player looks. Returns whether voxels changed.
+    fn stroke(&mut self, stroke: Stroke) -> Result<bool, AppError> {
+        let camera = self.view()?;
+        let reach = Reach::of(self.player.body());
+        let brush = &mut self.settings.brush;
+        let mut changes = Changes::default();
+        let edited = self.viewport.edit(|voxels, world| {
+            let stroked = brush.stroke(voxels, world, &camera, stroke, &reach);
+            changes = stroked.changes;
+            stroked.edit
+        });
+        self.hands.follow(self.viewport.build());
+        if let Err(error) = edited {
+            self.messages.toast_error(error.to_string());
+            return Ok(false);
+        }
+        let edited = !changes.is_empty();
+        self.hands.history.push(changes);
+        Ok(edited)
+    }
+
+    /// Returns whether voxels changed.
+    fn undo(&mut self) -> bool {
+        self.hands.follow(self.viewport.build());
+        let viewport = &mut *self.viewport;
+        let undone = self
+            .hands
+            .history
+            .undo(|changes| viewport.edit(|voxels, _| changes.put(voxels, Side::Before)));
+        self.went(undone, "There is nothing to undo")
+    }
+
+    /// Returns whether voxels changed.
+    fn redo(&mut self) -> bool {
+        self.hands.follow(self.viewport.build());
+        let viewport = &mut *self.viewport;
+        let redone = self
+            .hands
+            .history
+            .redo(|changes| viewport.edit(|voxels, _| changes.put(voxels, Side::After)));
+        self.went(redone, "There is nothing to redo")
+    }
+
+    fn went(&mut self, done: Result<bool, FrameError>, nothing: &str) -> bool {
+        match done {
+            Ok(true) => return true,
+            Ok(false) => self.messages.toast(nothing),
+            Err(error) => self.messages.toast_error(error.to_string()),
+        }
+        false
     }
 
     /// What the player sees now.

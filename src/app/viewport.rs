@@ -66,6 +66,8 @@ pub struct Viewport {
     inspection: Inspection,
     /// The voxels as on the GPU, read back at the first need.
     voxels: Option<Voxels>,
+    /// How often voxels were built anew, without edits.
+    build: u32,
 }
 
 /// Columns at which a diagnostic wraps.
@@ -99,6 +101,7 @@ impl Viewport {
             choice,
             inspection: Inspection::default(),
             voxels: None,
+            build: 0,
         };
         viewport.reference_view = viewport.traced(&viewport.choice)?;
         Ok(viewport)
@@ -118,6 +121,11 @@ impl Viewport {
 
     pub fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    /// Counts how often the world was built: edits belong to the voxels of one build.
+    pub fn build(&self) -> u32 {
+        self.build
     }
 
     /// What is shown.
@@ -192,6 +200,7 @@ impl Viewport {
             let probes = &self.choice.parameters.probes;
             self.frame = Frame::new(&gpu, stage, layout, probes, self.choice.size)?;
             self.voxels = None;
+            self.build += 1;
         } else {
             self.frame.rebuild_passes(&gpu)?;
         }
@@ -217,7 +226,11 @@ impl Viewport {
     }
 
     fn rebuild(&mut self, world: World, choice: Choice) -> Result<(), FrameError> {
-        *self = Self::new(self.gpu.clone(), &self.path, world, choice)?;
+        let build = self.build + 1;
+        *self = Self {
+            build,
+            ..Self::new(self.gpu.clone(), &self.path, world, choice)?
+        };
         Ok(())
     }
 
@@ -243,6 +256,10 @@ impl Viewport {
         self.voxels()?;
         let mut voxels = self.voxels.take().expect("they were just read");
         let edit = change(&mut voxels, &self.world);
+        if edit == Edit::default() {
+            self.voxels = Some(voxels);
+            return Ok(());
+        }
         // After an error the GPU's copy is unchanged: the next edit reads it back.
         self.frame.apply(&self.gpu, &voxels, &edit)?;
         self.voxels = Some(voxels);

@@ -136,6 +136,54 @@ fn a_replay_is_the_same_run_at_any_frame_rate_and_shows_inputs_at_once() {
     assert_ne!(other["eye"], slow["eye"]);
 }
 
+/// The voxels at the end of a run of these moments, looked straight down from the top of the ball.
+fn voxels_after(inputs: &[(u64, Value)], fps: &str) -> Value {
+    let folder = folder();
+    let mut header = header(Path::new(MINIMAL), ON_TOP);
+    header["camera"]["pitch_deg"] = json!(-89.0);
+    let mut moments: Vec<Value> = inputs
+        .iter()
+        .map(|(ms, inputs)| json!({"t": ms * MS + 3, "do": inputs}))
+        .collect();
+    moments.push(json!({"t": 1900 * MS, "end": true}));
+    let record = written(folder.path(), &header, &moments);
+    replayed(&record, fps, "0").0["voxels_crc32"].clone()
+}
+
+#[test]
+fn a_held_button_digs_the_same_shaft_at_any_frame_rate_and_every_stroke_is_undone() {
+    let untouched = voxels_after(&[(5, json!(["undo", "redo"]))], "20");
+    let once = voxels_after(&[(5, json!([{"stroke": "dig"}]))], "20");
+    assert_ne!(once, untouched);
+    // After the first stroke, strokes follow at 305, 505, … 1305 ms.
+    let held = |end: Value| {
+        vec![
+            (5, json!([{"hold": "dig"}])),
+            (1400, json!([{"let_go": "place"}, {"let_go": "dig"}])),
+            (1500, end),
+        ]
+    };
+    let dug = voxels_after(&held(json!([])), "20");
+    assert!(dug != once && dug != untouched);
+    assert_eq!(voxels_after(&held(json!([])), "130"), dug);
+    let undo = json!(["undo", "undo", "undo", "undo", "undo", "undo"]);
+    assert_eq!(voxels_after(&held(undo.clone()), "20"), once);
+    let more = json!([
+        "undo", "undo", "undo", "undo", "undo", "undo", "undo", "undo"
+    ]);
+    assert_eq!(voxels_after(&held(more.clone()), "20"), untouched);
+    let mut back = held(more);
+    let redo = json!(["redo", "redo", "redo", "redo", "redo", "redo", "redo"]);
+    back.push((1600, redo));
+    assert_eq!(voxels_after(&back, "20"), dug);
+    // Focus lost in between ends it.
+    let lost = [
+        (5, json!([{"hold": "dig"}])),
+        (50, json!([{"focus": false}])),
+    ];
+    assert_eq!(voxels_after(&lost, "20"), once);
+}
+
 #[test]
 fn worlds_of_nothing_but_stone_or_air_are_played() {
     let folder = folder();

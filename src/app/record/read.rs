@@ -216,7 +216,7 @@ mod tests {
     use super::*;
     use crate::{
         app::{
-            brush::{Brush, Stroke},
+            hands::brush::{Brush, Stroke},
             input::Key,
             record::Recorder,
             viewport::Choice,

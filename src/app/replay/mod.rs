@@ -10,8 +10,8 @@ use latency::Latency;
 
 use super::{
     AppError,
-    brush::Brush,
     clock::WorldClock,
+    hands::{Hands, brush::Brush},
     messages::Messages,
     panel::Settings,
     player::Player,
@@ -33,6 +33,7 @@ pub struct Replay {
     device_errors: DeviceErrors,
     settings: Settings,
     player: Player,
+    hands: Hands,
     messages: Messages,
     playback: Playback,
     latency: Latency,
@@ -104,6 +105,7 @@ impl Replay {
             device_errors,
             settings,
             player,
+            hands: Hands::default(),
             messages: Messages::default(),
             end_ns: record.end_ns(),
             playback: Playback::new(record),
@@ -166,8 +168,14 @@ impl Replay {
     }
 
     fn advance(&mut self, to_ns: u64) -> Result<(), AppError> {
+        // A stroke of a held button changes the ground of all that the latency compares.
+        while let Some(due_ns) = self.hands.held.due_ns(to_ns) {
+            self.latency.advance(due_ns, &self.viewport.ground()?);
+            self.run().advance(due_ns)?;
+        }
         self.latency.advance(to_ns, &self.viewport.ground()?);
-        self.run().advance(to_ns)
+        self.run().advance(to_ns)?;
+        Ok(())
     }
 
     fn run(&mut self) -> Run<'_> {
@@ -175,6 +183,7 @@ impl Replay {
             viewport: &mut self.viewport,
             settings: &mut self.settings,
             player: &mut self.player,
+            hands: &mut self.hands,
             messages: &mut self.messages,
         }
     }

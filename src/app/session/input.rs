@@ -7,7 +7,11 @@ use winit::{
 };
 
 use super::{
-    super::{brush::Stroke, controls::player_key, input::Input},
+    super::{
+        controls::{Shortcut, player_key, shortcut},
+        hands::brush::Stroke,
+        input::Input,
+    },
     Session,
 };
 
@@ -53,11 +57,11 @@ impl Session {
                 self.hidden = *occluded;
             }
             WindowEvent::KeyboardInput { event, .. } => self.key(event),
-            WindowEvent::MouseInput {
-                state: ElementState::Pressed,
-                button,
-                ..
-            } => self.clicked(*button),
+            WindowEvent::MouseInput { state, button, .. } => match state {
+                ElementState::Pressed => self.clicked(*button),
+                ElementState::Released => self.let_go(*button),
+            },
+            WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::MouseWheel { delta, .. } if self.captured || !self.over_panel() => {
                 let notches = match delta {
                     MouseScrollDelta::LineDelta(_, lines) => *lines,
@@ -73,9 +77,18 @@ impl Session {
         match button {
             MouseButton::Left if !self.captured && !self.over_panel() => self.capture_mouse(),
             _ if !self.captured => {}
-            MouseButton::Left => self.give(Input::Stroke(Stroke::Dig)),
-            MouseButton::Right => self.give(Input::Stroke(Stroke::Place)),
+            MouseButton::Left => self.give(Input::Hold(Stroke::Dig)),
+            MouseButton::Right => self.give(Input::Hold(Stroke::Place)),
             MouseButton::Middle => self.give(Input::Stroke(Stroke::Pick)),
+            _ => {}
+        }
+    }
+
+    fn let_go(&mut self, button: MouseButton) {
+        match button {
+            _ if !self.captured => {}
+            MouseButton::Left => self.give(Input::LetGo(Stroke::Dig)),
+            MouseButton::Right => self.give(Input::LetGo(Stroke::Place)),
             _ => {}
         }
     }
@@ -96,6 +109,16 @@ impl Session {
             }
             return;
         }
+        let is_typing = !self.captured && self.egui.egui_ctx().egui_wants_keyboard_input();
+        if let Some(shortcut) = shortcut(self.modifiers, &event.logical_key)
+            && !is_typing
+        {
+            // A held key undoes stroke after stroke.
+            return self.give(match shortcut {
+                Shortcut::Undo => Input::Undo,
+                Shortcut::Redo => Input::Redo,
+            });
+        }
         if event.repeat {
             return;
         }
@@ -113,7 +136,7 @@ impl Session {
                 self.window.set_fullscreen(mode);
             }
             // The user types a number into the panel.
-            _ if !self.captured && self.egui.egui_ctx().egui_wants_keyboard_input() => {}
+            _ if is_typing => {}
             KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
             code => {
                 let camera = digit(code).map(Input::Camera);
@@ -155,6 +178,9 @@ impl Session {
             let _ = self.window.set_cursor_grab(CursorGrabMode::None);
             self.window.set_cursor_visible(true);
             self.captured = false;
+            for stroke in [Stroke::Dig, Stroke::Place] {
+                self.give(Input::LetGo(stroke));
+            }
         }
     }
 }

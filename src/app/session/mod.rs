@@ -21,8 +21,8 @@ use play::Play;
 
 use super::{
     AppError, Options,
-    brush::Brush,
     clock::{FrameRate, WorldClock},
+    hands::brush::Brush,
     input::Input,
     messages::Messages,
     pace::Attention,
@@ -62,6 +62,7 @@ pub struct Session {
     camera: Camera,
     play: Play,
     captured: bool,
+    modifiers: winit::keyboard::ModifiersState,
     rate: FrameRate,
     passes: PassMeans,
     probes: Option<crate::passes::probes::StateCounts>,
@@ -146,6 +147,7 @@ impl Session {
             messages,
             camera: options.camera.clone(),
             captured: false,
+            modifiers: Default::default(),
             rate: FrameRate::default(),
             passes: PassMeans::default(),
             probes: None,

@@ -5,7 +5,7 @@ use winit::event_loop::ActiveEventLoop;
 use super::Session;
 use crate::{
     app::{
-        brush,
+        hands::{aim, outline},
         input::Input,
         panel::{self, Action, Facts},
     },
@@ -17,7 +17,7 @@ impl Session {
     pub(super) fn run_panel(&mut self, event_loop: &ActiveEventLoop) -> PanelShapes {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
-        let reaches = self.captured && self.reaches();
+        let aimed = if self.captured { self.aim() } else { None };
         let facts = Facts {
             viewport: &self.viewport,
             rate: &self.rate,
@@ -34,7 +34,10 @@ impl Session {
                 action = panel::show(ui, &facts, &mut self.settings).or(action);
             }
             if self.captured {
-                brush::crosshair(ui, reaches);
+                if let Some((_, edges)) = &aimed {
+                    outline::draw(ui, edges);
+                }
+                aim::crosshair(ui, aimed.is_some());
             }
             self.messages.show(ui);
         });

@@ -5,7 +5,11 @@ use std::time::Duration;
 use super::{super::run::Run, Session};
 use crate::app::{
     AppError, Options,
-    brush::Reach,
+    hands::{
+        Hands,
+        aim::{Reach, Target},
+        outline::{self, Segment},
+    },
     input::Input,
     player::Player,
     record::{Header, Moment, Playback, RecordError, Recorder, crc32_of},
@@ -19,6 +23,7 @@ const LONGEST_FRAME: Duration = Duration::from_millis(250);
 /// The player, and where inputs come from and go to.
 pub(super) struct Play {
     pub player: Player,
+    pub hands: Hands,
     /// Inputs since the last frame.
     pending: Vec<Input>,
     /// What was chosen in the panel at the last frame.
@@ -48,6 +53,7 @@ impl Play {
         });
         Ok(Self {
             player,
+            hands: Hands::default(),
             pending: Vec::new(),
             chosen: Chosen::at_start(viewport),
             recorder: recorder.transpose()?,
@@ -80,11 +86,12 @@ impl Session {
             viewport: &mut self.viewport,
             settings: &mut self.settings,
             player: &mut self.play.player,
+            hands: &mut self.play.hands,
             messages: &mut self.messages,
         };
         let (mut remade, mut edited) = (false, false);
         for moment in moments {
-            run.advance(moment.at_ns)?;
+            edited |= run.advance(moment.at_ns)?.edited;
             for input in &moment.inputs {
                 // The picture of a window has the window's size.
                 if self.play.playback.is_some() && matches!(input, Input::Resize(_)) {
@@ -95,7 +102,7 @@ impl Session {
                 edited |= done.edited;
             }
         }
-        run.advance(to_ns)?;
+        edited |= run.advance(to_ns)?.edited;
         self.camera = run.view()?;
         self.play.chosen = Chosen::of(&self.viewport, &self.settings);
         if remade {
@@ -112,11 +119,15 @@ impl Session {
         Ok(())
     }
 
-    /// Whether a click would meet a voxel.
-    pub(super) fn reaches(&mut self) -> bool {
+    /// The voxel that a click would meet, and its edges on the screen.
+    pub(super) fn aim(&mut self) -> Option<(Target, Vec<Segment>)> {
         let reach = Reach::of(self.play.player.body());
-        let ground = self.viewport.ground();
-        ground.is_ok_and(|ground| reach.holds(ground.voxels, ground.origin, &self.camera))
+        let [width, height] = self.viewport.frame().size().map(f64::from);
+        let ground = self.viewport.ground().ok()?;
+        let target = reach.aim(ground.voxels, ground.origin, &self.camera)?;
+        let basis = self.camera.basis(width / height);
+        let edges = outline::of_target(ground.voxels, ground.origin, &basis, &target);
+        Some((target, edges))
     }
 
     /// What the user did since the last frame.

@@ -1,12 +1,12 @@
-//! Digging and building: finds what the crosshair points at, and changes voxels there.
+//! Digging and building: changes the voxels that the crosshair points at.
 
-use egui::{Color32, LayerId, Order, Slider, Stroke as Line, Ui};
+use egui::{Slider, Ui};
 use glam::IVec3;
 use serde::{Deserialize, Serialize};
 
-use super::widgets;
+use super::{aim::Reach, history::Changes};
 use crate::{
-    reference::march::{FACE_NORMALS, Outcome, Ray, march},
+    app::widgets,
     world::{
         Camera, World,
         voxels::{Edit, Voxels},
@@ -15,8 +15,6 @@ use crate::{
 
 /// Largest radius that the panel offers (voxels).
 const MOST_RADIUS: f32 = 24.0;
-/// From the crosshair's middle to its ends (egui's points).
-const CROSSHAIR: f32 = 7.0;
 
 /// Settings of the strokes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,38 +47,13 @@ pub enum Stroke {
     Pick,
 }
 
-/// Where strokes may go.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
-    /// Voxels from the camera to the face aimed at.
-    pub distance: f64,
-    /// The lowest and the highest voxel (world space) of the body that holds the brush: they stay free.
-    pub body: Option<(IVec3, IVec3)>,
-}
-
-impl Default for Reach {
-    fn default() -> Self {
-        Self {
-            distance: f64::INFINITY,
-            body: None,
-        }
-    }
-}
-
-impl Reach {
-    /// Whether a stroke where `camera` looks would meet a voxel of a world with this origin.
-    pub fn holds(&self, voxels: &Voxels, origin: IVec3, camera: &Camera) -> bool {
-        march(voxels, &self.ray(origin, camera)) != Outcome::Miss
-    }
-
-    fn ray(&self, origin: IVec3, camera: &Camera) -> Ray {
-        let basis = camera.basis(1.0);
-        let direction = basis.forward.normalize();
-        Ray {
-            max_distance: self.distance,
-            ..Ray::new(basis.origin - origin.as_dvec3(), direction)
-        }
-    }
+/// What a stroke changed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Stroked {
+    /// For the copy of the voxels on the GPU.
+    pub edit: Edit,
+    /// To be undone.
+    pub changes: Changes,
 }
 
 impl Brush {
@@ -92,33 +65,29 @@ impl Brush {
         camera: &Camera,
         stroke: Stroke,
         reach: &Reach,
-    ) -> Edit {
+    ) -> Stroked {
         // An edited world file may have fewer materials.
         self.material = self.material.clamp(1, world.materials.len().max(1) as u8);
-        let ray = reach.ray(world.origin, camera);
-        match (stroke, march(voxels, &ray)) {
-            (Stroke::Pick, Outcome::Hit(hit)) => self.material = hit.material,
-            (Stroke::Pick, Outcome::Inside(material)) => self.material = material,
-            (Stroke::Dig, Outcome::Hit(hit)) => return self.dig(voxels, hit.voxel),
-            (Stroke::Dig, Outcome::Inside(_)) => return self.dig(voxels, ray.start),
-            (Stroke::Place, Outcome::Hit(hit)) => {
-                let at = hit.voxel + FACE_NORMALS[usize::from(hit.face)];
-                let body = reach
-                    .body
-                    .map(|(low, high)| (low - world.origin, high - world.origin));
-                return self.place(voxels, at, body.unwrap_or((ray.start, ray.start)));
+        let Some(target) = reach.aim(voxels, world.origin, camera) else {
+            return Stroked::default();
+        };
+        match (stroke, target.before()) {
+            (Stroke::Pick, _) => self.material = target.material,
+            (Stroke::Dig, _) => return self.dig(voxels, target.voxel),
+            (Stroke::Place, Some(at)) => {
+                return self.place(voxels, at, reach.kept(world.origin, camera));
             }
-            (Stroke::Place, Outcome::Inside(_)) | (_, Outcome::Miss) => {}
+            (Stroke::Place, None) => {}
         }
-        Edit::default()
+        Stroked::default()
     }
 
-    fn dig(&self, voxels: &mut Voxels, at: IVec3) -> Edit {
+    fn dig(&self, voxels: &mut Voxels, at: IVec3) -> Stroked {
         self.change(voxels, at, |_, _| 0)
     }
 
     /// The voxels from `low` to `high` stay as they are, so that nobody is walled in.
-    fn place(&self, voxels: &mut Voxels, at: IVec3, (low, high): (IVec3, IVec3)) -> Edit {
+    fn place(&self, voxels: &mut Voxels, at: IVec3, (low, high): (IVec3, IVec3)) -> Stroked {
         self.change(voxels, at, |voxel, old| {
             let is_kept = voxel.cmpge(low).all() && voxel.cmple(high).all();
             if old == 0 && !is_kept {
@@ -130,16 +99,17 @@ impl Brush {
     }
 
     /// Rewrites the voxels whose centres lie within the radius of the centre of `at`.
-    fn change(&self, voxels: &mut Voxels, at: IVec3, new: impl Fn(IVec3, u8) -> u8) -> Edit {
+    fn change(&self, voxels: &mut Voxels, at: IVec3, new: impl Fn(IVec3, u8) -> u8) -> Stroked {
         let radius = self.radius.clamp(0.0, MOST_RADIUS);
         let reach = IVec3::splat(radius as i32);
-        voxels.edit(at - reach, at + reach, |voxel, old| {
+        let (edit, changes) = Changes::make(voxels, at - reach, at + reach, |voxel, old| {
             if (voxel - at).as_vec3().length_squared() <= radius * radius {
                 new(voxel, old)
             } else {
                 old
             }
-        })
+        });
+        Stroked { edit, changes }
     }
 
     /// Rows of a grid of two columns: the material and the radius.
@@ -160,23 +130,6 @@ impl Brush {
         );
         ui.add(Slider::new(&mut self.radius, 0.0..=MOST_RADIUS).max_decimals(1));
         ui.end_row();
-    }
-}
-
-/// Draws a cross where strokes go: light on dark backgrounds, dark on light ones, and faint where they reach
-/// nothing.
-pub fn crosshair(ui: &Ui, reaches: bool) {
-    let layer = LayerId::new(Order::Middle, egui::Id::unique("crosshair"));
-    let painter = ui.ctx().layer_painter(layer);
-    let centre = ui.ctx().content_rect().center();
-    let strength = if reaches { 1.0 } else { 0.4 };
-    for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.0, Color32::WHITE)] {
-        let colour = colour.gamma_multiply(strength);
-        let ends = CROSSHAIR + 0.5 * (width - 1.0);
-        let across = centre.x - ends..=centre.x + ends;
-        let down = centre.y - ends..=centre.y + ends;
-        painter.hline(across, centre.y, Line::new(width, colour));
-        painter.vline(centre.x, down, Line::new(width, colour));
     }
 }
 
@@ -219,7 +172,7 @@ mod tests {
         let top = IVec3::new(16, 1, 16);
         let mut brush = Brush::default();
         let edit = brush.stroke(&mut voxels, &world, &camera, Stroke::Dig, &Reach::default());
-        assert_eq!(edit.region, Some((top.as_uvec3(), top.as_uvec3())));
+        assert_eq!(edit.edit.region, Some((top.as_uvec3(), top.as_uvec3())));
         assert_eq!((voxels.material(top), count(&voxels, 2)), (0, 2047));
         brush.stroke(
             &mut voxels,
@@ -281,7 +234,7 @@ mod tests {
         camera.pitch_deg = 45.0;
         for stroke in [Stroke::Dig, Stroke::Place, Stroke::Pick] {
             let edit = brush.stroke(&mut voxels, &world, &camera, stroke, &Reach::default());
-            assert_eq!(edit, Edit::default());
+            assert_eq!(edit, Stroked::default());
         }
         camera.position.y = 5.5;
         let edit = brush.stroke(
@@ -291,7 +244,7 @@ mod tests {
             Stroke::Place,
             &Reach::default(),
         );
-        assert_eq!(edit, Edit::default());
+        assert_eq!(edit, Stroked::default());
         brush.stroke(&mut voxels, &world, &camera, Stroke::Dig, &Reach::default());
         assert_eq!(voxels.material(IVec3::new(16, 1, 16)), 0);
     }
@@ -326,13 +279,13 @@ mod tests {
             distance: 5.0,
             body: Some(body),
         };
-        assert!(!reach.holds(&voxels, world.origin, &camera));
+        assert_eq!(reach.aim(&voxels, world.origin, &camera), None);
         for stroke in [Stroke::Dig, Stroke::Place] {
             let edit = brush.stroke(&mut voxels, &world, &camera, stroke, &reach);
-            assert_eq!(edit, Edit::default());
+            assert_eq!(edit, Stroked::default());
         }
         reach.distance = 5.6;
-        assert!(reach.holds(&voxels, world.origin, &camera));
+        assert!(reach.aim(&voxels, world.origin, &camera).is_some());
         brush.stroke(&mut voxels, &world, &camera, Stroke::Place, &reach);
         let at = |voxel: IVec3| voxels.material(voxel - world.origin);
         assert_eq!((at(body.0), at(body.1)), (0, 0), "the body stays free");

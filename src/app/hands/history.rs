@@ -1,0 +1,292 @@
+//! Undo and redo: what each stroke changed, and what was there before.
+
+use std::collections::VecDeque;
+
+use glam::IVec3;
+
+use crate::world::voxels::{Edit, Voxels};
+
+/// Memory that the strokes which can be undone or redone may take (bytes); the oldest are forgotten first. A
+/// stroke of one voxel takes less than 100, a ball of radius 24 about 20 thousand.
+pub const MOST_BYTES: usize = 64 << 20;
+
+/// Voxels in a row along x that a stroke changed from one material to another; 0 is air.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Run {
+    /// Of its first voxel: x + size.x · (y + size.y · z), in grid space.
+    start: u32,
+    voxels: u16,
+    old: u8,
+    new: u8,
+}
+
+/// The voxels that one stroke changed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// In ascending order, disjoint.
+    runs: Vec<Run>,
+    /// All changes lie between these voxels (grid space, both ends inclusive).
+    low: IVec3,
+    high: IVec3,
+}
+
+/// Which side of a change is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    Before,
+    After,
+}
+
+impl Changes {
+    /// Rewrites the voxels of a box (both ends inclusive) as `change(voxel, old material)`, like [`Voxels::edit`],
+    /// and notes what has changed.
+    pub fn make(
+        voxels: &mut Voxels,
+        low: IVec3,
+        high: IVec3,
+        mut change: impl FnMut(IVec3, u8) -> u8,
+    ) -> (Edit, Self) {
+        let size = voxels.size().as_ivec3();
+        let mut changed: Vec<(u32, u8, u8)> = Vec::new();
+        let (mut least, mut most) = (IVec3::MAX, IVec3::MIN);
+        let edit = voxels.edit(low, high, |voxel, old| {
+            let new = change(voxel, old);
+            if new != old {
+                changed.push((index(size, voxel), old, new));
+                (least, most) = (least.min(voxel), most.max(voxel));
+            }
+            new
+        });
+        if changed.is_empty() {
+            return (Edit::default(), Self::default());
+        }
+        changed.sort_unstable_by_key(|(index, ..)| *index);
+        let width = size.x as u32;
+        let mut runs: Vec<Run> = Vec::new();
+        for (start, old, new) in changed {
+            match runs.last_mut() {
+                // A row ends where the next begins, and has at most 4096 voxels.
+                Some(run)
+                    if run.start + u32::from(run.voxels) == start
+                        && start % width != 0
+                        && (run.old, run.new) == (old, new) =>
+                {
+                    run.voxels += 1;
+                }
+                _ => runs.push(Run {
+                    start,
+                    voxels: 1,
+                    old,
+                    new,
+                }),
+            }
+        }
+        runs.shrink_to_fit();
+        let changes = Self {
+            runs,
+            low: least,
+            high: most,
+        };
+        (edit, changes)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.runs.is_empty()
+    }
+
+    /// Gives the voxels the materials that they had before the stroke, or after it.
+    pub fn put(&self, voxels: &mut Voxels, side: Side) -> Edit {
+        if self.is_empty() {
+            return Edit::default();
+        }
+        let size = voxels.size().as_ivec3();
+        voxels.edit(self.low, self.high, |voxel, now| {
+            let index = index(size, voxel);
+            let after = self.runs.partition_point(|run| run.start <= index);
+            let run = after.checked_sub(1).map(|at| self.runs[at]);
+            match run.filter(|run| index - run.start < u32::from(run.voxels)) {
+                Some(run) if side == Side::Before => run.old,
+                Some(run) => run.new,
+                None => now,
+            }
+        })
+    }
+
+    fn bytes(&self) -> usize {
+        size_of::<Self>() + self.runs.capacity() * size_of::<Run>()
+    }
+}
+
+/// Worlds have at most 2³² voxels.
+fn index(size: IVec3, voxel: IVec3) -> u32 {
+    let (size, at) = (size.as_uvec3(), voxel.as_uvec3());
+    at.x + size.x * (at.y + size.y * at.z)
+}
+
+/// The strokes of a run, in their order.
+#[derive(Clone, Debug)]
+pub struct History {
+    done: VecDeque<Changes>,
+    /// The last one undone is the first to be redone.
+    undone: Vec<Changes>,
+    bytes: usize,
+    most_bytes: usize,
+}
+
+impl Default for History {
+    fn default() -> Self {
+        Self {
+            done: VecDeque::new(),
+            undone: Vec::new(),
+            bytes: 0,
+            most_bytes: MOST_BYTES,
+        }
+    }
+}
+
+impl History {
+    /// A stroke was made: what was undone before it can no longer be redone.
+    pub fn push(&mut self, changes: Changes) {
+        if changes.is_empty() {
+            return;
+        }
+        let forgotten: usize = self.undone.drain(..).map(|undone| undone.bytes()).sum();
+        self.bytes = self.bytes + changes.bytes() - forgotten;
+        self.done.push_back(changes);
+        // The newest stroke can be undone, however large it is.
+        while self.bytes > self.most_bytes && self.done.len() > 1 {
+            let oldest = self.done.pop_front();
+            self.bytes -= oldest.map_or(0, |oldest| oldest.bytes());
+        }
+    }
+
+    /// Undoes the last stroke by `apply`. Returns false when there is none.
+    ///
+    /// # Errors
+    /// Those of `apply`; the stroke can then still be undone.
+    pub fn undo<E>(&mut self, apply: impl FnOnce(&Changes) -> Result<(), E>) -> Result<bool, E> {
+        let Some(last) = self.done.back() else {
+            return Ok(false);
+        };
+        apply(last)?;
+        self.undone.extend(self.done.pop_back());
+        Ok(true)
+    }
+
+    /// Makes the stroke that was undone last again by `apply`. Returns false when there is none.
+    ///
+    /// # Errors
+    /// Those of `apply`; the stroke can then still be redone.
+    pub fn redo<E>(&mut self, apply: impl FnOnce(&Changes) -> Result<(), E>) -> Result<bool, E> {
+        let Some(last) = self.undone.last() else {
+            return Ok(false);
+        };
+        apply(last)?;
+        self.done.extend(self.undone.pop());
+        Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::UVec3;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const SIZE: i32 = 20;
+
+    fn all(voxels: &Voxels) -> u32 {
+        assert_eq!(voxels.validate(), Ok(()));
+        voxels.crc32()
+    }
+
+    fn boxed(voxels: &mut Voxels, at: IVec3, edge: i32, material: u8) -> Changes {
+        let (edit, changes) = Changes::make(voxels, at, at + edge, |voxel, old| {
+            // Holes, so that runs begin and end within rows.
+            if voxel.element_sum() % 5 == 0 {
+                old
+            } else {
+                material
+            }
+        });
+        assert_eq!(edit == Edit::default(), changes.is_empty());
+        changes
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn strokes_undone_give_the_voxels_of_before_and_redone_those_of_after(
+            strokes in prop::collection::vec(
+                ((-3..SIZE, -3..SIZE, -3..SIZE), 0..6i32, 0..4u8),
+                1..12,
+            ),
+        ) {
+            let mut voxels = Voxels::empty(UVec3::splat(SIZE as u32));
+            voxels.fill_box(IVec3::ZERO, IVec3::new(SIZE, 7, SIZE), 2);
+            let mut history = History::default();
+            let mut states = vec![all(&voxels)];
+            for ((x, y, z), edge, material) in strokes {
+                let changes = boxed(&mut voxels, IVec3::new(x, y, z), edge, material);
+                if !changes.is_empty() {
+                    states.push(all(&voxels));
+                }
+                history.push(changes);
+            }
+            for state in states.iter().rev().skip(1) {
+                let put = |changes: &Changes| -> Result<(), ()> {
+                    changes.put(&mut voxels, Side::Before);
+                    Ok(())
+                };
+                prop_assert_eq!(history.undo(put), Ok(true));
+                prop_assert_eq!(all(&voxels), *state);
+            }
+            prop_assert_eq!(history.undo(|_| Err(())), Ok(false));
+            for state in &states[1..] {
+                let put = |changes: &Changes| -> Result<(), ()> {
+                    changes.put(&mut voxels, Side::After);
+                    Ok(())
+                };
+                prop_assert_eq!(history.redo(put), Ok(true));
+                prop_assert_eq!(all(&voxels), *state);
+            }
+            prop_assert_eq!(history.redo(|_| Err(())), Ok(false));
+        }
+    }
+
+    #[test]
+    fn a_new_stroke_ends_redoing_and_a_failed_undo_changes_nothing() {
+        let mut voxels = Voxels::empty(UVec3::splat(SIZE as u32));
+        let mut history = History::default();
+        for x in 0..3 {
+            history.push(boxed(&mut voxels, IVec3::new(6 * x, 1, 0), 2, 1));
+        }
+        assert_eq!(history.undo(|_| Err("lost")), Err("lost"));
+        assert_eq!(history.undo(|_| Ok::<_, ()>(())), Ok(true));
+        assert_eq!(history.redo(|_| Err("lost")), Err("lost"));
+        history.push(boxed(&mut voxels, IVec3::new(1, 12, 1), 2, 3));
+        assert_eq!(history.redo(|_| Ok::<_, ()>(())), Ok(false));
+        let kept: usize = history.done.iter().map(Changes::bytes).sum();
+        assert_eq!((history.done.len(), history.bytes), (3, kept));
+    }
+
+    #[test]
+    fn the_oldest_strokes_are_forgotten_where_memory_ends() {
+        let mut voxels = Voxels::empty(UVec3::splat(SIZE as u32));
+        let one = boxed(&mut voxels.clone(), IVec3::ONE, 0, 1).bytes();
+        let mut history = History {
+            most_bytes: 3 * one,
+            ..History::default()
+        };
+        for x in 0..9 {
+            history.push(boxed(&mut voxels, IVec3::new(2 * x, 1, 1), 0, 1));
+            assert!(history.bytes <= 3 * one);
+        }
+        assert!((1..=3).contains(&history.done.len()));
+        // A stroke that alone is too large can be undone nevertheless.
+        history.push(boxed(&mut voxels, IVec3::ZERO, SIZE, 3));
+        assert_eq!(history.done.len(), 1);
+        assert_eq!(history.undo(|_| Ok::<_, ()>(())), Ok(true));
+    }
+}
