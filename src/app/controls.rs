@@ -24,11 +24,12 @@ pub const HELP: &[(&str, &str)] = &[
     ("scroll", "speed of flight"),
     ("1 … 9", "jump to a camera"),
     ("P", "pause time"),
+    ("Ctrl S", "save; also every minute, and at the end"),
     ("F1", "this panel"),
     ("F2", "save a screenshot"),
     ("F3", "draw the probes, by another colour"),
     ("F4", "benchmark: a flight, and its frame times"),
-    ("F5", "read world and shaders again"),
+    ("F5", "read world and shaders again; your changes stay"),
     ("F6", "path-traced reference"),
     ("F11", "full screen"),
 ];

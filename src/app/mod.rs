@@ -3,7 +3,8 @@
 //!
 //! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. `run`
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
-//! without a window. The other modules are their parts: `controls` names the keys, `hands` dig and build, `panel`
+//! without a window, and `saving` writes saves. The other modules are their parts: `controls` names the keys, `hands`
+//! dig and build, `panel`
 //! and `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
@@ -22,6 +23,7 @@ mod reference_view;
 mod reload;
 pub mod replay;
 mod run;
+pub mod saving;
 mod screen;
 mod screenshot;
 mod session;
@@ -45,9 +47,10 @@ use crate::{
     gpu::GpuError,
     parameters::Parameters,
     passes::view::Inspection,
-    world::{Camera, World},
+    world::{Camera, World, save::SaveError},
 };
 use record::{Record, RecordError};
+use saving::SaveOptions;
 use session::Session;
 
 /// What a window starts with.
@@ -76,6 +79,10 @@ pub struct Options {
     pub frames: Option<u32>,
     /// Records the run into this file.
     pub record: Option<PathBuf>,
+    /// The world or save that a record names: a replay begins with it.
+    pub recorded_world: PathBuf,
+    /// Where the run is saved.
+    pub saves: SaveOptions,
     /// Plays this record before the user takes over.
     pub replay: Option<Record>,
     /// Destroys the device after this many frames, as a failing driver does: for tests.
@@ -96,6 +103,8 @@ pub enum AppError {
     Frame(#[from] FrameError),
     #[error(transparent)]
     Record(#[from] RecordError),
+    #[error(transparent)]
+    Save(#[from] SaveError),
 }
 
 /// Opens the window. Returns, when it is closed, the number of frames that it has shown.
@@ -118,6 +127,11 @@ pub fn run(options: Options) -> Result<u32, AppError> {
         presented = session.presented();
         let finished = session.finish();
         error = error.or(finished.err());
+        match session.save_at_end() {
+            Ok(Some(path)) => tracing::info!("saved {}", path.display()),
+            Ok(None) => {}
+            Err(failed) => error = error.or(Some(failed)),
+        }
     }
     error.map_or(Ok(presented), Err)
 }

@@ -195,7 +195,15 @@ impl Run<'_> {
         // What cannot be shown is reverted.
         self.settings.choice = self.viewport.choice().clone();
         self.player.resize(self.viewport.world());
+        self.tell_notes();
         remade
+    }
+
+    /// Says what no longer fits a world that was built again.
+    fn tell_notes(&mut self) {
+        for note in self.viewport.take_notes() {
+            self.messages.toast_error(note);
+        }
     }
 
     fn reload_world(&mut self) {
@@ -208,6 +216,7 @@ impl Run<'_> {
         };
         self.settings.choice = self.viewport.choice().clone();
         self.player.resize(self.viewport.world());
+        self.tell_notes();
     }
 
     fn jump_to(&mut self, index: usize) -> Result<(), AppError> {

@@ -8,6 +8,7 @@ use crate::{
     gpu::GpuError,
     measure::{picture_file::PictureError, whole_file::FileError},
     parameters::ParameterError,
+    world::save::SaveError,
 };
 
 /// A fault of grotto or of the machine.
@@ -104,6 +105,15 @@ impl From<FileError> for Failure {
         match error.is_fault() {
             true => Self::fault(error),
             false => Self::bad_input(error),
+        }
+    }
+}
+
+impl From<SaveError> for Failure {
+    fn from(error: SaveError) -> Self {
+        match error {
+            SaveError::Unwritable { .. } => Self::fault(error),
+            error => Self::bad_input(error),
         }
     }
 }

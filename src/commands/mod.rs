@@ -4,6 +4,7 @@ pub mod bench;
 mod check;
 mod compare;
 mod dynamics;
+mod export;
 mod failure;
 mod frame_loop;
 mod info;
@@ -18,6 +19,7 @@ mod play;
 mod record;
 pub mod reference;
 mod render;
+mod saves;
 mod settings;
 mod shard;
 mod stop;
@@ -60,6 +62,8 @@ enum Command {
     Reference(reference::Arguments),
     Compare(compare::Arguments),
     Judge(judge::Arguments),
+    Export(export::Arguments),
+    Saves(saves::Arguments),
     Check(check::Arguments),
     Bench(bench::Arguments),
     Stress(stress::Arguments),
@@ -80,6 +84,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Some(Command::Reference(arguments)) => reference::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Judge(arguments)) => judge::run(&arguments),
+        Some(Command::Export(arguments)) => export::run(&arguments),
+        Some(Command::Saves(arguments)) => saves::run(arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Bench(arguments)) => bench::run(&arguments),
         Some(Command::Stress(arguments)) => stress::run(&arguments),

@@ -4,11 +4,15 @@ use std::path::Path;
 
 use clap::Args;
 
-use super::Failure;
+use super::{Failure, output};
 use crate::{
     parameters::{Parameters, nearest},
     passes::view::{AtlasLayer, Inspection, ProbeColour},
-    world::{self, Camera, LampPreset, LayoutSpec, View, World, file::Overrides},
+    world::{
+        self, Camera, LampPreset, LayoutSpec, View, World,
+        file::Overrides,
+        save::{self, Save},
+    },
 };
 
 /// Output options of every command.
@@ -55,9 +59,9 @@ pub struct PictureOptions {
     /// Frames for the probes to settle before the picture [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000), allow_negative_numbers = true)]
     pub frames: Option<u32>,
-    /// World time of the picture, in seconds
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = world_time, allow_negative_numbers = true)]
-    pub time: f64,
+    /// World time of the picture, in seconds [default: 0, or that of the save]
+    #[arg(long, value_name = "S", value_parser = world_time, allow_negative_numbers = true)]
+    pub time: Option<f64>,
     /// Seed of the random rays; the world's own is `--set world.seed=N`
     #[arg(
         long,
@@ -145,15 +149,38 @@ pub struct Setup {
     pub layout: LayoutSpec,
     /// The lamps of the preset, up to the number that the parameters allow.
     pub lamps: LampPreset,
+    /// World time of the picture.
+    pub time_s: f64,
     /// World time of the lamps' positions.
     pub lamp_time_s: f64,
+    /// What the world was read from, if that was a save.
+    pub save: Option<Save>,
 }
 
 impl Setup {
-    /// Reads a world and selects in it what the options name.
+    /// Reads a world or a save and selects in it what the options name; of a save, otherwise what it kept.
     pub fn load(path: &Path, run: &RunOptions, picture: &PictureOptions) -> Result<Self, Failure> {
-        let parameters = run.parameters()?;
+        let mut parameters = run.parameters()?;
         let world = load_world(path, &parameters)?;
+        note_restored(run, &world);
+        let save = match save::is_save(path) {
+            true => Some(save::open(path)?.save),
+            false => None,
+        };
+        if let Some(save) = &save {
+            parameters = parameters_of(save);
+            for assignment in &run.set {
+                parameters.set(assignment)?;
+            }
+            let preset = &mut parameters.lights.preset;
+            if !run.set.iter().any(|set| set.starts_with(PRESET))
+                && world.lamp_presets.iter().all(|known| known.name != *preset)
+            {
+                preset.clear();
+            }
+        }
+        let time_s = picture.time.or(save.as_ref().map(|save| save.state.time_s));
+        let time_s = time_s.unwrap_or(0.0);
         let camera = choose(
             path,
             "camera",
@@ -178,11 +205,13 @@ impl Setup {
         )?;
         lamps.lamps.truncate(parameters.lights.max_lamps as usize);
         Ok(Self {
+            time_s,
             lamp_time_s: if parameters.lights.animate {
-                picture.time
+                time_s
             } else {
                 0.0
             },
+            save,
             world,
             parameters,
             camera,
@@ -192,7 +221,26 @@ impl Setup {
     }
 }
 
-/// Reads a world, with the parameters replacing values of its file.
+/// The start of an assignment that names a lamp preset.
+const PRESET: &str = "lights.preset=";
+
+/// The parameters that a save kept. Those that are no longer known keep their defaults: notes of the world say so.
+fn parameters_of(save: &Save) -> Parameters {
+    let mut parameters = Parameters::default();
+    for assignment in &save.state.set {
+        let _ = parameters.set(assignment);
+    }
+    parameters
+}
+
+/// Prints what a person should know about a world that was read from a save.
+pub fn note_restored(run: &RunOptions, world: &World) {
+    for note in &world.restored.notes {
+        output::note(run, &format!("note: {note}"));
+    }
+}
+
+/// Reads a world or a save, with the parameters replacing values of its file.
 pub fn load_world(path: &Path, parameters: &Parameters) -> Result<World, Failure> {
     Ok(world::file::load(path, &Overrides::from(parameters))?)
 }

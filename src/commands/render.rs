@@ -195,7 +195,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
             seed: options.seed,
             exposure_ev: setup.parameters.picture.exposure_ev,
             view: options.view,
-            time_s: options.time,
+            time_s: setup.time_s,
             textures: setup.parameters.textures.enabled,
         };
         let mut recorder = if index / 2 % 2 == 1 {

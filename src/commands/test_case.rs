@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{
     Failure,
-    options::{RunOptions, choose, load_world, picture_size, world_time},
+    options::{RunOptions, choose, load_world, note_restored, picture_size, world_time},
     settings::{Setting, Varied},
 };
 use crate::{
@@ -129,6 +129,7 @@ impl TestCase {
         let parameters = run.parameters()?;
         let settings = options.settings(run)?;
         let world = load_world(path, &parameters)?;
+        note_restored(run, &world);
         let alone = options.worlds.len() <= 1;
         let chosen = Choice {
             path,

@@ -40,7 +40,8 @@ pub struct BuildReport {
 }
 
 impl Stage {
-    /// Voxelises the world, bakes its textures, and finds its emissive faces.
+    /// Voxelises the world, bakes its textures, and finds its emissive faces. What a save changed about the
+    /// world is applied on the CPU.
     ///
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold it.
@@ -53,6 +54,18 @@ impl Stage {
         recorder.submit(gpu)?;
         gpu.wait()?;
         let timed = timing.next_frame().filter(|_| timing.supported());
+        let built = BuildReport {
+            voxelise,
+            distances_ms: timed.map(|times| times.frame_ms),
+        };
+        if !world.restored.overlay.is_empty() {
+            let mut changed = voxels.read_back(gpu)?;
+            changed.apply(&world.restored.overlay);
+            return Ok(Self {
+                built: Some(built),
+                ..Self::upload(gpu, world, &changed)?
+            });
+        }
         let emitters = if world
             .materials
             .iter()
@@ -66,10 +79,7 @@ impl Stage {
             voxels,
             materials: bake(gpu, world)?,
             emitters: GpuEmitters::upload(gpu, emitters)?,
-            built: Some(BuildReport {
-                voxelise,
-                distances_ms: timed.map(|times| times.frame_ms),
-            }),
+            built: Some(built),
         })
     }
 

@@ -13,10 +13,13 @@ pub mod generate;
 pub mod materials;
 pub mod noise;
 pub mod rules;
+pub mod save;
 pub mod scenery;
 pub mod sdf;
 pub mod view;
 pub mod voxels;
+
+use std::fmt;
 
 use glam::{IVec3, UVec3};
 
@@ -30,6 +33,7 @@ pub use scenery::{
 };
 pub use sdf::Sdf;
 pub use view::View;
+pub use voxels::Overlay;
 
 /// A world as its file describes it, checked: every name resolved, every number finite.
 #[derive(Clone, Debug)]
@@ -67,4 +71,21 @@ pub struct World {
     /// Never empty.
     pub layouts: Vec<LayoutSpec>,
     pub response: ResponseSpec,
+    /// What a save changed about it; nothing for a world file.
+    pub restored: Restored,
+}
+
+/// What a save adds to its world.
+#[derive(Clone, Default)]
+pub struct Restored {
+    pub overlay: Overlay,
+    /// What a person should know about it, such as changes that no longer fit.
+    pub notes: Vec<String>,
+}
+
+/// Without the notes: worlds are told apart by their debug texts, and notes change no picture.
+impl fmt::Debug for Restored {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.overlay.fmt(f)
+    }
 }

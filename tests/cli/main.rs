@@ -12,6 +12,7 @@ mod reference;
 mod refusals;
 mod render;
 mod replay;
+mod saves;
 mod storms;
 mod stress;
 #[cfg(target_os = "linux")]
@@ -46,7 +47,7 @@ fn without_arguments_it_says_what_it_is() {
     assert!(ended.stdout.lines().count() < 15);
 }
 
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 11] = [
     "render",
     "reference",
     "compare",
@@ -54,6 +55,8 @@ const COMMANDS: [&str; 9] = [
     "bench",
     "stress",
     "merge",
+    "export",
+    "saves",
     "check",
     "info",
 ];

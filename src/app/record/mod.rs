@@ -63,19 +63,13 @@ impl Header {
         choice: &Choice,
         camera: &Camera,
     ) -> Self {
-        let standard = Parameters::default();
-        let set = KEYS
-            .iter()
-            .map(|key| (key, key.get(&choice.parameters)))
-            .filter(|(key, value)| *value != key.get(&standard))
-            .map(|(key, value)| format!("{}={value}", key.name));
         Self {
             grotto_record: VERSION,
             world: world.to_owned(),
             world_crc32,
             seed,
             layout: choice.layout.clone(),
-            set: set.collect(),
+            set: assignments(&choice.parameters),
             size: choice.size,
             camera: StartCamera {
                 name: camera.name.clone(),
@@ -181,6 +175,16 @@ impl Playback {
     pub fn is_over(&mut self) -> bool {
         self.moments.peek().is_none()
     }
+}
+
+/// `KEY=VALUE` for every parameter that is not at its default.
+pub fn assignments(parameters: &Parameters) -> Vec<String> {
+    let standard = Parameters::default();
+    let values = KEYS.iter().map(|key| (key, key.get(parameters)));
+    values
+        .filter(|(key, value)| *value != key.get(&standard))
+        .map(|(key, value)| format!("{}={value}", key.name))
+        .collect()
 }
 
 /// CRC-32 of a file's bytes.

@@ -102,6 +102,9 @@ impl Session {
         let PhysicalKey::Code(code) = event.physical_key else {
             return;
         };
+        // Ctrl is also the key to run.
+        let saves =
+            code == KeyCode::KeyS && self.egui.egui_ctx().input(|input| input.modifiers.command);
         let key = player_key(code);
         if event.state == ElementState::Released {
             if let Some(key) = key {
@@ -124,6 +127,7 @@ impl Session {
         }
         match code {
             KeyCode::Escape => self.release_mouse(),
+            _ if saves => self.save(),
             KeyCode::F1 => self.panel_open = !self.panel_open,
             KeyCode::F2 => self.screenshot_wanted = true,
             KeyCode::F3 => self.next_probes(),

@@ -5,6 +5,7 @@ mod input;
 mod lost;
 mod panels;
 mod play;
+mod saves;
 mod times;
 mod views;
 
@@ -28,6 +29,7 @@ use super::{
     pace::Attention,
     panel::{PassMeans, Settings},
     reload::Watch,
+    saving::Saving,
     screen::{self, Acquired, Screen},
     screenshot,
     viewport::{Choice, Viewport},
@@ -83,6 +85,7 @@ pub struct Session {
     seed: u32,
     /// When a lost device was last replaced.
     replaced: Option<Instant>,
+    saving: Saving,
     lose_device_at: Option<u32>,
 }
 
@@ -120,21 +123,25 @@ impl Session {
         let mut messages = Messages::default();
         let mut viewport = build(&gpu, options, choice, &mut messages)?;
         messages.toast("Click into the picture to look around; F1 hides the panel");
+        for note in viewport.take_notes() {
+            messages.toast_error(note);
+        }
         let settings = Settings {
             choice: viewport.choice().clone(),
             inspection: options.inspection,
             scale,
             vsync: true,
-            clock: WorldClock {
-                paused: options.traced,
-                ..WorldClock::default()
-            },
+            clock: first_clock(options),
             brush: Brush::default(),
         };
+        let play = Play::begin(options, &mut viewport)?;
+        let start = saves::kept(&mut viewport, &play.player, &settings.clock)?;
+        let saving = Saving::begin(&options.saves, &options.world_path, start, &mut messages);
         let mut session = Self {
             overlay: Overlay::new(&viewport.gpu, screen.format())?,
             timing: Timing::new(&gpu)?,
-            play: Play::begin(options, &mut viewport)?,
+            play,
+            saving,
             settings,
             egui: lost::panel_state(event_loop, &window, &viewport.gpu),
             window,
@@ -227,6 +234,7 @@ impl Session {
             self.rate.tick(now);
         }
         if !is_benchmark {
+            self.save_now_and_then(now);
             self.follow_files(now);
         }
         self.screen.set_vsync(self.settings.vsync && !is_benchmark);
@@ -350,6 +358,21 @@ impl Session {
         }
         self.rate.interrupt();
         self.last_frame = Instant::now();
+    }
+}
+
+/// World time at the start: that of the save, if the run continues one.
+fn first_clock(options: &Options) -> WorldClock {
+    let continued = options.saves.continued.as_ref();
+    let saved = continued.map(|(_, save)| WorldClock {
+        time_s: save.state.time_s,
+        paused: save.state.paused,
+        rate: save.state.rate,
+    });
+    let clock = saved.unwrap_or_default();
+    WorldClock {
+        paused: clock.paused || options.traced,
+        ..clock
     }
 }
 

@@ -41,9 +41,9 @@ impl Play {
         let world = viewport.world().clone();
         let player = Player::new(&options.camera, &world, &viewport.ground()?);
         let recorder = options.record.as_ref().map(|path| {
-            let crc32 = crc32_of(&options.world_path).map_err(RecordError::File)?;
+            let crc32 = crc32_of(&options.recorded_world).map_err(RecordError::File)?;
             let header = Header::new(
-                &options.world_path,
+                &options.recorded_world,
                 crc32,
                 options.seed,
                 viewport.choice(),

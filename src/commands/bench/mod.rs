@@ -24,7 +24,7 @@ use serde::Serialize;
 use self::speed::SpeedSuite;
 use super::{
     Failure,
-    options::{RunOptions, load_world, picture_size},
+    options::{RunOptions, load_world, note_restored, picture_size},
     out_file::OutFile,
     output,
 };
@@ -163,6 +163,9 @@ fn run_traversal(arguments: &Traversal) -> Result<(), Failure> {
         .iter()
         .map(|path| load_world(path, &parameters))
         .collect::<Result<_, _>>()?;
+    for world in &worlds {
+        note_restored(run, world);
+    }
     let file = arguments
         .out
         .as_deref()

@@ -20,9 +20,13 @@ use crate::{
         self, AppError,
         record::{self, Record as Run},
         replay::ReplayOptions,
+        saving::SaveOptions,
     },
     measure::whole_file,
-    world::View,
+    world::{
+        View,
+        save::{self, Folder, Save},
+    },
 };
 
 /// The `--json` of a window that was closed.
@@ -40,7 +44,7 @@ const SIZE: [u32; 2] = [1280, 720];
 /// Walk through a world in a window
 #[derive(Args)]
 pub struct Arguments {
-    /// World file; read again whenever it is edited [default: worlds/cave.ron, or the record's]
+    /// World file, read again whenever it is edited, or a save to go on from [default: worlds/cave.ron, or the record's]
     world: Option<PathBuf>,
     /// Width and height of the window in pixels [default: 1280x720]; with --out of the pictures [default: those
     /// of the record]
@@ -152,11 +156,28 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         camera: arguments.camera.clone(),
         layout,
         frames: None,
-        time: 0.0,
+        time: None,
         seed,
         view: arguments.view,
     };
-    let setup = Setup::load(&world_path, &run, &picture)?;
+    let mut setup = Setup::load(&world_path, &run, &picture)?;
+    // The window follows the world file; what the save changed about it is in the world by now.
+    let save_path = world_path.clone();
+    let world_path = match &setup.save {
+        Some(save) => save::world_file(&save_path, &save.head)?,
+        None => world_path,
+    };
+    if replay.is_some() {
+        // The record knows what was set, and its first moment sets the clock.
+        setup.parameters = run.parameters()?;
+    }
+    if setup.save.is_some() {
+        // The digits jump to the world's own cameras.
+        setup
+            .world
+            .cameras
+            .retain(|camera| camera.name != save::VIEW);
+    }
     let inspection = arguments.inspection.with(arguments.view);
     if let (Some(replay), Some(folder)) = (replay.clone(), &arguments.out) {
         let options = ReplayOptions {
@@ -178,6 +199,10 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(replay) => replay.header.camera(),
         None => setup.camera,
     };
+    let recorded_world = match (&setup.save, &arguments.record) {
+        (Some(save), Some(record)) => start_of(record, save, &world_path)?,
+        _ => world_path.clone(),
+    };
     let frames = app::run(app::Options {
         world_path,
         world: setup.world,
@@ -192,6 +217,15 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         shaders: arguments.shaders,
         benchmark: arguments.benchmark,
         frames: arguments.frames,
+        recorded_world,
+        saves: SaveOptions {
+            folder: Folder::of_user(),
+            automatic: replay.is_none(),
+            continued: setup
+                .save
+                .filter(|_| replay.is_none())
+                .map(|save| (save_path, save)),
+        },
         record: arguments.record,
         replay,
         lose_device_at: arguments.lose_device_at,
@@ -200,6 +234,18 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         true => output::print_json(&Record { world, frames }),
         false => Ok(()),
     }
+}
+
+/// Keeps the save with which a recorded run begins, beside the record: the run goes on to write another.
+fn start_of(record: &Path, save: &Save, world_file: &Path) -> Result<PathBuf, Failure> {
+    let mut name = record.as_os_str().to_owned();
+    name.push(".start.");
+    name.push(save::EXTENSION);
+    let path = PathBuf::from(name);
+    let mut start = save.clone();
+    start.belongs_to(world_file, &path);
+    save::write(&path, &start)?;
+    Ok(path)
 }
 
 /// A record plays in the very world that it was made in: in another, the player would walk into walls.
@@ -223,6 +269,7 @@ impl From<AppError> for Failure {
             AppError::Gpu(error) => error.into(),
             AppError::Frame(error) => error.into(),
             AppError::Record(error) => error.into(),
+            AppError::Save(error) => error.into(),
         }
     }
 }

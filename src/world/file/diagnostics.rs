@@ -258,7 +258,7 @@ impl Source {
 }
 
 /// Length in bytes of the string literal that `bytes` begins with.
-fn string_length(bytes: &[u8]) -> usize {
+pub fn string_length(bytes: &[u8]) -> usize {
     let mut at = 1;
     while at < bytes.len() {
         match bytes[at] {
@@ -271,7 +271,7 @@ fn string_length(bytes: &[u8]) -> usize {
 }
 
 /// Length in bytes of the raw string literal that `text` begins with; 1 if there is none.
-fn raw_string_length(text: &str) -> usize {
+pub fn raw_string_length(text: &str) -> usize {
     let hashes = text[1..].bytes().take_while(|&b| b == b'#').count();
     if text.as_bytes().get(1 + hashes) != Some(&b'"') {
         return 1;

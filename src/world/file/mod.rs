@@ -6,6 +6,7 @@
 mod diagnostics;
 mod explain;
 mod features;
+mod fingerprint;
 mod lamps;
 mod leaf;
 mod matter;
@@ -21,6 +22,7 @@ mod summary;
 mod values;
 mod variant;
 mod vox;
+pub mod vox_write;
 
 use std::path::{Path, PathBuf};
 
@@ -30,13 +32,16 @@ use ron::extensions::Extensions;
 
 pub use self::diagnostics::Problem;
 use self::diagnostics::{MAX_NESTING, Source};
+pub use self::fingerprint::fingerprint;
 pub(super) use self::leaf::{Leaf, Located};
 pub(super) use self::resolve::Reader;
 pub(super) use self::schema::Vector;
+pub(super) use self::source_file::read_bytes;
 pub use self::summary::Summary;
 pub(super) use self::values::{GREATEST_SCALE, Read, or};
 pub(super) use self::variant::VariantKeys;
-use super::World;
+use self::vox::MAX_BYTES as MAX_MODEL_BYTES;
+use super::{World, save};
 use crate::parameters::Parameters;
 
 /// Values that override those of the file.
@@ -63,11 +68,14 @@ impl From<&Parameters> for Overrides {
     }
 }
 
-/// Reads a world file.
+/// Reads a world file, or a save with its world file.
 ///
 /// # Errors
 /// A [`Problem`]: what is wrong with the file, where, and what to do about it.
 pub fn load(path: &Path, overrides: &Overrides) -> Result<World, Report> {
+    if save::is_save(path) {
+        return save::load(path, overrides);
+    }
     Ok(load_plain(path, overrides).map_err(|problem| *problem)?)
 }
 

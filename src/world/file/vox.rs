@@ -16,9 +16,9 @@ use super::values::Read;
 use crate::world::{Colour, FeaturePart, Material, Pattern};
 
 /// Larger model files are refused unread.
-const MAX_BYTES: u64 = 64 << 20;
+pub const MAX_BYTES: u64 = 64 << 20;
 /// Most voxels and nodes of a scene, counting repeated instances.
-const MAX_WORK: usize = 1 << 24;
+pub const MAX_WORK: usize = 1 << 24;
 /// Groups of a scene may nest this deep.
 const MAX_SCENE_DEPTH: usize = 64;
 

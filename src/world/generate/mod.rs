@@ -29,9 +29,11 @@ pub fn block_radius(edge: u32) -> f64 {
     f64::from(edge - 1) / 2.0 * 3.0_f64.sqrt()
 }
 
-/// Generates the whole world, in parallel.
+/// Generates the whole world, in parallel, with what a save changed about it.
 pub fn generate(world: &World) -> Voxels {
-    Generator::new(world).voxels()
+    let mut voxels = Generator::new(world).voxels();
+    voxels.apply(&world.restored.overlay);
+    voxels
 }
 
 /// Which voxels of one cell the shape makes solid. Voxels outside the world do not count.

@@ -2,7 +2,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::{BRICK, BRICK_VOXELS, CELL, Cell, Voxels, brick_index};
+use super::{BRICK, CELL, Voxels, brick_index};
 
 /// What an edit changed, so that the GPU's copy can be updated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -56,17 +56,14 @@ impl Voxels {
             for y in low.y..=high.y {
                 for x in low.x..=high.x {
                     let cell = UVec3::new(x, y, z);
-                    let mut content = match self.cell(cell) {
-                        Cell::Empty => [0; BRICK_VOXELS],
-                        Cell::Uniform(material) => [material; BRICK_VOXELS],
-                        Cell::Brick(materials) => *materials,
-                    };
+                    let mut content = self.content(cell);
                     let first = min.max(cell * CELL);
                     let last = max.min(cell * CELL + (CELL - 1));
                     for voxel in voxels_of(first, last) {
                         let slot = &mut content[brick_index(voxel % CELL)];
                         *slot = change(voxel.as_ivec3(), *slot);
                     }
+                    self.keep_original(cell, &content);
                     bricks.extend(self.store(cell, &content));
                 }
             }
@@ -142,7 +139,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::world::voxels::NewCell;
+    use crate::world::voxels::{BRICK_VOXELS, NewCell};
 
     #[derive(Clone, Debug)]
     enum Change {

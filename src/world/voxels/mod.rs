@@ -14,11 +14,13 @@
 
 mod distances;
 mod edit;
+mod overlay;
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 pub use edit::Edit;
+pub use overlay::{ChangedBrick, MASK_WORDS, Originals, Overlay};
 
 /// Edge of a grid cell in voxels.
 pub const CELL: u32 = 8;
@@ -57,6 +59,8 @@ pub struct Voxels {
     masks: Vec<[u32; 16]>,
     materials: Vec<Brick>,
     free_bricks: Vec<u32>,
+    /// What edited cells contained, if that is to be remembered.
+    originals: Option<Originals>,
 }
 
 /// Content of one grid cell of 8³ voxels.
@@ -91,6 +95,7 @@ impl Voxels {
             masks: Vec::new(),
             materials: Vec::new(),
             free_bricks: Vec::new(),
+            originals: None,
         };
         voxels.rebuild_distances();
         voxels
@@ -155,6 +160,7 @@ impl Voxels {
             masks,
             materials,
             free_bricks,
+            originals: None,
         }
     }
 

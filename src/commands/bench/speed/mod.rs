@@ -28,7 +28,7 @@ use self::{
     session::Session,
 };
 use super::{
-    super::{Failure, judge::cache::Cache, output, shard::Shard, stop},
+    super::{Failure, judge::cache::Cache, options::note_restored, output, shard::Shard, stop},
     model::{KIND, Report, SCHEMA},
     results::{Files, summary},
 };
@@ -41,6 +41,9 @@ use super::{
 pub fn run(suite: SpeedSuite, arguments: &Arguments) -> Result<(), Failure> {
     let run = &arguments.run;
     let plan = Plan::new(suite, arguments)?;
+    for scene in &plan.scenes {
+        note_restored(run, &scene.world);
+    }
     let files = arguments
         .out
         .as_deref()

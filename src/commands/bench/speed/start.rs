@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             seed: picture.seed,
             exposure_ev: scene.parameters.picture.exposure_ev,
             view: View::Full,
-            time_s: picture.time,
+            time_s: scene.time_s,
             textures: scene.parameters.textures.enabled,
         };
         let mut recorder = Recorder::new(&gpu, Some(&mut timing));

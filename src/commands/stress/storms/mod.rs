@@ -166,7 +166,7 @@ pub fn run(
         camera: None,
         layout: None,
         frames: None,
-        time: 0.0,
+        time: None,
         seed,
         view: View::Full,
     };

@@ -1,5 +1,7 @@
 //! What the window shows: a world on the GPU, and the choices made for it.
 
+mod changes;
+
 use std::path::{Path, PathBuf};
 
 use miette::{GraphicalReportHandler, GraphicalTheme, Report};
@@ -15,7 +17,7 @@ use crate::{
     world::{
         self, Camera, LampPreset, LayoutSpec, World,
         file::Overrides,
-        voxels::{Edit, Voxels},
+        voxels::{Edit, Originals, Voxels},
     },
 };
 
@@ -64,10 +66,13 @@ pub struct Viewport {
     reference_view: Option<ReferenceView>,
     choice: Choice,
     inspection: Inspection,
-    /// The voxels as on the GPU, read back at the first need.
+    /// The voxels as on the GPU, read back at the first need. They remember what edited cells contained when
+    /// this world was built.
     voxels: Option<Voxels>,
     /// How often voxels were built anew, without edits.
     build: u32,
+    /// What cells contained whose last edit did not fit, while there are no voxels.
+    originals: Originals,
 }
 
 /// Columns at which a diagnostic wraps.
@@ -102,6 +107,7 @@ impl Viewport {
             inspection: Inspection::default(),
             voxels: None,
             build: 0,
+            originals: Originals::default(),
         };
         viewport.reference_view = viewport.traced(&viewport.choice)?;
         Ok(viewport)
@@ -173,7 +179,7 @@ impl Viewport {
         Ok(remake == Remake::Probes || resized || changed)
     }
 
-    /// Reads the world file again.
+    /// Reads the world file again. Changes of its voxels are kept, as far as they fit.
     ///
     /// # Errors
     /// [`ViewportError`] with the diagnostic; the last good world stays.
@@ -195,12 +201,16 @@ impl Viewport {
             .any(|name| STAGE_SHADERS.iter().any(|part| name.starts_with(part)));
         let gpu = self.gpu.with_shaders(shaders);
         if stage_changed {
-            let stage = Stage::build(&gpu, &self.world)?;
-            let layout = layout(&self.world, &self.choice.layout);
+            let mut world = self.world.clone();
+            world.restored.overlay = self.overlay()?;
+            let stage = Stage::build(&gpu, &world)?;
+            let layout = layout(&world, &self.choice.layout);
             let probes = &self.choice.parameters.probes;
             self.frame = Frame::new(&gpu, stage, layout, probes, self.choice.size)?;
+            self.world = world;
             self.voxels = None;
             self.build += 1;
+            self.originals = Originals::default();
         } else {
             self.frame.rebuild_passes(&gpu)?;
         }
@@ -225,7 +235,8 @@ impl Viewport {
         Ok(())
     }
 
-    fn rebuild(&mut self, world: World, choice: Choice) -> Result<(), FrameError> {
+    fn rebuild(&mut self, mut world: World, choice: Choice) -> Result<(), FrameError> {
+        self.carry_changes(&mut world);
         let build = self.build + 1;
         *self = Self {
             build,
@@ -240,12 +251,14 @@ impl Viewport {
     /// [`FrameError`] when the device is lost.
     pub fn voxels(&mut self) -> Result<&Voxels, FrameError> {
         if self.voxels.is_none() {
-            self.voxels = Some(self.frame.stage.read_back(&self.gpu)?);
+            let mut voxels = self.frame.stage.read_back(&self.gpu)?;
+            voxels.remember(std::mem::take(&mut self.originals));
+            self.voxels = Some(voxels);
         }
         Ok(self.voxels.as_ref().expect("they are read"))
     }
 
-    /// Changes voxels, on the CPU and on the GPU. They stay changed until the world is built again.
+    /// Changes voxels, on the CPU and on the GPU. They stay changed when the world is built again.
     ///
     /// # Errors
     /// [`FrameError`] when the adapter cannot hold them; then nothing changes.
@@ -260,8 +273,11 @@ impl Viewport {
             self.voxels = Some(voxels);
             return Ok(());
         }
-        // After an error the GPU's copy is unchanged: the next edit reads it back.
-        self.frame.apply(&self.gpu, &voxels, &edit)?;
+        if let Err(error) = self.frame.apply(&self.gpu, &voxels, &edit) {
+            // The GPU's copy is unchanged: the next edit reads it back.
+            self.originals = voxels.take_originals();
+            return Err(error);
+        }
         self.voxels = Some(voxels);
         self.reference_view = self.traced(&self.choice)?;
         Ok(())
@@ -406,7 +422,7 @@ mod tests {
     }
 
     #[test]
-    fn edits_last_until_the_world_is_read_again() {
+    fn edits_outlast_a_change_of_size_and_reading_the_world_again() {
         let mut viewport = shown();
         let at = IVec3::new(2, 30, 3);
         viewport
@@ -424,13 +440,18 @@ mod tests {
         assert_eq!((read.material(at), read.material(at + 1)), (1, 1));
         assert_eq!(read.validate(), Ok(()));
         viewport.reload_world().expect("it is as it was");
-        assert_eq!(on_the_gpu(&viewport).material(at), 0);
+        let again = on_the_gpu(&viewport);
+        assert_eq!((again.material(at), again.crc32()), (1, read.crc32()));
         viewport
-            .edit(|voxels, _| {
-                assert_eq!(voxels.material(at), 0, "nothing is left of the old copy");
-                Edit::default()
-            })
+            .edit(|voxels, _| voxels.set(at, 0))
             .expect("it fits");
+        let changes: Vec<_> = viewport
+            .overlay()
+            .expect("no device is lost")
+            .voxels()
+            .collect();
+        // That the first is back as it was is known only since the world was read again.
+        assert_eq!(changes, [(at.as_uvec3(), 0), (at.as_uvec3() + 1, 1)]);
     }
 
     #[test]
