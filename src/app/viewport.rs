@@ -89,7 +89,8 @@ impl Viewport {
         let choice = fitting(choice, &world);
         let stage = Stage::build(&gpu, &world)?;
         let layout = layout(&world, &choice.layout);
-        let frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
+        let mut frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
+        frame.antialias(&gpu, choice.parameters.picture.antialias)?;
         let mut viewport = Self {
             gpu,
             path: path.to_owned(),
@@ -147,6 +148,8 @@ impl Viewport {
             self.choice.layout.clone_from(&next.layout);
             self.choice.parameters.clone_from(&next.parameters);
         }
+        self.frame
+            .antialias(&self.gpu, next.parameters.picture.antialias)?;
         let resized = next.size != self.frame.size();
         if resized {
             self.frame.resize(&self.gpu, next.size)?;
@@ -189,8 +192,10 @@ impl Viewport {
         if stage_changed {
             let stage = Stage::build(&gpu, &self.world)?;
             let layout = layout(&self.world, &self.choice.layout);
-            let probes = &self.choice.parameters.probes;
-            self.frame = Frame::new(&gpu, stage, layout, probes, self.choice.size)?;
+            let parameters = &self.choice.parameters;
+            let mut frame = Frame::new(&gpu, stage, layout, &parameters.probes, self.choice.size)?;
+            frame.antialias(&gpu, parameters.picture.antialias)?;
+            self.frame = frame;
             self.voxels = None;
         } else {
             self.frame.rebuild_passes(&gpu)?;
