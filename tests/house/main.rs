@@ -78,11 +78,7 @@ const TESTS_MAY_IMPORT: [&str; 2] = ["measure", "reference"];
 const MOST_LINES: usize = 400;
 
 /// Longer files, each with the reason why it is better not split.
-const LONG_FILES: [(&str, &str); 3] = [
-    (
-        "shaders/probes/blend.wesl",
-        "the kernels of one pass, which share its bindings",
-    ),
+const LONG_FILES: [(&str, &str); 2] = [
     (
         "shaders/scene/voxelise.wesl",
         "the kernels of one pass, which share its bindings",

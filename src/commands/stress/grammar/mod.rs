@@ -19,6 +19,8 @@ const WORLD: u64 = 0;
 const PARAMETERS: u64 = 1;
 /// For the script that plays a scene.
 pub const SCRIPT: u64 = 2;
+/// What came later has a stream of its own: the other things of a seed stay as they were.
+const OCTREES: u64 = 3;
 
 /// A generated world, and the parameters that it is rendered with.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +33,11 @@ pub struct Generated {
 /// The scene of a seed.
 pub fn generate(seed: u32) -> Generated {
     Generated {
-        world: world(&mut Dice::new(seed, WORLD), seed),
+        world: world(
+            &mut Dice::new(seed, WORLD),
+            &mut Dice::new(seed, OCTREES),
+            seed,
+        ),
         set: parameters(&mut Dice::new(seed, PARAMETERS)),
     }
 }
@@ -58,7 +64,7 @@ fn size(dice: &mut Dice) -> [f64; 3] {
     }
 }
 
-fn world(dice: &mut Dice, seed: u32) -> Term {
+fn world(dice: &mut Dice, octrees: &mut Dice, seed: u32) -> Term {
     let size = size(dice);
     let half = size.map(|edge| edge / 2.0);
     let origin = match dice.whole(0, 5) {
@@ -97,7 +103,7 @@ fn world(dice: &mut Dice, seed: u32) -> Term {
     keys.push(("lamps", scenery::lamps(dice, &ground, centre)));
     keys.extend(scenery::sky(dice));
     keys.push(("cameras", scenery::cameras(dice, &ground, centre)));
-    keys.push(("layouts", scenery::layouts(dice, &ground, centre)));
+    keys.push(("layouts", scenery::layouts(dice, octrees, &ground, centre)));
     if dice.chance(0.1) {
         let voxel = centre.map(f64::floor);
         let wall = vec![

@@ -226,14 +226,11 @@ fn octree(dice: &mut Dice) -> Term {
     record("", keys)
 }
 
-/// Volumes of all kinds, and octrees: covering the world, too small, beside the world, following the camera, nested.
-pub fn layouts(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
+/// Volumes of all kinds: covering the world, too small, beside the world, following the camera, nested. Some give way
+/// to octrees, by numbers of their own.
+pub fn layouts(dice: &mut Dice, octrees: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     let layout = |dice: &mut Dice, index: u32| {
         let mut keys = vec![("name", Term::text(format!("l{index}")))];
-        if dice.chance(0.2) {
-            keys.push(("octree", octree(dice)));
-            return record("", keys);
-        }
         let follow = dice.chance(0.25);
         let cascades = if dice.chance(0.25) {
             dice.whole(2, 6)
@@ -276,5 +273,14 @@ pub fn layouts(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
         record("", keys)
     };
     let count = *dice.pick(&[0, 1, 1, 1, 2]);
-    Term::List((0..count).map(|index| layout(dice, index)).collect())
+    let layouts = (0..count).map(|index| {
+        let volume = layout(dice, index);
+        if octrees.chance(0.2) {
+            let name = Term::text(format!("l{index}"));
+            record("", vec![("name", name), ("octree", octree(octrees))])
+        } else {
+            volume
+        }
+    });
+    Term::List(layouts.collect())
 }

@@ -209,8 +209,10 @@ impl Storm<'_> {
             ),
             Check::at_most(
                 "memory.adapter_bytes",
-                held_bytes as f64,
-                (fresh_bytes + grown) as f64 + SLACK_BYTES,
+                // A difference, so that the bound is the same in every run: how closely an allocator packs buffers
+                // depends on the order in which threads ask for them.
+                held_bytes as f64 - (fresh_bytes + grown) as f64,
+                SLACK_BYTES,
             )
             .measured(values),
             Check::at_most(
