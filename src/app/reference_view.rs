@@ -52,7 +52,7 @@ impl ReferenceView {
         }
         self.traced.record(gpu, recorder, &shot, lights)?;
         self.resolve.record(recorder);
-        self.tonemap.record(recorder);
+        self.tonemap.record(recorder, 0);
         Ok(())
     }
 

@@ -162,7 +162,7 @@ impl<'a> FrameLoop<'a> {
     ///
     /// # Errors
     /// When the adapter fails.
-    pub fn radiance_of(&self, view: View) -> Result<Picture, Failure> {
+    pub fn radiance_of(&mut self, view: View) -> Result<Picture, Failure> {
         let shot = Shot {
             view,
             ..self.shot.clone()

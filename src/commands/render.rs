@@ -179,6 +179,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     spinner.finish_and_clear();
     let probes = &setup.parameters.probes;
     let mut frame = Frame::new(&gpu, stage, &setup.layout, probes, options.size)?;
+    frame.antialias(&gpu, setup.parameters.picture.antialias)?;
     frame.inspect(&gpu, arguments.inspection.with(options.view))?;
     let mut timing = Timing::new(&gpu)?;
     let lights = Lights::at(&setup.world, &setup.lamps, setup.lamp_time_s);
@@ -186,18 +187,19 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     let bar = output::progress(run, "frames", u64::from(settling) + 1);
     let mut wall_ms = Vec::new();
     let mut times = Vec::new();
+    let mut shot = Shot {
+        camera: setup.camera.clone(),
+        size: options.size,
+        frame: 0,
+        seed: options.seed,
+        exposure_ev: setup.parameters.picture.exposure_ev,
+        view: options.view,
+        time_s: setup.time_s,
+        textures: setup.parameters.textures.enabled,
+    };
     for index in 0..=settling {
         let start = Instant::now();
-        let shot = Shot {
-            camera: setup.camera.clone(),
-            size: options.size,
-            frame: index,
-            seed: options.seed,
-            exposure_ev: setup.parameters.picture.exposure_ev,
-            view: options.view,
-            time_s: setup.time_s,
-            textures: setup.parameters.textures.enabled,
-        };
+        shot.frame = index;
         let mut recorder = if index / 2 % 2 == 1 {
             Recorder::new_whole(&gpu, &mut timing)
         } else {
@@ -211,6 +213,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
         bar.inc(1);
     }
     bar.finish_and_clear();
+    smooth(&gpu, &mut frame, &shot)?;
     let picture = if shows_as_displayed(arguments)? {
         frame.read_display(&gpu)?
     } else {
@@ -262,6 +265,22 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
         build: frame.stage.built.map(Into::into),
     };
     Ok((picture, record))
+}
+
+/// Anti-aliases the last frame's picture, if that is wanted: a mean of jittered pictures by the light of that frame.
+fn smooth(gpu: &Gpu, frame: &mut Frame, shot: &Shot) -> Result<(), Failure> {
+    /// Jittered pictures in the mean.
+    const PICTURES: u32 = 32;
+    frame.restart_antialiasing();
+    for _ in 0..PICTURES {
+        let mut recorder = Recorder::new(gpu, None);
+        if !frame.smooth(gpu, &mut recorder, shot) {
+            break;
+        }
+        recorder.submit(gpu)?;
+        gpu.wait()?;
+    }
+    Ok(())
 }
 
 /// Whether to store the displayed picture (PNG only). With probes drawn over it, light and data are side by

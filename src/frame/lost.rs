@@ -28,6 +28,7 @@ impl Frame {
             None => Stage::build(gpu, world)?,
         };
         let mut moved = Self::new(gpu, stage, layout, probes, self.size)?;
+        moved.antialias(gpu, self.antialiasing.wanted)?;
         moved.inspect(gpu, self.passes.inspect.wanted)?;
         Ok(moved)
     }

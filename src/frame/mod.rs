@@ -6,10 +6,11 @@
 //!     └ probes/seed (volumes that move) ─ what new probes show until their first update
 //! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐
 //!     └────────────── atlas of the last frame ◄───────────┤                │
-//! view/camera_rays ─ surfaces ─ surface_cache/{allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/tonemap ─ display
-//!                        └────────────────────────────────────────────────────┘    └ views of the probes
+//! view/camera_rays ─ surfaces ─ surface_cache/{allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/antialias ─ view/tonemap
+//!                        └────────────────────────────────────────────────────┘    └ views of the probes       display
 //! ```
 
+mod antialias;
 mod inspect;
 mod lost;
 mod passes;
@@ -19,8 +20,9 @@ mod traced;
 pub use stage::{BuildReport, Stage};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
+use antialias::Antialiasing;
 use inspect::Inspect;
-use passes::{Passes, Update};
+use passes::{Passes, Update, Wanted};
 pub use passes::{offer, resources};
 
 use crate::{
@@ -33,7 +35,7 @@ use crate::{
         probes::{ProbeField, ProbeFieldError},
         scene::{GpuLights, MemoryUse},
         surface_cache::{NextFrame, SurfaceCache},
-        view::{Inspection, InspectionError, Shot},
+        view::{Inspection, InspectionError, Shot, antialias::TemporalAntialias},
     },
     probes::{ProbeError, warmup_frames},
     world::{
@@ -77,6 +79,9 @@ pub struct Frame {
     field: ProbeField,
     faces: SurfaceCache,
     passes: Passes,
+    antialiasing: Antialiasing,
+    /// Index of the anti-aliased picture that is shown; `None` for a picture as it is shaded.
+    shown: Option<usize>,
 }
 
 impl Frame {
@@ -94,7 +99,7 @@ impl Frame {
         let field = ProbeField::new(gpu, stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&stage, &view, &lights);
-        let wanted = Inspection::default();
+        let wanted = Wanted::default();
         let passes = Passes::new(gpu, size, &field, &faces, wanted, &lights, &resources)?;
         Ok(Self {
             stage,
@@ -109,6 +114,8 @@ impl Frame {
             field,
             faces,
             passes,
+            antialiasing: Antialiasing::default(),
+            shown: None,
         })
     }
 
@@ -127,9 +134,9 @@ impl Frame {
             warmup_frames: warmup_frames(probes.warmup_frames, brightest),
             ..probes.clone()
         };
-        let uniform = shot.to_gpu();
-        gpu.queue
-            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        let inspected = self.passes.inspect.wanted;
+        let jittered = self.antialiasing.next(shot, &inspected, Some(lights));
+        self.look(gpu, shot, jittered.as_ref());
         let emits = !self.stage.emitters.known.groups.is_empty();
         let (lights, gain) = self.gain.split(lights, emits);
         let light_change = match &self.lights_before {
@@ -176,18 +183,8 @@ impl Frame {
             has_fresh: self.field.fresh() > 0,
         };
         self.field.set_placed();
-        self.passes.record(recorder, update, shot);
+        self.passes.record(recorder, update, shot, self.shown);
         self.frames += 1;
-    }
-
-    /// Records the picture of a shot by the lights and the probes of the last frame, without updates. The
-    /// shot's size must be the frame's.
-    pub fn show(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, shot: &Shot) {
-        debug_assert_eq!(shot.size, self.size, "the shot's size is the frame's");
-        let uniform = shot.to_gpu();
-        gpu.queue
-            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
-        self.passes.record_picture(recorder, shot);
     }
 
     /// Sets what the next pictures show of the probes themselves. Must be called before the first picture of view
@@ -225,7 +222,10 @@ impl Frame {
     /// [`FrameError::Gpu`] when the adapter cannot hold it; the frame is then unchanged.
     pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), FrameError> {
         let resources = resources(&self.stage, &self.view, &self.lights);
-        let wanted = self.passes.inspect.wanted;
+        let wanted = Wanted {
+            inspection: self.passes.inspect.wanted,
+            antialias: self.antialiasing.wanted,
+        };
         self.passes = Passes::new(
             gpu,
             size,
@@ -236,6 +236,8 @@ impl Frame {
             &resources,
         )?;
         self.size = size;
+        self.antialiasing.restart();
+        self.shown = None;
         Ok(())
     }
 
@@ -252,9 +254,12 @@ impl Frame {
         let field = ProbeField::new(gpu, self.stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&self.stage, &self.view, &self.lights);
-        let wanted = Inspection {
-            atlas: None,
-            ..self.passes.inspect.wanted
+        let wanted = Wanted {
+            inspection: Inspection {
+                atlas: None,
+                ..self.passes.inspect.wanted
+            },
+            antialias: self.antialiasing.wanted,
         };
         self.passes = Passes::new(
             gpu,
@@ -273,6 +278,8 @@ impl Frame {
         self.resting.forget();
         self.ranks.forget();
         self.lights_before = None;
+        self.antialiasing.restart();
+        self.shown = None;
         Ok(())
     }
 
@@ -296,6 +303,7 @@ impl Frame {
         }
         if let Some((first, last)) = edit.region {
             let origin_ws = self.stage.voxels.origin;
+            self.antialiasing.edit(first.to_array(), last.to_array());
             self.field
                 .regrow(gpu, voxels, first.as_ivec3(), last.as_ivec3());
             self.field
@@ -327,12 +335,12 @@ impl Frame {
         self.passes.tonemap.read_back(gpu)
     }
 
-    /// The linear radiance before tone mapping.
+    /// The linear radiance before tone mapping, after anti-aliasing.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn read_radiance(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
-        let texels: Vec<[half::f16; 4]> = gpu.read_texture(&self.passes.shade.hdr)?;
+        let texels: Vec<[half::f16; 4]> = gpu.read_texture(self.passes.radiance(self.shown))?;
         Ok(Picture {
             width: self.size[0],
             height: self.size[1],
@@ -372,7 +380,9 @@ impl Frame {
     /// Bytes of GPU memory.
     pub fn memory(&self) -> MemoryUse {
         let [width, height] = self.size.map(u64::from);
-        let picture = self.passes.camera_rays.surfaces.size() + width * height * (8 + 4);
+        let antialias = u64::from(self.passes.antialias.is_some());
+        let per_pixel = 8 + 4 + antialias * TemporalAntialias::BYTES_PER_PIXEL;
+        let picture = self.passes.camera_rays.surfaces.size() + width * height * per_pixel;
         let voxels = self.stage.voxels.bytes();
         let probes = self.field.memory().total();
         let others = picture

@@ -5,6 +5,7 @@ use std::thread::{self, ScopedJoinHandle};
 use super::{FrameError, Stage, inspect::Inspect};
 use crate::{
     gpu::{Gpu, Offer, Recorder},
+    parameters::Antialias,
     passes::{
         probes::{
             ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
@@ -15,7 +16,10 @@ use crate::{
         surface_cache::{
             SurfaceCache, allocate::SurfaceAllocate, resolve::SurfaceResolve, trace::SurfaceTrace,
         },
-        view::{Inspection, Shot, camera_rays::CameraRays, shade::Shade, tonemap::Tonemap},
+        view::{
+            Inspection, Shot, antialias::TemporalAntialias, camera_rays::CameraRays, shade::Shade,
+            tonemap::Tonemap,
+        },
     },
 };
 
@@ -36,7 +40,15 @@ pub(super) struct Passes {
     resolve: SurfaceResolve,
     pub shade: Shade,
     pub inspect: Inspect,
+    pub antialias: Option<TemporalAntialias>,
     pub tonemap: Tonemap,
+}
+
+/// Which of the passes that are made only when they are requested.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Wanted {
+    pub inspection: Inspection,
+    pub antialias: Antialias,
 }
 
 impl Passes {
@@ -47,7 +59,7 @@ impl Passes {
         size: [u32; 2],
         field: &ProbeField,
         cache: &SurfaceCache,
-        wanted: Inspection,
+        wanted: Wanted,
         lights: &GpuLights,
         scene: &[(&'static str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, FrameError> {
@@ -70,11 +82,25 @@ impl Passes {
             let allocate =
                 threads.spawn(move || SurfaceAllocate::new(gpu, size, &surfaces, cache, scene));
             let shade = Shade::new(gpu, size, &camera_rays.surfaces, &offer)?;
-            let hdr = shade.hdr.create_view(&Default::default());
+            let antialias = match wanted.antialias {
+                Antialias::Off => None,
+                Antialias::Temporal => {
+                    let surfaces = &camera_rays.surfaces;
+                    let made = TemporalAntialias::new(gpu, size, &shade.hdr, surfaces, &offer);
+                    Some(made?)
+                }
+            };
+            let smoothed = antialias.iter().flat_map(|pass| &pass.colours);
+            let lit: Vec<_> = std::iter::once(&shade.hdr)
+                .chain(smoothed)
+                .map(|texture| texture.create_view(&Default::default()))
+                .collect();
+            let inspection = wanted.inspection;
             Ok(Self {
                 uses_cache: cache.is_used(),
-                tonemap: Tonemap::new(gpu, size, &hdr, scene)?,
-                inspect: Inspect::new(gpu, wanted, &camera_rays, &shade, field, &offer)?,
+                tonemap: Tonemap::new(gpu, size, &lit, scene)?,
+                inspect: Inspect::new(gpu, inspection, &camera_rays, &shade, field, &offer)?,
+                antialias,
                 lamp_lists: made(lamp_lists)?,
                 classify: made(classify)?,
                 visibility: made(visibility)?,
@@ -94,8 +120,15 @@ impl Passes {
 }
 
 impl Passes {
-    /// A whole frame. Passes inside `concurrent` do not depend on each other.
-    pub fn record(&self, recorder: &mut Recorder<'_>, update: Update, shot: &Shot) {
+    /// A whole frame. Passes inside `concurrent` do not depend on each other. `smoothed` is the index of the anti-aliased
+    /// picture that the frame writes; `None` leaves the picture as it is shaded.
+    pub fn record(
+        &self,
+        recorder: &mut Recorder<'_>,
+        update: Update,
+        shot: &Shot,
+        smoothed: Option<usize>,
+    ) {
         self.list_lamps(recorder, update.lists_lamps);
         let placed = self.place_probes(recorder, update);
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
@@ -115,15 +148,30 @@ impl Passes {
         let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
         let light = (probe_light, face_light);
         let radiance = self.shade(recorder, surfaces, light, shot);
-        self.tonemap(recorder, radiance);
+        let radiance = self.antialias(recorder, radiance, smoothed);
+        self.tonemap(recorder, radiance, smoothed);
     }
 
-    /// A picture of another shot, by the light of the last frame.
-    pub fn record_picture(&self, recorder: &mut Recorder<'_>, shot: &Shot) {
+    /// A picture of another shot, by the light of the last frame. `smoothed` as in [`record`](Self::record).
+    pub fn record_picture(
+        &self,
+        recorder: &mut Recorder<'_>,
+        shot: &Shot,
+        smoothed: Option<usize>,
+    ) {
         let surfaces = self.trace_camera(recorder);
         let light = (ProbeLight, FaceLight);
         let radiance = self.shade(recorder, surfaces, light, shot);
-        self.tonemap(recorder, radiance);
+        let radiance = self.antialias(recorder, radiance, smoothed);
+        self.tonemap(recorder, radiance, smoothed);
+    }
+
+    /// Linear HDR radiance of the last picture: anti-aliased, with an index, or as it was shaded.
+    pub fn radiance(&self, smoothed: Option<usize>) -> &wgpu::Texture {
+        match (&self.antialias, smoothed) {
+            (Some(pass), Some(which)) => &pass.colours[which],
+            _ => &self.shade.hdr,
+        }
     }
 }
 
@@ -234,8 +282,22 @@ impl Passes {
         Radiance
     }
 
-    fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance) {
-        self.tonemap.record(recorder);
+    /// Averages jittered pictures.
+    fn antialias(
+        &self,
+        recorder: &mut Recorder<'_>,
+        radiance: Radiance,
+        smoothed: Option<usize>,
+    ) -> Radiance {
+        if let (Some(pass), Some(which)) = (&self.antialias, smoothed) {
+            pass.record(recorder, which);
+        }
+        radiance
+    }
+
+    fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance, smoothed: Option<usize>) {
+        self.tonemap
+            .record(recorder, smoothed.map_or(0, |which| 1 + which));
     }
 }
 

@@ -157,7 +157,7 @@ impl TracedFrame {
         let resources = resources(stage, &self.view, &self.lights);
         let resolve = self.pass.resolve(gpu, &resources)?;
         let hdr = resolve.hdr.create_view(&Default::default());
-        let tonemap = Tonemap::new(gpu, size, &hdr, &resources)?;
+        let tonemap = Tonemap::new(gpu, size, &[hdr], &resources)?;
         Ok((resolve, tonemap))
     }
 

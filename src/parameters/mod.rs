@@ -238,6 +238,18 @@ choice! {
     }
 }
 
+choice! {
+    /// How edges are smoothed.
+    #[derive(Default)]
+    Antialias {
+        /// One ray through the centre of each pixel.
+        #[default]
+        Off = "off",
+        /// Frames with jittered rays are averaged.
+        Temporal = "temporal",
+    }
+}
+
 parameters! {
     #[doc = "What is voxelised."]
     world: WorldParameters {
@@ -317,6 +329,8 @@ parameters! {
     picture: PictureParameters {
         #[doc = "Exposure of PNG files and of the window in stops; 1 is twice as bright. EXR files stay linear."]
         exposure_ev: f32 = 0.0, Kind::Number { min: -20.0, max: 20.0 }, Nothing;
+        #[doc = "How edges are smoothed in the window and in render: temporal averages jittered frames and takes 32 bytes per pixel; off shows steps. Tables always measure pixels at their centres."]
+        antialias: Antialias = Antialias::Temporal, Antialias::KIND, Nothing;
     }
 
     #[doc = "Block textures."]

@@ -4,6 +4,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod antialias;
 mod cascades;
 mod dispatch_chunks;
 mod distances;

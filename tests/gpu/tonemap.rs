@@ -71,10 +71,10 @@ fn map_marked(gpu: &Gpu, exposure_ev: f32, view: View, alpha: f32) -> Picture {
     gpu.queue
         .write_buffer(&uniform, 0, bytemuck::bytes_of(&content));
     let resources = [("view", uniform.as_entire_binding())];
-    let pass = Tonemap::new(gpu, SIZE, &lit.create_view(&Default::default()), &resources)
-        .expect("compiles");
+    let lit = lit.create_view(&Default::default());
+    let pass = Tonemap::new(gpu, SIZE, &[lit], &resources).expect("compiles");
     let mut recorder = Recorder::new(gpu, None);
-    pass.record(&mut recorder);
+    pass.record(&mut recorder, 0);
     recorder.submit(gpu).expect("submits");
     pass.read_back(gpu).expect("reads back")
 }

@@ -96,7 +96,8 @@ impl Viewport {
         let choice = fitting(choice, &world);
         let stage = Stage::build(&gpu, &world)?;
         let layout = layout(&world, &choice.layout);
-        let frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
+        let mut frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
+        frame.antialias(&gpu, choice.parameters.picture.antialias)?;
         let mut viewport = Self {
             gpu,
             path: path.to_owned(),
@@ -161,6 +162,8 @@ impl Viewport {
             self.choice.layout.clone_from(&next.layout);
             self.choice.parameters.clone_from(&next.parameters);
         }
+        self.frame
+            .antialias(&self.gpu, next.parameters.picture.antialias)?;
         let resized = next.size != self.frame.size();
         if resized {
             self.frame.resize(&self.gpu, next.size)?;
@@ -205,8 +208,10 @@ impl Viewport {
             world.restored.overlay = self.overlay()?;
             let stage = Stage::build(&gpu, &world)?;
             let layout = layout(&world, &self.choice.layout);
-            let probes = &self.choice.parameters.probes;
-            self.frame = Frame::new(&gpu, stage, layout, probes, self.choice.size)?;
+            let parameters = &self.choice.parameters;
+            let mut frame = Frame::new(&gpu, stage, layout, &parameters.probes, self.choice.size)?;
+            frame.antialias(&gpu, parameters.picture.antialias)?;
+            self.frame = frame;
             self.world = world;
             self.voxels = None;
             self.build += 1;

@@ -1,5 +1,6 @@
 //! From the camera's rays to the picture, and views of the probes that light it.
 
+pub mod antialias;
 pub mod atlas_view;
 pub mod camera_rays;
 mod inspection;

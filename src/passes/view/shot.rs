@@ -31,9 +31,15 @@ crate::shared! {
         pub time_s: f32,
         /// 1: faces show their textures; 0: faces show the mean of their textures.
         pub textures: u32,
-        pub _pad: [u32; 3],
+        /// Width over which textures are averaged, in pixels.
+        pub texture_pixels: f32,
+        pub _pad: [u32; 2],
     }
 }
+
+/// Width over which a jittered ray averages textures, in pixels: a bias of −1 level of detail, as is usual for temporal
+/// anti-aliasing (Karis 2014).
+const JITTERED_TEXTURE_PIXELS: f32 = 0.5;
 
 /// What one frame shows: from which camera, at what time, in which view.
 #[derive(Clone, Debug)]
@@ -70,7 +76,22 @@ impl Shot {
             mode: self.view as u32,
             time_s: self.time_s as f32,
             textures: u32::from(self.textures && self.view != View::TexturesOff),
+            texture_pixels: 1.0,
             ..Default::default()
+        }
+    }
+
+    /// The same, with rays that go through their pixels at `jitter` (pixels from the centre). Jitter averages textures
+    /// too, so each ray averages less of them.
+    pub fn to_gpu_jittered(&self, jitter: [f64; 2]) -> GpuShot {
+        let [width, height] = self.size.map(f64::from);
+        let basis = self.camera.basis(width / height);
+        let forward = basis.forward + basis.right * (2.0 * jitter[0] / width)
+            - basis.up * (2.0 * jitter[1] / height);
+        GpuShot {
+            forward_ws: forward.as_vec3().to_array(),
+            texture_pixels: JITTERED_TEXTURE_PIXELS,
+            ..self.to_gpu()
         }
     }
 

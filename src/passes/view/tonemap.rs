@@ -11,7 +11,8 @@ use crate::{
 /// The kernel and the picture that it writes.
 pub struct Tonemap {
     kernel: Kernel,
-    bindings: Bindings,
+    /// One for each picture that may be shown.
+    bindings: Vec<Bindings>,
     /// `rgba8unorm`, sRGB-encoded, opaque.
     pub display: wgpu::Texture,
 }
@@ -20,15 +21,15 @@ pub struct Tonemap {
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 impl Tonemap {
-    /// For a picture of `size` pixels. `lit` is linear HDR of the same size in any float format;
-    /// `resources` are those of the view, whose exposure and mode apply.
+    /// For pictures of `size` pixels. `lit` are those that may be shown, in linear HDR of the same size and any float
+    /// format; `resources` are those of the view, whose exposure and mode apply.
     ///
     /// # Errors
     /// [`GpuError::Shader`], [`GpuError::TooLarge`].
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
-        lit: &wgpu::TextureView,
+        lit: &[wgpu::TextureView],
         resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
         let data_modes = View::value_variants()
@@ -45,23 +46,31 @@ impl Tonemap {
         )?;
         let display = gpu.texture("display", [size[0], size[1], 1], FORMAT)?;
         let display_view = display.create_view(&Default::default());
-        let mut all = resources.to_vec();
-        all.push(("lit", wgpu::BindingResource::TextureView(lit)));
-        all.push((
-            "display_out",
-            wgpu::BindingResource::TextureView(&display_view),
-        ));
+        let bind = |lit| {
+            let mut all = resources.to_vec();
+            all.push(("lit", wgpu::BindingResource::TextureView(lit)));
+            all.push((
+                "display_out",
+                wgpu::BindingResource::TextureView(&display_view),
+            ));
+            kernel.bind(gpu, &all)
+        };
         Ok(Self {
-            bindings: kernel.bind(gpu, &all),
+            bindings: lit.iter().map(bind).collect(),
             kernel,
             display,
         })
     }
 
-    pub fn record(&self, recorder: &mut Recorder<'_>) {
+    /// Shows the picture of this index.
+    ///
+    /// # Panics
+    /// If there is none: that is a caller's bug.
+    pub fn record(&self, recorder: &mut Recorder<'_>, which: usize) {
         recorder.compute("view/tonemap", |pass| {
             let size = [self.display.width(), self.display.height(), 1];
-            self.kernel.dispatch_threads(pass, &self.bindings, size);
+            self.kernel
+                .dispatch_threads(pass, &self.bindings[which], size);
         });
     }
 

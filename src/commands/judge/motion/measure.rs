@@ -243,7 +243,7 @@ impl Judging<'_, '_> {
     }
 
     /// Compares the last frame, which must show all light from the camera's place, as if it were at rest.
-    fn judged(&mut self, frame_loop: &FrameLoop<'_>, now: &Now) -> Result<Moment, Failure> {
+    fn judged(&mut self, frame_loop: &mut FrameLoop<'_>, now: &Now) -> Result<Moment, Failure> {
         let exposure_ev = frame_loop.shot().exposure_ev;
         let full = Shown::from_linear(frame_loop.radiance()?, exposure_ev);
         let indirect = frame_loop.radiance_of(View::Indirect)?;

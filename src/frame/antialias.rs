@@ -1,0 +1,225 @@
+//! Temporal anti-aliasing of a frame: where camera rays go through their pixels, and how long pictures are averaged.
+
+use super::{Frame, FrameError};
+use crate::{
+    gpu::{Gpu, Recorder},
+    lights::Lights,
+    parameters::Antialias,
+    passes::view::{Inspection, Shot, antialias::GpuHistory},
+    world::Camera,
+};
+
+/// Most frames that a pixel averages while anything changes. More is smoother; less follows sooner.
+const MOST_MOVING: u32 = 16;
+/// The same in a world at rest. f16 loses differences below 1/2048 of a value, so more would not be truer.
+const MOST_STILL: u32 = 64;
+/// Frames after a change in which history is still clipped: light follows a change for some frames.
+const CLIPPED_FRAMES: u32 = 16;
+
+/// What the pictures so far have shown.
+#[derive(Default)]
+pub(super) struct Antialiasing {
+    pub wanted: Antialias,
+    /// Pictures since the history began.
+    pictures: u32,
+    /// Frames since the camera, the lights or the voxels changed.
+    still: u32,
+    /// What the last picture showed; `None` where there is no history.
+    before: Option<(Shot, Option<Lights>)>,
+    /// First and last voxel (grid space) of the box that was edited since.
+    edited: Option<([u32; 3], [u32; 3])>,
+}
+
+/// How the next picture is drawn.
+pub(super) struct Jittered {
+    /// Where camera rays go through their pixels: pixels from the centre.
+    pub jitter: [f64; 2],
+    /// Index of the picture that is written.
+    pub which: usize,
+    pub history: GpuHistory,
+}
+
+impl Antialiasing {
+    /// Forgets all pictures: the next sequence is the same as that of a new frame.
+    pub fn restart(&mut self) {
+        *self = Self {
+            wanted: self.wanted,
+            ..Self::default()
+        };
+    }
+
+    /// Remembers that the voxels of this box (grid space) were edited.
+    pub fn edit(&mut self, first: [u32; 3], last: [u32; 3]) {
+        let (low, high) = self.edited.unwrap_or((first, last));
+        self.edited = Some((
+            std::array::from_fn(|axis| low[axis].min(first[axis])),
+            std::array::from_fn(|axis| high[axis].max(last[axis])),
+        ));
+    }
+
+    /// The next picture; `None` if it is not anti-aliased. Views of data are exact at the centres of pixels, and so are
+    /// probes that are drawn over a picture. `lights`: `None` if the light is that of the last picture.
+    pub fn next(
+        &mut self,
+        shot: &Shot,
+        inspected: &Inspection,
+        lights: Option<&Lights>,
+    ) -> Option<Jittered> {
+        let has_marks = inspected.probes.is_some() || inspected.atlas.is_some();
+        if self.wanted == Antialias::Off || shot.view.is_data() || has_marks {
+            self.restart();
+            return None;
+        }
+        let shows_same = |(before, _): &(Shot, _)| shows_same(before, shot);
+        let before = self.before.take().filter(shows_same);
+        let edited = self.edited.take();
+        let is_still = edited.is_none()
+            && before.as_ref().is_some_and(|(before, lights_before)| {
+                let is_lit_alike = lights.is_none() || lights == lights_before.as_ref();
+                before.camera == shot.camera && is_lit_alike
+            });
+        self.still = if is_still { self.still + 1 } else { 0 };
+        let is_clipped = lights.is_some() && self.still < CLIPPED_FRAMES;
+        let most_samples = match lights {
+            // Nothing changes but the jitter.
+            None => u32::MAX,
+            // Half of the time since the last change: what the light was during the change must not stay.
+            Some(_) => (self.still / 2).clamp(MOST_MOVING, MOST_STILL),
+        };
+        self.pictures += 1;
+        let jitter = r2(self.pictures);
+        let mut history = history_of(before.as_ref().map(|(shot, _)| &shot.camera), shot);
+        history.clips = u32::from(is_clipped);
+        history.most_samples = most_samples.min(MOST_COUNTED) as f32;
+        history.jitter = jitter.map(|pixels| pixels as f32);
+        (history.edited_first, history.edited_last) = edited.unwrap_or(([1; 3], [0; 3]));
+        let lights = match lights {
+            Some(lights) => Some(lights.clone()),
+            None => before.and_then(|(_, lights)| lights),
+        };
+        self.before = Some((shot.clone(), lights));
+        Some(Jittered {
+            jitter,
+            which: self.pictures as usize % 2,
+            history,
+        })
+    }
+}
+
+/// Largest number of frames that f16 counts exactly, with room for the base of the count.
+const MOST_COUNTED: u32 = 1024;
+
+/// Whether the pictures differ only by camera and light. Exposure comes after the average.
+fn shows_same(a: &Shot, b: &Shot) -> bool {
+    a.size == b.size && a.view == b.view && a.textures == b.textures
+}
+
+fn history_of(before: Option<&Camera>, shot: &Shot) -> GpuHistory {
+    let [width, height] = shot.size.map(f64::from);
+    let basis = before.unwrap_or(&shot.camera).basis(width / height);
+    GpuHistory {
+        position_ws: basis.origin.as_vec3().to_array(),
+        forward_ws: basis.forward.as_vec3().to_array(),
+        right_ws: basis.right.as_vec3().to_array(),
+        up_ws: basis.up.as_vec3().to_array(),
+        forgets: u32::from(before.is_none()),
+        moved: u32::from(before.is_some_and(|before| *before != shot.camera)),
+        ..Default::default()
+    }
+}
+
+/// Pixels from the centre of the pixel, by the additive recurrence of the plastic number (R2, Roberts 2018): any number
+/// of successive points covers the pixel evenly.
+fn r2(number: u32) -> [f64; 2] {
+    [0.754_877_666_246_693, 0.569_840_290_998_053]
+        .map(|step| (0.5 + f64::from(number) * step).fract() - 0.5)
+}
+
+impl Frame {
+    /// Sets whether the next pictures are anti-aliased. Views of data, and pictures with probes drawn over them, never
+    /// are.
+    ///
+    /// # Errors
+    /// [`FrameError::Gpu`] when the adapter cannot hold the history; the frame is then unchanged.
+    pub fn antialias(&mut self, gpu: &Gpu, wanted: Antialias) -> Result<(), FrameError> {
+        let before = std::mem::replace(&mut self.antialiasing.wanted, wanted);
+        if before != wanted
+            && let Err(error) = self.rebuild_passes(gpu)
+        {
+            self.antialiasing.wanted = before;
+            return Err(error);
+        }
+        Ok(())
+    }
+
+    /// Begins a new average of pictures of [`smooth`](Self::smooth).
+    pub fn restart_antialiasing(&mut self) {
+        self.antialiasing.restart();
+    }
+
+    /// Records one more picture of a shot by the lights and the probes of the last frame, without updates, for the
+    /// average of pictures with different jitter: light does not change, so it is a plain mean. The shot's size must be
+    /// the frame's. Returns whether the picture is anti-aliased; if not, nothing is recorded.
+    pub fn smooth(&mut self, gpu: &Gpu, recorder: &mut Recorder<'_>, shot: &Shot) -> bool {
+        debug_assert_eq!(shot.size, self.size, "the shot's size is the frame's");
+        let inspected = self.passes.inspect.wanted;
+        let Some(jittered) = self.antialiasing.next(shot, &inspected, None) else {
+            return false;
+        };
+        self.look(gpu, shot, Some(&jittered));
+        self.passes.record_picture(recorder, shot, self.shown);
+        true
+    }
+
+    /// Records the picture of a shot by the lights and the probes of the last frame, without updates and without
+    /// anti-aliasing. The shot's size must be the frame's.
+    pub fn show(&mut self, gpu: &Gpu, recorder: &mut Recorder<'_>, shot: &Shot) {
+        debug_assert_eq!(shot.size, self.size, "the shot's size is the frame's");
+        self.look(gpu, shot, None);
+        self.passes.record_picture(recorder, shot, None);
+    }
+
+    /// Tells the GPU about the next picture.
+    pub(super) fn look(&mut self, gpu: &Gpu, shot: &Shot, jittered: Option<&Jittered>) {
+        let uniform = match jittered {
+            Some(jittered) => shot.to_gpu_jittered(jittered.jitter),
+            None => shot.to_gpu(),
+        };
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        self.shown = jittered.map(|jittered| jittered.which);
+        if let (Some(jittered), Some(pass)) = (jittered, &self.passes.antialias) {
+            pass.set(gpu, &jittered.history);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn successive_jitters_cover_the_pixel_evenly() {
+        for from in [1, 40, 1000] {
+            let points: Vec<_> = (from..from + 64).map(r2).collect();
+            for quadrant in 0..4 {
+                let inside =
+                    |[x, y]: &&[f64; 2]| (x >= &0.0) as u32 + 2 * (y >= &0.0) as u32 == quadrant;
+                let count = points.iter().filter(inside).count();
+                assert!((14..=18).contains(&count), "{count} of 64 from {from}");
+            }
+            let all = points.iter().flatten();
+            assert!(all.clone().all(|pixels| pixels.abs() <= 0.5));
+            let mean: f64 = all.sum::<f64>() / 128.0;
+            assert!(mean.abs() < 0.02, "{mean}");
+        }
+    }
+
+    #[test]
+    fn edits_join_to_one_box() {
+        let mut state = Antialiasing::default();
+        state.edit([4, 5, 6], [4, 5, 6]);
+        state.edit([1, 9, 6], [2, 9, 7]);
+        assert_eq!(state.edited, Some(([1, 5, 6], [4, 9, 7])));
+    }
+}
