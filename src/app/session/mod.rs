@@ -3,6 +3,7 @@
 mod benchmark;
 mod input;
 mod lost;
+mod menu;
 mod panels;
 mod play;
 mod times;
@@ -24,6 +25,7 @@ use super::{
     brush::Brush,
     clock::{FrameRate, WorldClock},
     input::Input,
+    menu::{Folders, Menu, Occasion},
     messages::Messages,
     pace::Attention,
     panel::{PassMeans, Settings},
@@ -37,6 +39,7 @@ use crate::{
     frame::FrameError,
     gpu::{self, DeviceErrors, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
+    parameters::Parameters,
     passes::view::overlay::Overlay,
     world::Camera,
 };
@@ -58,6 +61,11 @@ pub struct Session {
     egui: egui_winit::State,
     settings: Settings,
     panel_open: bool,
+    /// While it is open, it takes all input.
+    menu: Option<Menu>,
+    folders: Folders,
+    /// With which every world is entered.
+    parameters_at_start: Parameters,
     messages: Messages,
     camera: Camera,
     play: Play,
@@ -118,7 +126,10 @@ impl Session {
         };
         let mut messages = Messages::default();
         let mut viewport = build(&gpu, options, choice, &mut messages)?;
-        messages.toast("Click into the picture to look around; F1 hides the panel");
+        if !options.title {
+            messages
+                .toast("Click into the picture to look around; F1 shows the keys, Tab the panel");
+        }
         let settings = Settings {
             choice: viewport.choice().clone(),
             inspection: options.inspection,
@@ -142,7 +153,10 @@ impl Session {
             viewport,
             replaced: None,
             lose_device_at: options.lose_device_at,
-            panel_open: true,
+            panel_open: false,
+            menu: None,
+            folders: Folders::of_user(),
+            parameters_at_start: options.parameters.clone(),
             messages,
             camera: options.camera.clone(),
             captured: false,
@@ -166,6 +180,9 @@ impl Session {
             benchmarks: Benchmarks::default(),
             seed: options.seed,
         };
+        if options.title {
+            session.open_menu(Occasion::Title);
+        }
         if options.benchmark {
             session.begin_benchmark();
         }
