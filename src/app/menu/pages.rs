@@ -22,13 +22,16 @@ const PICTURE: Vec2 = Vec2::new(216.0, 121.5);
 const GAP: f32 = 12.0;
 /// Lines of a world's title on its card.
 const LINES: usize = 3;
-const DIM: Color32 = Color32::from_black_alpha(150);
+const TEXT: Color32 = Color32::from_gray(225);
+const DIM: Color32 = Color32::from_black_alpha(185);
 const CLEAR: Color32 = Color32::from_black_alpha(40);
 
 impl Menu {
     /// Draws the menu and returns what was chosen.
     pub fn show(&mut self, ui: &mut Ui, settings: &mut Settings) -> Option<Action> {
         let mut action = None;
+        // The picture behind may be bright.
+        ui.visuals_mut().override_text_color = Some(TEXT);
         let column = Frame::new().fill(DIM).inner_margin(Margin::same(14));
         Panel::left("menu")
             .frame(column)

@@ -9,7 +9,7 @@ use std::{
         atomic::{AtomicBool, Ordering},
         mpsc::{self, Receiver},
     },
-    thread,
+    thread::{self, JoinHandle},
 };
 
 use egui::{ColorImage, TextureHandle, TextureOptions};
@@ -26,7 +26,7 @@ use crate::{
 /// Width and height (pixels).
 pub const SIZE: [u32; 2] = [256, 144];
 /// Frames until the light of a picture has settled well enough.
-const FRAMES: u32 = 48;
+const FRAMES: u32 = 24;
 
 /// The pictures that have been made so far.
 pub struct Pictures {
@@ -34,6 +34,7 @@ pub struct Pictures {
     textures: BTreeMap<String, TextureHandle>,
     made: Receiver<(String, ColorImage)>,
     stopped: Arc<AtomicBool>,
+    maker: Option<JoinHandle<()>>,
 }
 
 impl Pictures {
@@ -42,7 +43,7 @@ impl Pictures {
         let (sender, made) = mpsc::channel();
         let stopped = Arc::new(AtomicBool::new(false));
         let (gpu, stop) = (gpu.clone(), stopped.clone());
-        thread::spawn(move || {
+        let maker = thread::spawn(move || {
             for entry in entries {
                 if stop.load(Ordering::Relaxed) {
                     return;
@@ -58,6 +59,7 @@ impl Pictures {
             textures: BTreeMap::new(),
             made,
             stopped,
+            maker: Some(maker),
         }
     }
 
@@ -81,6 +83,9 @@ impl Pictures {
 impl Drop for Pictures {
     fn drop(&mut self) {
         self.stopped.store(true, Ordering::Relaxed);
+        // Some drivers crash when the process ends while a thread still uses them. After a panic, which was printed,
+        // there is nothing to wait for.
+        let _ = self.maker.take().map(JoinHandle::join);
     }
 }
 
