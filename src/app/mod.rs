@@ -14,6 +14,7 @@ mod clock;
 mod controls;
 mod hands;
 mod input;
+mod menu;
 mod messages;
 mod pace;
 mod panel;
@@ -32,7 +33,7 @@ mod viewport;
 mod views;
 mod widgets;
 
-use std::{path::PathBuf, time::Instant};
+use std::{env, path::PathBuf, time::Instant};
 
 use winit::{
     application::ApplicationHandler,
@@ -45,6 +46,7 @@ use winit::{
 use crate::{
     frame::FrameError,
     gpu::GpuError,
+    measure::whole_file::FileError,
     parameters::Parameters,
     passes::view::Inspection,
     world::{Camera, World, save::SaveError},
@@ -73,6 +75,8 @@ pub struct Options {
     pub seed: u32,
     /// Reads the shaders from this folder, and again whenever they are edited.
     pub shaders: Option<PathBuf>,
+    /// Starts with the title screen: the world is only to look at.
+    pub title: bool,
     /// Starts with the benchmark.
     pub benchmark: bool,
     /// Closes the window after this many frames.
@@ -105,6 +109,26 @@ pub enum AppError {
     Record(#[from] RecordError),
     #[error(transparent)]
     Save(#[from] SaveError),
+}
+
+/// Whether the system says that there is a display. An event loop would tell for certain, but a process can make only
+/// one.
+pub fn has_display() -> bool {
+    let is_named = |name| env::var_os(name).is_some_and(|value| !value.is_empty());
+    let is_x11_or_wayland = cfg!(all(unix, not(target_os = "macos")));
+    !is_x11_or_wayland
+        || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+            .into_iter()
+            .any(is_named)
+}
+
+/// The world behind the title screen, as a file.
+///
+/// # Errors
+/// [`FileError`] when it cannot be written.
+pub fn title_world() -> Result<PathBuf, FileError> {
+    let first = menu::built_in().swap_remove(0);
+    first.path(&menu::Folders::of_user())
 }
 
 /// Opens the window. Returns, when it is closed, the number of frames that it has shown.

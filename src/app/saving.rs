@@ -8,7 +8,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::messages::Messages;
+use super::{clock::WorldClock, messages::Messages};
+use crate::parameters::Parameters;
 use crate::world::{
     Overlay, file,
     save::{self, Folder, Head, Save, SaveError, State, VARIABLE, now_s},
@@ -33,6 +34,24 @@ pub struct SaveOptions {
 pub struct Kept {
     pub state: State,
     pub overlay: Overlay,
+}
+
+/// The parameters that a save kept. Those that are no longer known keep their defaults: notes of the world say so.
+pub fn parameters_of(save: &Save) -> Parameters {
+    let mut parameters = Parameters::default();
+    for assignment in &save.state.set {
+        let _ = parameters.set(assignment);
+    }
+    parameters
+}
+
+/// The clock with which a run goes on.
+pub fn clock_of(save: &Save) -> WorldClock {
+    WorldClock {
+        time_s: save.state.time_s,
+        paused: save.state.paused,
+        rate: save.state.rate,
+    }
 }
 
 /// The saves of a run.

@@ -32,7 +32,7 @@ use clap::{Parser, Subcommand};
 
 pub use failure::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_GATE, EXIT_INTERRUPTED, EXIT_NO_GPU, Failure};
 
-/// Printed when `grotto` is called without arguments.
+/// Printed when `grotto` is called without arguments where no window can be opened.
 const GREETING: &str = "\
 grotto renders procedural voxel worlds with real-time global illumination (DDGI).
 
@@ -78,7 +78,10 @@ enum Command {
 pub fn run(cli: Cli) -> Result<(), Failure> {
     stop::listen();
     match cli.command {
-        None => output::print(GREETING),
+        None => match play::open()? {
+            true => Ok(()),
+            false => output::print(GREETING),
+        },
         Some(Command::Play(arguments)) => play::run(arguments),
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Reference(arguments)) => reference::run(&arguments),

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::{Failure, output};
 use crate::{
+    app::saving,
     parameters::{Parameters, nearest},
     passes::view::{AtlasLayer, Inspection, ProbeColour},
     world::{
@@ -168,7 +169,7 @@ impl Setup {
             false => None,
         };
         if let Some(save) = &save {
-            parameters = parameters_of(save);
+            parameters = saving::parameters_of(save);
             for assignment in &run.set {
                 parameters.set(assignment)?;
             }
@@ -223,15 +224,6 @@ impl Setup {
 
 /// The start of an assignment that names a lamp preset.
 const PRESET: &str = "lights.preset=";
-
-/// The parameters that a save kept. Those that are no longer known keep their defaults: notes of the world say so.
-fn parameters_of(save: &Save) -> Parameters {
-    let mut parameters = Parameters::default();
-    for assignment in &save.state.set {
-        let _ = parameters.set(assignment);
-    }
-    parameters
-}
 
 /// Prints what a person should know about a world that was read from a save.
 pub fn note_restored(run: &RunOptions, world: &World) {

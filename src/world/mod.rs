@@ -11,6 +11,7 @@ pub mod features;
 pub mod file;
 pub mod generate;
 pub mod materials;
+pub mod new_cave;
 pub mod noise;
 pub mod rules;
 pub mod save;

@@ -19,20 +19,64 @@ fn ended(command: &mut Command) -> Output {
 
 /// `grotto play` with these arguments, on a display of its own.
 fn play(arguments: &[&str]) -> Output {
+    ended(on_a_display().arg("play").args(arguments))
+}
+
+/// grotto, on a display of its own.
+fn on_a_display() -> Command {
     let found = Command::new("xvfb-run").arg("--help").output();
     assert!(
         found.is_ok(),
         "xvfb-run was not found. scripts/test installs it on Debian (packages xvfb and xauth)."
     );
-    ended(
-        Command::new("xvfb-run")
-            .args(["--auto-servernum", "--server-args=-screen 0 640x480x24"])
-            .arg(grotto().get_program())
-            .arg("play")
-            .args(arguments)
-            .env("RUST_LOG", "grotto=info")
-            .env_remove("WAYLAND_DISPLAY"),
-    )
+    let mut command = Command::new("xvfb-run");
+    command
+        .args(["--auto-servernum", "--server-args=-screen 0 640x480x24"])
+        .arg(grotto().get_program())
+        .env("RUST_LOG", "grotto=info")
+        .env_remove("WAYLAND_DISPLAY");
+    command
+}
+
+#[test]
+fn without_a_world_the_title_screen_opens_anywhere() {
+    let place = folder();
+    let mut command = on_a_display();
+    command
+        .args([
+            "play",
+            "--frames",
+            "3",
+            "--size",
+            "320x200",
+            "--set",
+            "probes.rays=16",
+        ])
+        .env("XDG_DATA_HOME", place.path().join("data"))
+        .env("XDG_CACHE_HOME", place.path().join("cache"))
+        .stdin(Stdio::null())
+        // Not a checkout: the worlds come out of the binary.
+        .current_dir(place.path());
+    let output = output(&mut command);
+    let stderr = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    let worlds = fs::read_dir(place.path().join("cache/grotto"))
+        .expect("a cache")
+        .count();
+    assert!(worlds > 0, "the world behind the title is a file");
+    assert!(!place.path().join("data/grotto/saves/cave.grotto").exists());
+}
+
+#[test]
+fn without_a_display_a_bare_call_greets() {
+    let output = ended(
+        grotto()
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET"),
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("grotto render"));
 }
 
 #[test]

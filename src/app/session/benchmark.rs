@@ -126,7 +126,10 @@ impl Session {
                 self.camera = run.camera();
                 self.settings.clock.time_s = run.time_s();
             }
-            None => self.play_on(elapsed)?,
+            None => match self.menu.as_ref().map(|menu| menu.occasion) {
+                Some(occasion) => self.linger(occasion, elapsed),
+                None => self.play_on(elapsed)?,
+            },
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use winit::{
     event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent},
     keyboard::{KeyCode, PhysicalKey},
-    window::{CursorGrabMode, Fullscreen},
+    window::CursorGrabMode,
 };
 
 use super::{
@@ -11,6 +11,7 @@ use super::{
         controls::{Shortcut, player_key, shortcut},
         hands::brush::Stroke,
         input::Input,
+        menu::Occasion,
     },
     Session,
 };
@@ -25,7 +26,7 @@ impl Session {
 
     /// Handles any event except requests to close or to draw.
     pub fn event(&mut self, event: &WindowEvent) {
-        if self.benchmark_takes(event) {
+        if self.benchmark_takes(event) || self.menu_takes(event) {
             return;
         }
         // The panel ignores input that steers the camera, but it must receive releases.
@@ -71,6 +72,38 @@ impl Session {
             }
             _ => {}
         }
+    }
+
+    /// While the menu is open all input is its own; releases, sizes and focus are still passed on.
+    fn menu_takes(&mut self, event: &WindowEvent) -> bool {
+        if let WindowEvent::DroppedFile(path) = event {
+            self.dropped(path);
+            return true;
+        }
+        let (pressed, key) = match event {
+            WindowEvent::KeyboardInput { event, .. } => {
+                let pressed = event.state == ElementState::Pressed;
+                let key = match event.physical_key {
+                    PhysicalKey::Code(code) if pressed && !event.repeat => Some(code),
+                    _ => None,
+                };
+                (pressed, key)
+            }
+            WindowEvent::MouseInput { state, .. } => (*state == ElementState::Pressed, None),
+            WindowEvent::MouseWheel { .. } => (true, None),
+            _ => (false, None),
+        };
+        if self.menu.is_none() || !pressed {
+            return false;
+        }
+        let _ = self.egui.on_window_event(&self.window, event);
+        match key {
+            Some(KeyCode::Escape | KeyCode::F1) => self.leave_menu(),
+            Some(KeyCode::F2) => self.screenshot_wanted = true,
+            Some(KeyCode::F11) => self.toggle_full_screen(),
+            _ => {}
+        }
+        true
     }
 
     fn clicked(&mut self, button: MouseButton) {
@@ -126,19 +159,20 @@ impl Session {
             return;
         }
         match code {
-            KeyCode::Escape => self.release_mouse(),
+            KeyCode::Escape | KeyCode::F1 => self.open_menu(Occasion::Pause),
+            KeyCode::Tab => {
+                self.panel_open = !self.panel_open;
+                if self.panel_open {
+                    self.release_mouse();
+                }
+            }
             _ if saves => self.save(),
-            KeyCode::F1 => self.panel_open = !self.panel_open,
             KeyCode::F2 => self.screenshot_wanted = true,
             KeyCode::F3 => self.next_probes(),
             KeyCode::F4 => self.begin_benchmark(),
             KeyCode::F5 => self.reload(true, true),
             KeyCode::F6 => self.toggle_reference(),
-            KeyCode::F11 => {
-                let full = self.window.fullscreen().is_none();
-                let mode = full.then_some(Fullscreen::Borderless(None));
-                self.window.set_fullscreen(mode);
-            }
+            KeyCode::F11 => self.toggle_full_screen(),
             // The user types a number into the panel.
             _ if is_typing => {}
             KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
@@ -164,7 +198,7 @@ impl Session {
         }
     }
 
-    fn capture_mouse(&mut self) {
+    pub(super) fn capture_mouse(&mut self) {
         // If neither mode is available, the mouse still turns the camera.
         let _ = self
             .window

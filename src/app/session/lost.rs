@@ -38,6 +38,9 @@ impl Session {
         self.timing = Timing::new(&gpu)?;
         // The panel's textures were on the old device: a new context uploads all of them again.
         self.egui = panel_state(event_loop, &self.window, &gpu);
+        if let Some(menu) = &mut self.menu {
+            menu.forget_textures();
+        }
         self.viewport.move_to(gpu)?;
         self.messages
             .toast("The GPU was lost and opened again; edits are kept, light is computed again");

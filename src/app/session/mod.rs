@@ -3,6 +3,7 @@
 mod benchmark;
 mod input;
 mod lost;
+mod menu;
 mod panels;
 mod play;
 mod saves;
@@ -25,11 +26,12 @@ use super::{
     clock::{FrameRate, WorldClock},
     hands::brush::Brush,
     input::Input,
+    menu::{Folders, Menu, Occasion},
     messages::Messages,
     pace::Attention,
     panel::{PassMeans, Settings},
     reload::Watch,
-    saving::Saving,
+    saving::{Saving, clock_of},
     screen::{self, Acquired, Screen},
     screenshot,
     viewport::{Choice, Viewport},
@@ -39,6 +41,7 @@ use crate::{
     frame::FrameError,
     gpu::{self, DeviceErrors, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
     measure::picture_file,
+    parameters::Parameters,
     passes::view::overlay::Overlay,
     world::Camera,
 };
@@ -60,6 +63,11 @@ pub struct Session {
     egui: egui_winit::State,
     settings: Settings,
     panel_open: bool,
+    /// While it is open, it takes all input.
+    menu: Option<Menu>,
+    folders: Folders,
+    /// With which every world is entered.
+    parameters_at_start: Parameters,
     messages: Messages,
     camera: Camera,
     play: Play,
@@ -122,7 +130,10 @@ impl Session {
         };
         let mut messages = Messages::default();
         let mut viewport = build(&gpu, options, choice, &mut messages)?;
-        messages.toast("Click into the picture to look around; F1 hides the panel");
+        if !options.title {
+            messages
+                .toast("Click into the picture to look around; F1 shows the keys, Tab the panel");
+        }
         for note in viewport.take_notes() {
             messages.toast_error(note);
         }
@@ -150,7 +161,10 @@ impl Session {
             viewport,
             replaced: None,
             lose_device_at: options.lose_device_at,
-            panel_open: true,
+            panel_open: false,
+            menu: None,
+            folders: Folders::of_user(),
+            parameters_at_start: options.parameters.clone(),
             messages,
             camera: options.camera.clone(),
             captured: false,
@@ -175,6 +189,9 @@ impl Session {
             benchmarks: Benchmarks::default(),
             seed: options.seed,
         };
+        if options.title {
+            session.open_menu(Occasion::Title);
+        }
         if options.benchmark {
             session.begin_benchmark();
         }
@@ -364,11 +381,7 @@ impl Session {
 /// World time at the start: that of the save, if the run continues one.
 fn first_clock(options: &Options) -> WorldClock {
     let continued = options.saves.continued.as_ref();
-    let saved = continued.map(|(_, save)| WorldClock {
-        time_s: save.state.time_s,
-        paused: save.state.paused,
-        rate: save.state.rate,
-    });
+    let saved = continued.map(|(_, save)| clock_of(save));
     let clock = saved.unwrap_or_default();
     WorldClock {
         paused: clock.paused || options.traced,

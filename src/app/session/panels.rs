@@ -27,8 +27,11 @@ impl Session {
             probes: self.probes,
         };
         let mut action = None;
+        let mut chosen = None;
         let output = context.run_ui(input, |ui| {
-            if let Some(summary) = &self.benchmarks.summary {
+            if let Some(menu) = &mut self.menu {
+                chosen = menu.show(ui, &mut self.settings).or(chosen.take());
+            } else if let Some(summary) = &self.benchmarks.summary {
                 summary.show(ui);
             } else if self.panel_open && self.benchmarks.running.is_none() {
                 action = panel::show(ui, &facts, &mut self.settings).or(action);
@@ -46,6 +49,9 @@ impl Session {
             Some(Action::Screenshot) => self.screenshot_wanted = true,
             Some(Action::Reload) => self.reload(true, true),
             None => {}
+        }
+        if let Some(chosen) = chosen {
+            self.carry_out(event_loop, chosen);
         }
         if !self.captured {
             self.egui.handle_platform_output_with_event_loop(

@@ -16,6 +16,7 @@ use crate::app::{
     run::Chosen,
     viewport::Viewport,
 };
+use crate::world::Camera;
 
 /// Longest simulated time of a frame, so that a stall does not become a leap.
 const LONGEST_FRAME: Duration = Duration::from_millis(250);
@@ -52,14 +53,32 @@ impl Play {
             Recorder::create(path, &header)
         });
         Ok(Self {
+            recorder: recorder.transpose()?,
+            playback: options.replay.clone().map(Playback::new),
+            ..Self::of(player, viewport)
+        })
+    }
+
+    /// A run of its own, in a world that is entered from the menu.
+    ///
+    /// # Errors
+    /// [`AppError`] when the voxels cannot be read back.
+    pub fn afresh(camera: &Camera, viewport: &mut Viewport) -> Result<Self, AppError> {
+        let world = viewport.world().clone();
+        let player = Player::new(camera, &world, &viewport.ground()?);
+        Ok(Self::of(player, viewport))
+    }
+
+    fn of(player: Player, viewport: &Viewport) -> Self {
+        Self {
             player,
             hands: Hands::default(),
             pending: Vec::new(),
             chosen: Chosen::at_start(viewport),
-            recorder: recorder.transpose()?,
-            playback: options.replay.clone().map(Playback::new),
+            recorder: None,
+            playback: None,
             unrecorded: None,
-        })
+        }
     }
 }
 

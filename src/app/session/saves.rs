@@ -37,7 +37,7 @@ impl Session {
         Ok(self.saving.finish(kept)?)
     }
 
-    fn kept(&mut self) -> Result<Kept, AppError> {
+    pub(super) fn kept(&mut self) -> Result<Kept, AppError> {
         kept(&mut self.viewport, &self.play.player, &self.settings.clock)
     }
 }

@@ -4,11 +4,11 @@ mod replay;
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, Parser as _};
 use serde::Serialize;
 
 use super::{
-    Failure,
+    Cli, Command, Failure,
     options::{
         InspectionOptions, OutputOptions, PictureOptions, RunOptions, Setup, assignment,
         picture_size,
@@ -37,14 +37,13 @@ struct Record {
     frames: u32,
 }
 
-/// The world of a session that names none.
-const WORLD: &str = "worlds/cave.ron";
 const SIZE: [u32; 2] = [1280, 720];
 
 /// Walk through a world in a window
 #[derive(Args)]
 pub struct Arguments {
-    /// World file, read again whenever it is edited, or a save to go on from [default: worlds/cave.ron, or the record's]
+    /// World file, read again whenever it is edited, or a save to go on from [default: the title screen, or the record's
+    /// world]
     world: Option<PathBuf>,
     /// Width and height of the window in pixels [default: 1280x720]; with --out of the pictures [default: those
     /// of the record]
@@ -107,6 +106,34 @@ pub struct Arguments {
     lose_device_at: Option<u32>,
 }
 
+/// The window as a call without any argument opens it. Returns false where no window can be opened.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn open() -> Result<bool, Failure> {
+    let cli = Cli::try_parse_from(["grotto", "play"]).map_err(Failure::fault)?;
+    let Some(Command::Play(arguments)) = cli.command else {
+        return Ok(false);
+    };
+    if !app::has_display() {
+        return Ok(false);
+    }
+    run(arguments).map(|()| true)
+}
+
+impl Arguments {
+    /// Whether the user is to choose a world: nothing was asked of a certain one.
+    fn is_open(&self) -> bool {
+        let asked = self.camera.is_some()
+            || self.layout.is_some()
+            || self.record.is_some()
+            || self.replay.is_some()
+            || self.benchmark
+            || self.reference;
+        self.world.is_none() && !asked
+    }
+}
+
 pub fn run(arguments: Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.shaders
         && !folder.join("view/shade.wesl").is_file()
@@ -140,7 +167,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
             )
         }
         None => (
-            arguments.world.clone().unwrap_or_else(|| WORLD.into()),
+            arguments.world.clone().map_or_else(app::title_world, Ok)?,
             arguments.layout.clone(),
             arguments.seed,
         ),
@@ -203,6 +230,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         (Some(save), Some(record)) => start_of(record, save, &world_path)?,
         _ => world_path.clone(),
     };
+    let title = arguments.is_open();
     let frames = app::run(app::Options {
         world_path,
         world: setup.world,
@@ -215,6 +243,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         adapter: run.adapter,
         seed,
         shaders: arguments.shaders,
+        title,
         benchmark: arguments.benchmark,
         frames: arguments.frames,
         recorded_world,

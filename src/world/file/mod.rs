@@ -106,6 +106,15 @@ pub fn text(path: &Path) -> Result<String, Report> {
     Ok(source.text.to_string())
 }
 
+/// The title of a world file, if its text can be parsed; the world need not be buildable.
+pub fn title(text: &str) -> Option<String> {
+    let source = Source {
+        name: String::new(),
+        text: text.into(),
+    };
+    source.text(&parsed(&source).ok()?.title, "title").ok()
+}
+
 /// The files that a world file includes, whether or not they exist; `None` if the file cannot be parsed
 /// far enough to find their names.
 pub fn included(path: &Path) -> Option<Vec<PathBuf>> {

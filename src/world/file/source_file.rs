@@ -6,13 +6,23 @@ use std::path::Path;
 
 use super::diagnostics::{Problem, Source};
 use super::values::Read;
+use super::vox;
 
 /// Larger world files are refused unread.
 pub const MAX_BYTES: u64 = 16 << 20;
 
-/// The text of a world file.
+/// The text of a world file. A MagicaVoxel model stands for a world around it: see [`vox::world_around`].
 pub fn read(path: &Path) -> Read<Source> {
     let name = path.display().to_string();
+    if path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("vox"))
+    {
+        return Ok(Source {
+            text: vox::world_around(path)?.into(),
+            name,
+        });
+    }
     let folder = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());

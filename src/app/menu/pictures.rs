@@ -1,0 +1,149 @@
+//! Pictures of the worlds in the menu. A thread makes them, one world after the other, while the menu is shown; they
+//! are kept in the user's cache.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+        mpsc::{self, Receiver},
+    },
+    thread::{self, JoinHandle},
+};
+
+use egui::{ColorImage, TextureHandle, TextureOptions};
+
+use super::worlds::{Entry, Origin};
+use crate::{
+    app::viewport::{Choice, Viewport},
+    gpu::{Gpu, Recorder},
+    measure::{picture::Picture, picture_file, whole_file},
+    parameters::Parameters,
+    world::file::{self, Overrides},
+};
+
+/// Width and height (pixels).
+pub const SIZE: [u32; 2] = [256, 144];
+/// Frames until the light of a picture has settled well enough.
+const FRAMES: u32 = 24;
+
+/// The pictures that have been made so far.
+pub struct Pictures {
+    images: BTreeMap<String, ColorImage>,
+    textures: BTreeMap<String, TextureHandle>,
+    made: Receiver<(String, ColorImage)>,
+    stopped: Arc<AtomicBool>,
+    maker: Option<JoinHandle<()>>,
+}
+
+impl Pictures {
+    /// Begins to make the pictures of these worlds, or to read them from `cache`.
+    pub fn begin(gpu: &Gpu, entries: Vec<Entry>, cache: PathBuf) -> Self {
+        let (sender, made) = mpsc::channel();
+        let stopped = Arc::new(AtomicBool::new(false));
+        let (gpu, stop) = (gpu.clone(), stopped.clone());
+        let maker = thread::spawn(move || {
+            for entry in entries {
+                if stop.load(Ordering::Relaxed) {
+                    return;
+                }
+                // A world without a picture has a card without one.
+                if let Some(picture) = picture_of(&gpu, &entry, &cache, &stop) {
+                    let _ = sender.send((entry.name, image_of(&picture)));
+                }
+            }
+        });
+        Self {
+            images: BTreeMap::new(),
+            textures: BTreeMap::new(),
+            made,
+            stopped,
+            maker: Some(maker),
+        }
+    }
+
+    /// The picture of a world, once it is made.
+    pub fn texture(&mut self, context: &egui::Context, name: &str) -> Option<&TextureHandle> {
+        self.images.extend(self.made.try_iter());
+        if !self.textures.contains_key(name) {
+            let image = self.images.get(name)?.clone();
+            let texture = context.load_texture(name, image, TextureOptions::LINEAR);
+            self.textures.insert(name.to_owned(), texture);
+        }
+        self.textures.get(name)
+    }
+
+    /// Forgets the textures of a context that is gone.
+    pub fn forget_textures(&mut self) {
+        self.textures.clear();
+    }
+}
+
+impl Drop for Pictures {
+    fn drop(&mut self) {
+        self.stopped.store(true, Ordering::Relaxed);
+        // Some drivers crash when the process ends while a thread still uses them. After a panic, which was printed,
+        // there is nothing to wait for.
+        let _ = self.maker.take().map(JoinHandle::join);
+    }
+}
+
+fn image_of(picture: &Picture) -> ColorImage {
+    let size = [picture.width as usize, picture.height as usize];
+    let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let rgb: Vec<u8> = picture
+        .rgb
+        .as_flattened()
+        .iter()
+        .map(|value| byte(*value))
+        .collect();
+    ColorImage::from_rgb(size, &rgb)
+}
+
+fn picture_of(gpu: &Gpu, entry: &Entry, cache: &Path, stop: &AtomicBool) -> Option<Picture> {
+    let text = entry.text()?;
+    let key = crc32fast::hash(text.as_bytes());
+    let version = env!("CARGO_PKG_VERSION");
+    let kept = cache.join(format!("{}-{key:08x}-{version}.png", entry.name));
+    if let Ok((picture, _)) = picture_file::read(&kept)
+        && [picture.width, picture.height] == SIZE
+    {
+        return Some(picture);
+    }
+    let picture = rendered(gpu, entry, &text, stop)?;
+    // Without a cache the picture is made again at the next start.
+    let _ = whole_file::create_folder(cache)
+        .map_err(picture_file::PictureError::from)
+        .and_then(|()| picture_file::write_png(&kept, &picture));
+    Some(picture)
+}
+
+/// The world from its first camera; `None` when it cannot be built, and when the menu is gone.
+fn rendered(gpu: &Gpu, entry: &Entry, text: &str, stop: &AtomicBool) -> Option<Picture> {
+    let folder = match &entry.origin {
+        Origin::File(path) => path.parent(),
+        Origin::BuiltIn(_) => None,
+    };
+    let world = file::parse(text, &entry.name, folder, &Overrides::default()).ok()?;
+    let camera = world.cameras.first()?.clone();
+    let choice = Choice {
+        parameters: Parameters::default(),
+        layout: String::new(),
+        size: SIZE,
+        traced: false,
+    };
+    let mut viewport = Viewport::new(gpu.clone(), Path::new(""), world, choice).ok()?;
+    for frame in 0..FRAMES {
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        let mut recorder = Recorder::new(gpu, None);
+        let time_s = f64::from(frame) / 60.0;
+        viewport.record(&mut recorder, &camera, time_s, 0).ok()?;
+        recorder.submit(gpu).ok()?;
+        // One frame at a time: the menu's own frames come in between.
+        gpu.wait().ok()?;
+    }
+    viewport.read_display().ok()
+}
