@@ -56,6 +56,7 @@ pub fn player_key(code: KeyCode) -> Option<Key> {
 pub enum Shortcut {
     Undo,
     Redo,
+    Save,
 }
 
 /// The shortcut of a key. It goes by the letter, not by its place on the keyboard: Z and Y trade places on some.
@@ -69,6 +70,7 @@ pub fn shortcut(modifiers: ModifiersState, key: &keyboard::Key) -> Option<Shortc
     match (letter.to_lowercase().as_str(), modifiers.shift_key()) {
         ("z", false) => Some(Shortcut::Undo),
         ("y", false) | ("z", true) => Some(Shortcut::Redo),
+        ("s", false) => Some(Shortcut::Save),
         _ => None,
     }
 }

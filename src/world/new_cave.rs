@@ -155,7 +155,7 @@ impl NewCave {
         }
         format!(
             r#"        (name: "lamps", scatter: [(
-            lamp: (power: 700, motion: [Flicker(amount: 0.2, rate: 5)]),
+            lamp: (power: 1800, motion: [Flicker(amount: 0.2, rate: 5)]),
             colours: [(1, 0.55, 0.2), (1, 0.75, 0.4), (0.3, 0.8, 1), (0.9, 0.35, 0.8)],
             count: {}, on: Ceiling, height: 3, clearance: 8, spacing: 7, max: ({}, {TOP}, {}),
         )]),

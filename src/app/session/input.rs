@@ -135,9 +135,6 @@ impl Session {
         let PhysicalKey::Code(code) = event.physical_key else {
             return;
         };
-        // Ctrl is also the key to run.
-        let saves =
-            code == KeyCode::KeyS && self.egui.egui_ctx().input(|input| input.modifiers.command);
         let key = player_key(code);
         if event.state == ElementState::Released {
             if let Some(key) = key {
@@ -150,23 +147,24 @@ impl Session {
             && !is_typing
         {
             // A held key undoes stroke after stroke.
-            return self.give(match shortcut {
-                Shortcut::Undo => Input::Undo,
-                Shortcut::Redo => Input::Redo,
-            });
+            return match shortcut {
+                Shortcut::Undo => self.give(Input::Undo),
+                Shortcut::Redo => self.give(Input::Redo),
+                Shortcut::Save if event.repeat => {}
+                Shortcut::Save => self.save(),
+            };
         }
         if event.repeat {
             return;
         }
         match code {
             KeyCode::Escape | KeyCode::F1 => self.open_menu(Occasion::Pause),
-            KeyCode::Tab => {
+            KeyCode::Tab if !is_typing => {
                 self.panel_open = !self.panel_open;
                 if self.panel_open {
                     self.release_mouse();
                 }
             }
-            _ if saves => self.save(),
             KeyCode::F2 => self.screenshot_wanted = true,
             KeyCode::F3 => self.next_probes(),
             KeyCode::F4 => self.begin_benchmark(),

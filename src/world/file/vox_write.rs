@@ -328,4 +328,39 @@ mod tests {
         let empty = model(&world, &Voxels::empty(UVec3::splat(16)), Chosen::All);
         assert!(matches!(empty, Err(ModelError::Empty)));
     }
+
+    #[test]
+    fn a_model_stands_for_a_world_around_it() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
+        let world = load(&path, &Overrides::default()).expect("it loads");
+        let voxels = generate(&world);
+        let (data, count) = model(&world, &voxels, Chosen::All).expect("it fits");
+        let mut bytes = Vec::new();
+        write(&data, &mut bytes).expect("a vector takes all");
+        let file = folder.path().join("a \"model\".VOX");
+        fs::write(&file, &bytes).expect("writable");
+        let alone = load(&file, &Overrides::default()).expect("a world around it");
+        let above_ground = |at: &UVec3| at.y as i32 + alone.origin.y >= 0;
+        let shown = generate(&alone);
+        let solid = shown.size();
+        let mut found = 0;
+        for z in 0..solid.z {
+            for y in 0..solid.y {
+                for x in 0..solid.x {
+                    let at = UVec3::new(x, y, z);
+                    found += usize::from(above_ground(&at) && shown.material(at.as_ivec3()) != 0);
+                }
+            }
+        }
+        assert_eq!(found, count);
+        let eye = alone.cameras[0].position.floor().as_ivec3() - alone.origin;
+        assert_eq!(shown.material(eye), 0, "the camera is in the air");
+        fs::write(&file, "no model").expect("writable");
+        let error = load(&file, &Overrides::default()).expect_err("no model");
+        assert!(
+            error.to_string().contains("not a MagicaVoxel model"),
+            "{error}"
+        );
+    }
 }
