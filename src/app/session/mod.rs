@@ -7,13 +7,14 @@ mod menu;
 mod panels;
 mod play;
 mod saves;
+mod screenshots;
 mod times;
 mod views;
 
 use std::{
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::Arc,
-    time::{Duration, Instant, SystemTime},
+    time::{Duration, Instant},
 };
 
 use winit::{event_loop::ActiveEventLoop, window::Window};
@@ -33,14 +34,12 @@ use super::{
     reload::Watch,
     saving::{Saving, clock_of},
     screen::{self, Acquired, Screen},
-    screenshot,
     viewport::{Choice, Viewport},
     without_place,
 };
 use crate::{
     frame::FrameError,
     gpu::{self, DeviceErrors, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
-    measure::picture_file,
     parameters::Parameters,
     passes::view::overlay::Overlay,
     world::Camera,
@@ -359,22 +358,6 @@ impl Session {
             self.world_watch.follow_world();
             self.give(Input::Reload);
         }
-    }
-
-    fn save_screenshot(&mut self) {
-        let path = screenshot::free_name(Path::new(""), SystemTime::now());
-        let picture = self.viewport.read_display();
-        let saved = picture
-            .map_err(|error| error.to_string())
-            .and_then(|picture| {
-                picture_file::write_png(&path, &picture).map_err(|error| error.to_string())
-            });
-        match saved {
-            Ok(()) => self.messages.toast(format!("saved {}", path.display())),
-            Err(error) => self.messages.toast_error(error),
-        }
-        self.rate.interrupt();
-        self.last_frame = Instant::now();
     }
 }
 

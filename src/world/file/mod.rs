@@ -22,6 +22,7 @@ mod summary;
 mod values;
 mod variant;
 mod vox;
+mod vox_alone;
 pub mod vox_write;
 
 use std::path::{Path, PathBuf};

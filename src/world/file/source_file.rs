@@ -6,12 +6,12 @@ use std::path::Path;
 
 use super::diagnostics::{Problem, Source};
 use super::values::Read;
-use super::vox;
+use super::vox_alone;
 
 /// Larger world files are refused unread.
 pub const MAX_BYTES: u64 = 16 << 20;
 
-/// The text of a world file. A MagicaVoxel model stands for a world around it: see [`vox::world_around`].
+/// The text of a world file. A MagicaVoxel model stands for a world around it: see [`vox_alone::world_around`].
 pub fn read(path: &Path) -> Read<Source> {
     let name = path.display().to_string();
     if path
@@ -19,7 +19,7 @@ pub fn read(path: &Path) -> Read<Source> {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("vox"))
     {
         return Ok(Source {
-            text: vox::world_around(path)?.into(),
+            text: vox_alone::world_around(path)?.into(),
             name,
         });
     }
