@@ -329,7 +329,7 @@ fn how_to_play(ui: &mut Ui) {
 /// A table of the keys in two columns.
 fn keys(ui: &mut Ui) {
     let half = controls::HELP.len().div_ceil(2);
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         Grid::new("keys")
             .num_columns(4)
             .spacing([16.0, 6.0])

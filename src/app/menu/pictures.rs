@@ -17,7 +17,7 @@ use egui::{ColorImage, TextureHandle, TextureOptions};
 use super::worlds::{Entry, Origin};
 use crate::{
     app::viewport::{Choice, Viewport},
-    gpu::{Gpu, Recorder},
+    gpu::{DeviceErrors, Gpu, Recorder},
     measure::{picture::Picture, picture_file, whole_file},
     parameters::Parameters,
     world::file::{self, Overrides},
@@ -38,12 +38,17 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Begins to make the pictures of these worlds, or to read them from `cache`.
+    /// Begins to make the pictures of these worlds on the adapter of `gpu`, or to read them from `cache`.
     pub fn begin(gpu: &Gpu, entries: Vec<Entry>, cache: PathBuf) -> Self {
         let (sender, made) = mpsc::channel();
         let stopped = Arc::new(AtomicBool::new(false));
         let (gpu, stop) = (gpu.clone(), stopped.clone());
         let maker = thread::spawn(move || {
+            // A device of its own: a window's surface can be configured only while its device has nothing to do.
+            let Ok(gpu) = gpu.reopened(None) else {
+                return;
+            };
+            let _errors = DeviceErrors::watch(&gpu);
             for entry in entries {
                 if stop.load(Ordering::Relaxed) {
                     return;
