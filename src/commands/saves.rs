@@ -31,27 +31,9 @@ enum Action {
         output: OutputOptions,
     },
     /// Copy a save to another name
-    Copy {
-        /// Name or file of the save
-        #[arg(value_name = "SAVE")]
-        from: String,
-        /// Name of the copy
-        #[arg(value_name = "NAME")]
-        to: String,
-        #[command(flatten)]
-        output: OutputOptions,
-    },
+    Copy(Names),
     /// Give a save another name
-    Rename {
-        /// Name or file of the save
-        #[arg(value_name = "SAVE")]
-        from: String,
-        /// Its new name
-        #[arg(value_name = "NAME")]
-        to: String,
-        #[command(flatten)]
-        output: OutputOptions,
-    },
+    Rename(Names),
     /// Delete a save and its backup
     Delete {
         /// Name or file of the save
@@ -63,6 +45,18 @@ enum Action {
         #[command(flatten)]
         output: OutputOptions,
     },
+}
+
+#[derive(Args)]
+struct Names {
+    /// Name or file of the save
+    #[arg(value_name = "SAVE")]
+    from: String,
+    /// The new name
+    #[arg(value_name = "NAME")]
+    to: String,
+    #[command(flatten)]
+    output: OutputOptions,
 }
 
 /// The `--json` of the list.
@@ -97,7 +91,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
     })?;
     match arguments.action {
         Action::List { output } => list(&folder, output),
-        Action::Copy { from, to, output } => {
+        Action::Copy(Names { from, to, output }) => {
             let (from, to) = (existing(&folder, &from)?, free(&folder, &to)?);
             // A damaged save is not copied.
             let mut content = save::read(&from)?;
@@ -108,7 +102,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
             save::write(&to, &content)?;
             done(output, "copied to", to)
         }
-        Action::Rename { from, to, output } => {
+        Action::Rename(Names { from, to, output }) => {
             let (from, to) = (existing(&folder, &from)?, free(&folder, &to)?);
             let failed = |reason| Failure::unwritten(&to, reason);
             let (backup, new_backup) = (save::backup_of(&from), save::backup_of(&to));

@@ -79,18 +79,15 @@ impl Menu {
     pub fn open(gpu: &Gpu, occasion: Occasion, folders: &Folders) -> Self {
         let entries = worlds::entries(folders);
         let cache = folders.pictures.clone();
-        // A pause is short: its pictures come from the cache, or from the title screen later.
-        let pictured = match occasion {
-            Occasion::Title => entries.clone(),
-            Occasion::Pause => Vec::new(),
-        };
+        // A pause is short: what the title screen has not made yet is made there later.
+        let maker = (occasion == Occasion::Title).then_some(gpu);
         Self {
             occasion,
             page: match occasion {
                 Occasion::Title => Page::Worlds,
                 Occasion::Pause => Page::HowToPlay,
             },
-            pictures: Pictures::begin(gpu, pictured, cache),
+            pictures: Pictures::begin(maker, entries.clone(), cache),
             entries,
             // A folder that cannot be read is told when a run begins that would be saved there.
             saves: Folder::of_user()

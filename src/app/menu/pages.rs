@@ -2,7 +2,7 @@
 
 use egui::{
     Align, Button, CentralPanel, Color32, CornerRadius, Frame, Grid, Layout, Margin, Panel,
-    RichText, ScrollArea, Sense, Slider, TextEdit, Ui, Vec2,
+    Response, RichText, ScrollArea, Sense, Slider, TextEdit, Ui, Vec2,
 };
 
 use super::{Action, Entry, Menu, Occasion, Page};
@@ -69,14 +69,14 @@ impl Menu {
             Occasion::Pause => "paused",
         });
         ui.add_space(GAP);
-        if self.occasion == Occasion::Pause && large(ui, "Resume", false) {
+        if self.occasion == Occasion::Pause && large(ui, "Resume", false).clicked() {
             *action = Some(Action::Resume);
         }
         if self.occasion == Occasion::Title
             && let Some(latest) = self.saves.first()
         {
             let told = format!("Go on in {}, {}", latest.name, since(latest));
-            if large_told(ui, "Continue", &told) {
+            if large(ui, "Continue", false).on_hover_text(told).clicked() {
                 *action = Some(Action::Continue(latest.path.clone()));
             }
         }
@@ -91,16 +91,16 @@ impl Menu {
             if page == Page::NewCave && self.occasion == Occasion::Pause {
                 continue;
             }
-            if large(ui, label, self.page == page) {
+            if large(ui, label, self.page == page).clicked() {
                 self.page = page;
                 self.is_stale = page == Page::NewCave;
             }
         }
         ui.add_space(GAP);
-        if self.occasion == Occasion::Pause && large(ui, "Title screen", false) {
+        if self.occasion == Occasion::Pause && large(ui, "Title screen", false).clicked() {
             *action = Some(Action::ToTitle);
         }
-        if large(ui, "Quit", false) {
+        if large(ui, "Quit", false).clicked() {
             *action = Some(Action::Quit);
         }
         ui.add_space(GAP);
@@ -227,7 +227,7 @@ impl Menu {
                 });
             self.is_stale |= self.cave != before;
             ui.add_space(GAP);
-            if large(ui, "Enter the cave", true) {
+            if large(ui, "Enter the cave", true).clicked() {
                 *action = Some(Action::Create(self.cave.clone(), self.name.clone()));
             }
         });
@@ -248,16 +248,10 @@ fn since(save: &Listed) -> String {
     }
 }
 
-fn large_told(ui: &mut Ui, label: &str, told: &str) -> bool {
+fn large(ui: &mut Ui, label: &str, is_chosen: bool) -> Response {
     let text = RichText::new(label).size(17.0);
-    let button = ui.add(Button::new(text).min_size(BUTTON));
-    button.on_hover_text(told).clicked()
-}
-
-fn large(ui: &mut Ui, label: &str, is_chosen: bool) -> bool {
-    let text = RichText::new(label).size(17.0);
-    ui.add(Button::new(text).selected(is_chosen).min_size(BUTTON))
-        .clicked()
+    let button = Button::new(text).selected(is_chosen).min_size(BUTTON);
+    ui.add(button)
 }
 
 /// A world with its picture; returns whether it was clicked.

@@ -38,24 +38,40 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Begins to make the pictures of these worlds on the adapter of `gpu`, or to read them from `cache`.
-    pub fn begin(gpu: &Gpu, entries: Vec<Entry>, cache: PathBuf) -> Self {
+    /// Begins to read the pictures of these worlds from `cache`, and to make those that are not there on the adapter of
+    /// `gpu`; without one they stay away.
+    pub fn begin(gpu: Option<&Gpu>, entries: Vec<Entry>, cache: PathBuf) -> Self {
         let (sender, made) = mpsc::channel();
         let stopped = Arc::new(AtomicBool::new(false));
-        let (gpu, stop) = (gpu.clone(), stopped.clone());
+        let (gpu, stop) = (gpu.cloned(), stopped.clone());
         let maker = thread::spawn(move || {
+            let send = |name: &str, picture: &Picture| {
+                // Without a receiver the menu is gone, and `stop` is set.
+                let _ = sender.send((name.to_owned(), image_of(picture)));
+            };
+            let missing: Vec<_> = entries
+                .into_iter()
+                .filter(|entry| match kept(entry, &cache) {
+                    Some(picture) => {
+                        send(&entry.name, &picture);
+                        false
+                    }
+                    None => true,
+                })
+                .collect();
+            if missing.is_empty() {
+                return;
+            }
             // A device of its own: a window's surface can be configured only while its device has nothing to do.
-            let Ok(gpu) = gpu.reopened(None) else {
+            let Some(Ok(gpu)) = gpu.map(|gpu| gpu.reopened(None)) else {
                 return;
             };
             let _errors = DeviceErrors::watch(&gpu);
-            for entry in entries {
-                if stop.load(Ordering::Relaxed) {
-                    return;
-                }
-                // A world without a picture has a card without one.
-                if let Some(picture) = picture_of(&gpu, &entry, &cache, &stop) {
-                    let _ = sender.send((entry.name, image_of(&picture)));
+            for entry in missing {
+                // A world that cannot be built has a card without a picture.
+                if let Some(picture) = rendered(&gpu, &entry, &stop) {
+                    keep(&entry, &cache, &picture);
+                    send(&entry.name, &picture);
                 }
             }
         });
@@ -106,31 +122,38 @@ fn image_of(picture: &Picture) -> ColorImage {
     ColorImage::from_rgb(size, &rgb)
 }
 
-fn picture_of(gpu: &Gpu, entry: &Entry, cache: &Path, stop: &AtomicBool) -> Option<Picture> {
-    let text = entry.text()?;
-    let key = crc32fast::hash(text.as_bytes());
+/// The file of a world's picture: another for each content and each version of grotto.
+fn file_of(entry: &Entry, cache: &Path) -> Option<PathBuf> {
+    let key = crc32fast::hash(entry.text()?.as_bytes());
     let version = env!("CARGO_PKG_VERSION");
-    let kept = cache.join(format!("{}-{key:08x}-{version}.png", entry.name));
-    if let Ok((picture, _)) = picture_file::read(&kept)
-        && [picture.width, picture.height] == SIZE
+    Some(cache.join(format!("{}-{key:08x}-{version}.png", entry.name)))
+}
+
+/// The picture in the cache, if there is one.
+fn kept(entry: &Entry, cache: &Path) -> Option<Picture> {
+    let (picture, _) = picture_file::read(&file_of(entry, cache)?).ok()?;
+    ([picture.width, picture.height] == SIZE).then_some(picture)
+}
+
+/// Without a cache the picture is made again at the next start.
+fn keep(entry: &Entry, cache: &Path, picture: &Picture) {
+    if let Some(path) = file_of(entry, cache)
+        && whole_file::create_folder(cache).is_ok()
     {
-        return Some(picture);
+        let _ = picture_file::write_png(&path, picture);
     }
-    let picture = rendered(gpu, entry, &text, stop)?;
-    // Without a cache the picture is made again at the next start.
-    let _ = whole_file::create_folder(cache)
-        .map_err(picture_file::PictureError::from)
-        .and_then(|()| picture_file::write_png(&kept, &picture));
-    Some(picture)
 }
 
 /// The world from its first camera; `None` when it cannot be built, and when the menu is gone.
-fn rendered(gpu: &Gpu, entry: &Entry, text: &str, stop: &AtomicBool) -> Option<Picture> {
+fn rendered(gpu: &Gpu, entry: &Entry, stop: &AtomicBool) -> Option<Picture> {
+    if stop.load(Ordering::Relaxed) {
+        return None;
+    }
     let folder = match &entry.origin {
         Origin::File(path) => path.parent(),
         Origin::BuiltIn(_) => None,
     };
-    let world = file::parse(text, &entry.name, folder, &Overrides::default()).ok()?;
+    let world = file::parse(&entry.text()?, &entry.name, folder, &Overrides::default()).ok()?;
     let camera = world.cameras.first()?.clone();
     let choice = Choice {
         parameters: Parameters::default(),

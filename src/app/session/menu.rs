@@ -116,9 +116,9 @@ impl Session {
                 Ok(())
             }
             Action::ToTitle => {
-                let saved = self.save_at_end();
+                let ended = self.end_run();
                 self.open_menu(Occasion::Title);
-                saved.map(drop).map_err(EnterError::from)
+                ended.map_err(EnterError::from)
             }
             Action::FullScreen => {
                 self.toggle_full_screen();
@@ -160,22 +160,28 @@ impl Session {
 
     /// Plays the world of a file from its first camera, or goes on from a save. The run before ends, with its save.
     fn enter(&mut self, path: &Path) -> Result<(), EnterError> {
-        let save = match save::is_save(path) {
+        let is_save = save::is_save(path);
+        let overrides = match is_save {
+            // It has its own.
+            true => Overrides::default(),
+            false => Overrides::from(&self.parameters_at_start),
+        };
+        // Watched from before it is read, so that no edit is missed.
+        let mut watch = Watch::world(path);
+        // The first to open a damaged save says so.
+        let mut world = world::file::load(path, &overrides).map_err(ViewportError::from)?;
+        let save = match is_save {
             true => Some(save::open(path)?.save),
             false => None,
         };
-        let parameters = match &save {
-            Some(save) => saving::parameters_of(save),
-            None => self.parameters_at_start.clone(),
+        let (world_file, parameters) = match &save {
+            Some(save) => {
+                let world_file = save::world_file(path, &save.head)?;
+                watch = Watch::world(&world_file);
+                (world_file, saving::parameters_of(save))
+            }
+            None => (path.to_owned(), self.parameters_of_new()),
         };
-        let world_file = match &save {
-            Some(save) => save::world_file(path, &save.head)?,
-            None => path.to_owned(),
-        };
-        // Watched from before it is read, so that no edit is missed.
-        let watch = Watch::world(&world_file);
-        let overrides = Overrides::from(&parameters);
-        let mut world = world::file::load(path, &overrides).map_err(ViewportError::from)?;
         // The digits jump to the world's own cameras.
         world
             .cameras
@@ -203,6 +209,27 @@ impl Session {
         Ok(())
     }
 
+    /// The parameters of a world that is entered anew: those of the start, with what the menu's settings change.
+    fn parameters_of_new(&self) -> Parameters {
+        let now = &self.settings.choice.parameters;
+        Parameters {
+            picture: now.picture.clone(),
+            textures: now.textures.clone(),
+            ..self.parameters_at_start.clone()
+        }
+    }
+
+    /// Ends the run, with its record and its save.
+    fn end_run(&mut self) -> Result<(), AppError> {
+        self.finish()?;
+        self.save_at_end()?;
+        // What is shown from now on is only to look at, until a world is entered.
+        let kept = self.kept()?;
+        let nowhere = SaveOptions::default();
+        self.saving = Saving::begin(&nowhere, Path::new(""), kept, &mut self.messages);
+        Ok(())
+    }
+
     /// Shows a cave that is not kept yet, behind the menu.
     fn preview(&mut self, cave: &NewCave) -> Result<(), EnterError> {
         let overrides = Overrides::from(&self.parameters_at_start);
@@ -213,7 +240,7 @@ impl Session {
             camera: None,
             layout: String::new(),
             clock: WorldClock::default(),
-            parameters: self.parameters_at_start.clone(),
+            parameters: self.parameters_of_new(),
             saves: SaveOptions::default(),
         };
         self.show(world, start)
@@ -234,9 +261,7 @@ impl Session {
         let camera = start.camera.or(first.cloned());
         let camera = camera.unwrap_or_else(|| self.camera.clone());
         let play = Play::afresh(&camera, &mut viewport)?;
-        // The run before ends here, with its record and its save.
-        self.finish()?;
-        self.save_at_end()?;
+        self.end_run()?;
         for note in viewport.take_notes() {
             self.messages.toast_error(note);
         }
