@@ -33,7 +33,15 @@ mod viewport;
 mod views;
 mod widgets;
 
-use std::{env, path::PathBuf, time::Instant};
+use std::{
+    env,
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Instant,
+};
 
 use winit::{
     application::ApplicationHandler,
@@ -89,6 +97,8 @@ pub struct Options {
     pub saves: SaveOptions,
     /// Plays this record before the user takes over.
     pub replay: Option<Record>,
+    /// Ends the window as its close button does, once it is set.
+    pub stop: Arc<AtomicBool>,
     /// Destroys the device after this many frames, as a failing driver does: for tests.
     pub lose_device_at: Option<u32>,
 }
@@ -223,6 +233,9 @@ impl ApplicationHandler for App {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if self.options.stop.load(Ordering::Relaxed) {
+            return event_loop.exit();
+        }
         let Some(session) = &self.session else {
             return;
         };

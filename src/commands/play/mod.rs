@@ -2,7 +2,10 @@
 
 mod replay;
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::Ordering,
+};
 
 use clap::{Args, Parser as _};
 use serde::Serialize;
@@ -13,7 +16,7 @@ use super::{
         InspectionOptions, OutputOptions, PictureOptions, RunOptions, Setup, assignment,
         picture_size,
     },
-    output,
+    output, stop,
 };
 use crate::{
     app::{
@@ -231,6 +234,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         _ => world_path.clone(),
     };
     let title = arguments.is_open();
+    let stop = stop::at_ctrl_c(&run);
     let frames = app::run(app::Options {
         world_path,
         world: setup.world,
@@ -257,8 +261,12 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         },
         record: arguments.record,
         replay,
+        stop: stop.clone(),
         lose_device_at: arguments.lose_device_at,
     })?;
+    if stop.load(Ordering::Relaxed) {
+        return Err(Failure::interrupted("stopped"));
+    }
     match run.json {
         true => output::print_json(&Record { world, frames }),
         false => Ok(()),
