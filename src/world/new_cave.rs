@@ -48,6 +48,9 @@ const RADII: (f64, f64) = (15.0, 30.0);
 const FLOOR: f64 = 0.45;
 /// Most mushrooms for each 1000 columns.
 const MUSHROOMS: f64 = 9.0;
+/// No mushroom stands this close to the world's middle along both x and z, where the player begins. The
+/// widest cap reaches 4 voxels from its stem.
+const CLEARING: i32 = 7;
 
 impl NewCave {
     /// The world file, under this title. The first camera stands in the air of the middle room.
@@ -56,7 +59,8 @@ impl NewCave {
         let rough = self.roughness.clamp(0.0, 1.0);
         let floor = -FLOOR * middle;
         let hills = 1.5 + 4.5 * rough;
-        let eye = -0.1 * middle;
+        // Above the highest hill, which in small rooms comes up to the middle.
+        let eye = (-0.1 * middle).max(floor + hills + 2.0);
         let towards = self.direction();
         let [x, y, z] = HALF;
         // The noise of the floor keeps within its amplitude, mostly within half of it.
@@ -139,13 +143,25 @@ impl NewCave {
             return String::new();
         }
         let density = MUSHROOMS * self.mushrooms.min(1.0);
-        format!(
-            r#"            Scatter(kinds: ["button", "button", "cap", "lantern"], density: {}, clearance: 5, spacing: 3),
-            Scatter(kinds: ["great cap"], density: {}, clearance: 16, spacing: 9),
+        let [far_x, far_y, far_z] = HALF;
+        // Four boxes around the clearing: (least x, least z), (greatest x, greatest z).
+        [
+            ((-far_x, -far_z), (-CLEARING, far_z)),
+            ((CLEARING, -far_z), (far_x, far_z)),
+            ((-CLEARING, -far_z), (CLEARING, -CLEARING)),
+            ((-CLEARING, CLEARING), (CLEARING, far_z)),
+        ]
+        .map(|((min_x, min_z), (max_x, max_z))| {
+            let place = format!("min: ({min_x}, -{far_y}, {min_z}), max: ({max_x}, {far_y}, {max_z})");
+            format!(
+                r#"            Scatter(kinds: ["button", "button", "cap", "lantern"], density: {}, clearance: 5, spacing: 3, {place}),
+            Scatter(kinds: ["great cap"], density: {}, clearance: 16, spacing: 9, {place}),
 "#,
-            rounded(density),
-            rounded(0.25 * density)
-        )
+                rounded(density),
+                rounded(0.25 * density)
+            )
+        })
+        .concat()
     }
 
     /// The preset of lamps, which comes before the one without.
@@ -347,6 +363,26 @@ mod tests {
         }
     }
 
+    /// The material where the first camera stands; 0 is air.
+    fn material_at_the_eye(cave: &NewCave) -> u8 {
+        let world = built(cave);
+        let voxels = generate::generate(&world);
+        voxels.material(world.cameras[0].position.floor().as_ivec3() - world.origin)
+    }
+
+    #[test]
+    fn no_mushroom_grows_where_the_player_begins() {
+        let cave = NewCave {
+            seed: 649036507,
+            rooms: 0.9879532145920894,
+            roughness: 0.0,
+            mushrooms: 0.9049570031377925,
+            lamps: 0,
+            lava: 0.0,
+        };
+        assert_eq!(material_at_the_eye(&cave), 0);
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
         #[test]
@@ -356,11 +392,8 @@ mod tests {
             lamps in 0..=MOST_LAMPS,
         ) {
             let [rooms, roughness, mushrooms, lava] = shares;
-            let world = built(&NewCave { seed, rooms, roughness, mushrooms, lamps, lava });
-            let voxels = generate::generate(&world);
-            let camera = &world.cameras[0];
-            let at = camera.position.floor().as_ivec3() - world.origin;
-            prop_assert_eq!(voxels.material(at), 0);
+            let cave = NewCave { seed, rooms, roughness, mushrooms, lamps, lava };
+            prop_assert_eq!(material_at_the_eye(&cave), 0);
         }
     }
 }
