@@ -5,7 +5,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::hands::brush::{Brush, Stroke};
+use super::hands::{
+    brush::{Brush, Stroke},
+    clipboard::Clip,
+};
 
 /// A key that moves the player.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -45,8 +48,10 @@ pub enum Input {
     Undo,
     /// The stroke that was undone last is made again.
     Redo,
-    /// The brush was changed in the panel.
+    /// The brush was changed.
     Brush(Brush),
+    /// The clipboard was used.
+    Clip(Clip),
     /// Jump to the world's camera of this index.
     Camera(usize),
     /// World time was paused, resumed, sped up or set.

@@ -8,6 +8,7 @@ use super::{
     hands::{
         Changes, Hands, Side,
         aim::Reach,
+        bits::Dug,
         brush::{Brush, Stroke},
     },
     input::Input,
@@ -53,6 +54,7 @@ impl Run<'_> {
             Input::Undo => done.edited = self.undo(),
             Input::Redo => done.edited = self.redo(),
             Input::Brush(brush) => self.settings.brush = *brush,
+            Input::Clip(clip) => done.edited = self.clip(*clip)?,
             Input::Camera(index) => self.jump_to(*index)?,
             Input::Clock {
                 paused,
@@ -116,7 +118,10 @@ impl Run<'_> {
     fn simulate(&mut self, to_ns: u64) -> Result<(), AppError> {
         let elapsed_ns = to_ns.saturating_sub(self.player.now_ns());
         self.settings.clock.advance(elapsed_ns as f64 * 1e-9);
-        self.player.advance(to_ns, &self.viewport.ground()?);
+        let ground = self.viewport.ground()?;
+        self.player.advance(to_ns, &ground);
+        let measures = self.player.body().measures;
+        self.hands.bits.advance(to_ns, &ground, &measures);
         for notice in self.player.take_notices() {
             self.messages.toast(notice.text());
         }
@@ -140,8 +145,43 @@ impl Run<'_> {
             return Ok(false);
         }
         let edited = !changes.is_empty();
+        if stroke == Stroke::Dig {
+            self.burst(&changes, &camera);
+        }
         self.hands.history.push(changes);
         Ok(edited)
+    }
+
+    /// Bits fly off the voxels that a stroke removed.
+    fn burst(&mut self, changes: &Changes, camera: &Camera) {
+        let world = self.viewport.world();
+        let dug = changes.removed(world.size.as_ivec3());
+        let dug: Vec<Dug> = dug
+            .map(|(voxel, material)| Dug {
+                voxel: voxel + world.origin,
+                material,
+            })
+            .collect();
+        let measures = self.player.body().measures;
+        let eye = camera.position.as_dvec3();
+        self.hands
+            .bits
+            .burst(&dug, &world.materials, eye, &measures);
+    }
+
+    /// Lets the next pictures show the bits that fly now.
+    ///
+    /// # Errors
+    /// [`AppError`] when the device fails.
+    pub fn show_bits(&mut self) -> Result<(), AppError> {
+        self.hands.follow(self.viewport.build());
+        let measures = self.player.body().measures;
+        let ground = self.viewport.ground()?;
+        let bits = self
+            .hands
+            .bits
+            .seen(self.player.now_ns(), &ground, &measures);
+        Ok(self.viewport.show_bits(&bits)?)
     }
 
     /// Returns whether voxels changed.

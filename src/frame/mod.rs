@@ -11,8 +11,10 @@
 //! ```
 
 mod antialias;
+mod bits;
 mod inspect;
 mod lost;
+mod memory;
 mod passes;
 mod stage;
 mod traced;
@@ -21,6 +23,7 @@ pub use stage::{BuildReport, Stage};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
 use antialias::Antialiasing;
+use bits::DrawnBits;
 use inspect::Inspect;
 use passes::{Passes, Update, Wanted};
 pub use passes::{offer, resources};
@@ -33,9 +36,9 @@ use crate::{
     passes::{
         bench::shadow_count::{self, Senders},
         probes::{ProbeField, ProbeFieldError},
-        scene::{GpuLights, MemoryUse},
+        scene::GpuLights,
         surface_cache::{NextFrame, SurfaceCache},
-        view::{Inspection, InspectionError, Shot, antialias::TemporalAntialias},
+        view::{Inspection, InspectionError, Shot},
     },
     probes::{ProbeError, warmup_frames},
     world::{
@@ -80,6 +83,7 @@ pub struct Frame {
     faces: SurfaceCache,
     passes: Passes,
     antialiasing: Antialiasing,
+    bits: DrawnBits,
     /// Index of the anti-aliased picture that is shown; `None` for a picture as it is shaded.
     shown: Option<usize>,
 }
@@ -115,6 +119,7 @@ impl Frame {
             faces,
             passes,
             antialiasing: Antialiasing::default(),
+            bits: DrawnBits::default(),
             shown: None,
         })
     }
@@ -225,6 +230,7 @@ impl Frame {
         let wanted = Wanted {
             inspection: self.passes.inspect.wanted,
             antialias: self.antialiasing.wanted,
+            bits: self.bits.wanted,
         };
         self.passes = Passes::new(
             gpu,
@@ -260,6 +266,7 @@ impl Frame {
                 ..self.passes.inspect.wanted
             },
             antialias: self.antialiasing.wanted,
+            bits: self.bits.wanted,
         };
         self.passes = Passes::new(
             gpu,
@@ -375,25 +382,5 @@ impl Frame {
         let resources = resources(&self.stage, &self.view, &self.lights);
         let offer = offer(&self.field, &self.faces, &resources);
         shadow_count::count(gpu, &senders, &offer.with(self.faces.update_resources()))
-    }
-
-    /// Bytes of GPU memory.
-    pub fn memory(&self) -> MemoryUse {
-        let [width, height] = self.size.map(u64::from);
-        let antialias = u64::from(self.passes.antialias.is_some());
-        let per_pixel = 8 + 4 + antialias * TemporalAntialias::BYTES_PER_PIXEL;
-        let picture = self.passes.camera_rays.surfaces.size() + width * height * per_pixel;
-        let voxels = self.stage.voxels.bytes();
-        let probes = self.field.memory().total();
-        let others = picture
-            + self.passes.inspect.bytes(self.size)
-            + self.faces.bytes()
-            + self.lights.bytes()
-            + self.stage.emitters.bytes();
-        MemoryUse {
-            voxels,
-            probes,
-            total: voxels + probes + others,
-        }
     }
 }

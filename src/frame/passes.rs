@@ -17,8 +17,8 @@ use crate::{
             SurfaceCache, allocate::SurfaceAllocate, resolve::SurfaceResolve, trace::SurfaceTrace,
         },
         view::{
-            Inspection, Shot, antialias::TemporalAntialias, camera_rays::CameraRays, shade::Shade,
-            tonemap::Tonemap,
+            Inspection, Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays,
+            shade::Shade, tonemap::Tonemap,
         },
     },
 };
@@ -39,6 +39,7 @@ pub(super) struct Passes {
     surface_trace: SurfaceTrace,
     resolve: SurfaceResolve,
     pub shade: Shade,
+    pub bits: Option<Bits>,
     pub inspect: Inspect,
     pub antialias: Option<TemporalAntialias>,
     pub tonemap: Tonemap,
@@ -49,6 +50,7 @@ pub(super) struct Passes {
 pub(super) struct Wanted {
     pub inspection: Inspection,
     pub antialias: Antialias,
+    pub bits: bool,
 }
 
 impl Passes {
@@ -82,6 +84,10 @@ impl Passes {
             let allocate =
                 threads.spawn(move || SurfaceAllocate::new(gpu, size, &surfaces, cache, scene));
             let shade = Shade::new(gpu, size, &camera_rays.surfaces, &offer)?;
+            let bits = wanted
+                .bits
+                .then(|| Bits::new(gpu, &shade.hdr, &camera_rays.surfaces, &offer))
+                .transpose()?;
             let antialias = match wanted.antialias {
                 Antialias::Off => None,
                 Antialias::Temporal => {
@@ -101,6 +107,7 @@ impl Passes {
                 tonemap: Tonemap::new(gpu, size, &lit, scene)?,
                 inspect: Inspect::new(gpu, inspection, &camera_rays, &shade, field, &offer)?,
                 antialias,
+                bits,
                 lamp_lists: made(lamp_lists)?,
                 classify: made(classify)?,
                 visibility: made(visibility)?,
@@ -146,10 +153,13 @@ impl Passes {
         });
         let probe_light = self.blend_probes(recorder, active, probe_rays);
         let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
-        let light = (probe_light, face_light);
-        let radiance = self.shade(recorder, surfaces, light, shot);
-        let radiance = self.antialias(recorder, radiance, smoothed);
-        self.tonemap(recorder, radiance, smoothed);
+        self.finish_picture(
+            recorder,
+            surfaces,
+            (probe_light, face_light),
+            shot,
+            smoothed,
+        );
     }
 
     /// A picture of another shot, by the light of the last frame. `smoothed` as in [`record`](Self::record).
@@ -160,8 +170,20 @@ impl Passes {
         smoothed: Option<usize>,
     ) {
         let surfaces = self.trace_camera(recorder);
-        let light = (ProbeLight, FaceLight);
-        let radiance = self.shade(recorder, surfaces, light, shot);
+        self.finish_picture(recorder, surfaces, (ProbeLight, FaceLight), shot, smoothed);
+    }
+
+    fn finish_picture(
+        &self,
+        recorder: &mut Recorder<'_>,
+        surfaces: Surfaces,
+        light: (ProbeLight, FaceLight),
+        shot: &Shot,
+        smoothed: Option<usize>,
+    ) {
+        let radiance = self.shade(recorder, &surfaces, &light, shot);
+        let radiance = self.draw_bits(recorder, radiance, (surfaces, light), shot);
+        let radiance = self.inspect(recorder, radiance);
         let radiance = self.antialias(recorder, radiance, smoothed);
         self.tonemap(recorder, radiance, smoothed);
     }
@@ -274,12 +296,32 @@ impl Passes {
     fn shade(
         &self,
         recorder: &mut Recorder<'_>,
-        _: Surfaces,
-        _: (ProbeLight, FaceLight),
+        _: &Surfaces,
+        _: &(ProbeLight, FaceLight),
         shot: &Shot,
     ) -> Radiance {
-        self.inspect.record(recorder, &self.shade, shot.view);
+        self.inspect.shade(recorder, &self.shade, shot.view);
         Radiance
+    }
+
+    /// Draws what flies and the bulbs of lamps before the surfaces.
+    fn draw_bits(
+        &self,
+        recorder: &mut Recorder<'_>,
+        radiance: Radiance,
+        _: (Surfaces, (ProbeLight, FaceLight)),
+        shot: &Shot,
+    ) -> Radiance {
+        if let Some(bits) = self.bits.as_ref().filter(|_| Bits::are_in(shot.view)) {
+            bits.record(recorder);
+        }
+        radiance
+    }
+
+    /// Draws the probes themselves, if they are to be seen.
+    fn inspect(&self, recorder: &mut Recorder<'_>, radiance: Radiance) -> Radiance {
+        self.inspect.draw(recorder);
+        radiance
     }
 
     /// Averages jittered pictures.

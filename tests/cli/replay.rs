@@ -21,7 +21,7 @@ const ON_TOP: [f32; 3] = [0.0, 14.625, 0.0];
 fn header(world: &Path, position: [f32; 3]) -> Value {
     let bytes = fs::read(root().join(world)).expect("a world");
     json!({
-        "grotto_record": 1,
+        "grotto_record": 2,
         "world": world,
         "world_crc32": crc32fast::hash(&bytes),
         "seed": 3,
@@ -48,7 +48,7 @@ fn moments() -> Vec<Value> {
         ),
         at(
             500,
-            json!([{"stroke": "dig"}, {"brush": {"material": 1, "radius": 2.5}}]),
+            json!([{"stroke": "dig"}, {"brush": {"material": 1, "shape": "ball", "radius": 2.5}}]),
         ),
         at(
             600,
@@ -236,10 +236,10 @@ fn bad_records_and_flags_are_refused_with_their_place() {
     };
     let end = &moments()[11..];
     refuse(
-        &with("grotto_record", json!(2)),
+        &with("grotto_record", json!(1)),
         end,
         &[],
-        &["run.record:1: ", "version 2"],
+        &["run.record:1: ", "version 1"],
     );
     refuse(
         &with("world_crc32", json!(5)),

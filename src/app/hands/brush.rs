@@ -1,20 +1,45 @@
 //! Digging and building: changes the voxels that the crosshair points at.
 
+use clap::ValueEnum;
 use egui::{Slider, Ui};
 use glam::IVec3;
 use serde::{Deserialize, Serialize};
 
 use super::{aim::Reach, history::Changes};
 use crate::{
-    app::widgets,
+    app::{views, widgets},
     world::{
         Camera, World,
         voxels::{Edit, Voxels},
     },
 };
 
-/// Largest radius that the panel offers (voxels).
-const MOST_RADIUS: f32 = 24.0;
+/// Largest radius (voxels).
+pub const MOST_RADIUS: f32 = 24.0;
+
+/// What a stroke changes around the voxel that it meets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// That voxel alone.
+    #[default]
+    Voxel,
+    /// All voxels whose centres lie within the radius.
+    Ball,
+    /// A cube whose edge is twice the whole radius, and one voxel.
+    Box,
+}
+
+impl Shape {
+    /// The shape after this one.
+    pub fn next(self) -> Self {
+        match self {
+            Self::Voxel => Self::Ball,
+            Self::Ball => Self::Box,
+            Self::Box => Self::Voxel,
+        }
+    }
+}
 
 /// Settings of the strokes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,7 +47,8 @@ const MOST_RADIUS: f32 = 24.0;
 pub struct Brush {
     /// Material to place: 1-based index into the world's materials.
     pub material: u8,
-    /// Radius of the sphere that a stroke changes (voxels); 0 for a single voxel.
+    pub shape: Shape,
+    /// From the middle of a ball or box (voxels).
     pub radius: f32,
 }
 
@@ -30,7 +56,8 @@ impl Default for Brush {
     fn default() -> Self {
         Self {
             material: 1,
-            radius: 0.0,
+            shape: Shape::Voxel,
+            radius: 2.0,
         }
     }
 }
@@ -43,6 +70,8 @@ pub enum Stroke {
     Dig,
     /// Fills air with the brush's material, starting at the face under the crosshair.
     Place,
+    /// Gives solid voxels the brush's material, starting with the voxel under the crosshair.
+    Replace,
     /// Takes the material under the crosshair into the brush.
     Pick,
 }
@@ -57,6 +86,49 @@ pub struct Stroked {
 }
 
 impl Brush {
+    /// The radius that counts. A record can hold any number.
+    fn radius(&self) -> f32 {
+        match self.shape {
+            Shape::Voxel => 0.0,
+            Shape::Ball | Shape::Box => self.radius.clamp(0.0, MOST_RADIUS),
+        }
+    }
+
+    /// Whole voxels from the middle of the brush to its farthest voxel along an axis.
+    pub fn reach(&self) -> i32 {
+        self.radius() as i32
+    }
+
+    /// Whether the brush changes the voxel at this offset from its middle.
+    fn covers(&self, offset: IVec3) -> bool {
+        let radius = self.radius();
+        match self.shape {
+            Shape::Voxel => offset == IVec3::ZERO,
+            Shape::Ball => offset.as_vec3().length_squared() <= radius * radius,
+            Shape::Box => offset.abs().max_element() <= self.reach(),
+        }
+    }
+
+    /// A larger or a smaller brush, by whole voxels. One voxel has no size.
+    pub fn resized(self, by: f32) -> Self {
+        match self.shape {
+            Shape::Voxel => self,
+            Shape::Ball | Shape::Box => Self {
+                radius: (self.radius + by).clamp(1.0, MOST_RADIUS),
+                ..self
+            },
+        }
+    }
+
+    /// The shape and its size, in words.
+    pub fn text(&self) -> String {
+        match self.shape {
+            Shape::Voxel => "one voxel".to_owned(),
+            Shape::Ball => format!("ball of radius {}", self.radius()),
+            Shape::Box => format!("box of {0} × {0} × {0}", 2 * self.reach() + 1),
+        }
+    }
+
     /// Makes a stroke where `camera` looks, as far as `reach` allows.
     pub fn stroke(
         &mut self,
@@ -74,6 +146,7 @@ impl Brush {
         match (stroke, target.before()) {
             (Stroke::Pick, _) => self.material = target.material,
             (Stroke::Dig, _) => return self.dig(voxels, target.voxel),
+            (Stroke::Replace, _) => return self.replace(voxels, target.voxel),
             (Stroke::Place, Some(at)) => {
                 return self.place(voxels, at, reach.kept(world.origin, camera));
             }
@@ -84,6 +157,14 @@ impl Brush {
 
     fn dig(&self, voxels: &mut Voxels, at: IVec3) -> Stroked {
         self.change(voxels, at, |_, _| 0)
+    }
+
+    fn replace(&self, voxels: &mut Voxels, at: IVec3) -> Stroked {
+        self.change(
+            voxels,
+            at,
+            |_, old| if old == 0 { 0 } else { self.material },
+        )
     }
 
     /// The voxels from `low` to `high` stay as they are, so that nobody is walled in.
@@ -98,12 +179,11 @@ impl Brush {
         })
     }
 
-    /// Rewrites the voxels whose centres lie within the radius of the centre of `at`.
+    /// Rewrites the voxels of the brush around `at`.
     fn change(&self, voxels: &mut Voxels, at: IVec3, new: impl Fn(IVec3, u8) -> u8) -> Stroked {
-        let radius = self.radius.clamp(0.0, MOST_RADIUS);
-        let reach = IVec3::splat(radius as i32);
+        let reach = IVec3::splat(self.reach());
         let (edit, changes) = Changes::make(voxels, at - reach, at + reach, |voxel, old| {
-            if (voxel - at).as_vec3().length_squared() <= radius * radius {
+            if self.covers(voxel - at) {
                 new(voxel, old)
             } else {
                 old
@@ -112,7 +192,7 @@ impl Brush {
         Stroked { edit, changes }
     }
 
-    /// Rows of a grid of two columns: the material and the radius.
+    /// Rows of a grid of two columns: the material, the shape and the radius.
     pub fn rows(&mut self, ui: &mut Ui, world: &World) {
         ui.label("material").on_hover_text(
             "What a right click places; a middle click takes the material under the crosshair",
@@ -125,10 +205,20 @@ impl Brush {
             self.material = index.map_or(1, |index| index as u8 + 1);
         }
         ui.end_row();
-        ui.label("radius").on_hover_text(
-            "Radius of the sphere that a click changes (voxels); 0 for a single voxel",
+        ui.label("brush")
+            .on_hover_text("What a stroke changes around the voxel that it meets");
+        ui.horizontal(|ui| {
+            for shape in Shape::value_variants() {
+                ui.selectable_value(&mut self.shape, *shape, views::name(shape));
+            }
+        });
+        ui.end_row();
+        ui.label("radius")
+            .on_hover_text("Radius of a ball (voxels); a box has an edge of twice that, and one");
+        ui.add_enabled(
+            self.shape != Shape::Voxel,
+            Slider::new(&mut self.radius, 1.0..=MOST_RADIUS).max_decimals(1),
         );
-        ui.add(Slider::new(&mut self.radius, 0.0..=MOST_RADIUS).max_decimals(1));
         ui.end_row();
     }
 }
@@ -208,6 +298,7 @@ mod tests {
         let (world, mut voxels, mut camera) = scene();
         let mut brush = Brush {
             material: 3,
+            shape: Shape::Ball,
             radius: 2.0,
         };
         brush.stroke(&mut voxels, &world, &camera, Stroke::Dig, &Reach::default());
@@ -254,7 +345,7 @@ mod tests {
         let (world, mut voxels, camera) = scene();
         let mut brush = Brush {
             material: 255,
-            radius: 0.0,
+            ..Brush::default()
         };
         brush.stroke(
             &mut voxels,
@@ -271,6 +362,7 @@ mod tests {
         let (world, mut voxels, mut camera) = scene();
         let mut brush = Brush {
             material: 1,
+            shape: Shape::Ball,
             radius: 2.0,
         };
         camera.position.y = 6.0 + 5.5;

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use glam::IVec3;
+use glam::{IVec3, UVec3};
 
 use crate::world::voxels::{Edit, Voxels};
 
@@ -92,6 +92,19 @@ impl Changes {
 
     pub fn is_empty(&self) -> bool {
         self.runs.is_empty()
+    }
+
+    /// The voxels (grid space) of a world of this size that are air now, and what they were.
+    pub fn removed(&self, size: IVec3) -> impl Iterator<Item = (IVec3, u8)> {
+        let size = size.as_uvec3();
+        let dug = self.runs.iter().filter(|run| run.new == 0);
+        dug.flat_map(move |run| {
+            (run.start..run.start + u32::from(run.voxels)).map(move |index| {
+                let row = index / size.x;
+                let at = UVec3::new(index % size.x, row % size.y, row / size.y);
+                (at.as_ivec3(), run.old)
+            })
+        })
     }
 
     /// Gives the voxels the materials that they had before the stroke, or after it.
@@ -189,7 +202,6 @@ impl History {
 
 #[cfg(test)]
 mod tests {
-    use glam::UVec3;
     use proptest::prelude::*;
 
     use super::*;

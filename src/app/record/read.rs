@@ -216,7 +216,10 @@ mod tests {
     use super::*;
     use crate::{
         app::{
-            hands::brush::{Brush, Stroke},
+            hands::{
+                brush::{Brush, Shape, Stroke},
+                clipboard::Clip,
+            },
             input::Key,
             record::Recorder,
             viewport::Choice,
@@ -259,8 +262,10 @@ mod tests {
             Input::Stroke(Stroke::Dig),
             Input::Brush(Brush {
                 material: 3,
+                shape: Shape::Ball,
                 radius: 1.7,
             }),
+            Input::Clip(Clip::Mark),
             Input::Camera(2),
             Input::Clock {
                 paused: true,
@@ -326,7 +331,7 @@ mod tests {
         };
         for (from, to, parts) in [
             (
-                "\"grotto_record\":1",
+                "\"grotto_record\":2",
                 "\"grotto_record\":9",
                 [":1: ", "version 9"],
             ),
@@ -385,7 +390,7 @@ mod tests {
             b"\n",
             b"\xff\xfe\n",
             b"PNG\n",
-            b"{\"grotto_record\":1}\n",
+            b"{\"grotto_record\":2}\n",
             b"[]",
         ] {
             let message = refused(nonsense);

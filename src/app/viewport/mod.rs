@@ -13,7 +13,7 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{Parameters, Remake},
-    passes::view::{Inspection, Shot},
+    passes::view::{Inspection, Shot, bits::GpuBit},
     world::{
         self, Camera, LampPreset, LayoutSpec, World,
         file::Overrides,
@@ -98,6 +98,7 @@ impl Viewport {
         let layout = layout(&world, &choice.layout);
         let mut frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
         frame.antialias(&gpu, choice.parameters.picture.antialias)?;
+        frame.prepare_bits(&gpu)?;
         let mut viewport = Self {
             gpu,
             path: path.to_owned(),
@@ -211,6 +212,7 @@ impl Viewport {
             let parameters = &self.choice.parameters;
             let mut frame = Frame::new(&gpu, stage, layout, &parameters.probes, self.choice.size)?;
             frame.antialias(&gpu, parameters.picture.antialias)?;
+            frame.prepare_bits(&gpu)?;
             self.frame = frame;
             self.world = world;
             self.voxels = None;
@@ -299,6 +301,14 @@ impl Viewport {
         self.frame.inspect(&self.gpu, *wanted)?;
         self.inspection = *wanted;
         Ok(())
+    }
+
+    /// Draws these bits in the next pictures, and no others. The path-traced picture has none.
+    ///
+    /// # Errors
+    /// [`FrameError`] when they cannot be drawn.
+    pub fn show_bits(&mut self, bits: &[GpuBit]) -> Result<(), FrameError> {
+        self.frame.set_bits(&self.gpu, bits)
     }
 
     /// Records a frame, as seen from `camera` at world time `time_s`.

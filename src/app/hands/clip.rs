@@ -1,0 +1,155 @@
+//! What a run does with its clipboard.
+
+use glam::IVec3;
+
+use super::{
+    aim::{Reach, Target},
+    clipboard::{Clip, Copied, MOST_EDGE, Pasted, size_text},
+};
+use crate::app::{AppError, run::Run};
+
+impl Run<'_> {
+    /// Marks, copies, turns or pastes. Returns whether voxels changed.
+    ///
+    /// # Errors
+    /// [`AppError`] when the device fails.
+    pub fn clip(&mut self, clip: Clip) -> Result<bool, AppError> {
+        let clipboard = &mut self.hands.clipboard;
+        match clip {
+            Clip::Mark => self.mark()?,
+            Clip::Paste => return self.paste(),
+            Clip::Turn => {
+                if let Some(copied) = clipboard.copied.as_mut().filter(|_| clipboard.is_out) {
+                    *copied = copied.turned();
+                    let size = size_text(copied.size());
+                    self.messages.toast(format!("Turned: {size}"));
+                }
+            }
+            Clip::Air => {
+                clipboard.with_air = !clipboard.with_air;
+                self.messages.toast(match clipboard.with_air {
+                    true => "Pasting air too: it digs what lies there",
+                    false => "Pasting without air: what lies there stays",
+                });
+            }
+            Clip::Cancel => {
+                clipboard.is_out &= clipboard.corner.take().is_some();
+            }
+        }
+        Ok(false)
+    }
+
+    fn target(&mut self) -> Result<Option<Target>, AppError> {
+        let camera = self.view()?;
+        let reach = Reach::of(self.player.body());
+        let ground = self.viewport.ground()?;
+        let target = reach.aim(ground.voxels, ground.origin, &camera);
+        if target.is_none() {
+            self.messages.toast("No voxel is within reach");
+        }
+        Ok(target)
+    }
+
+    fn mark(&mut self) -> Result<(), AppError> {
+        let Some(target) = self.target()? else {
+            return Ok(());
+        };
+        let world = self.viewport.world();
+        let (origin, materials) = (world.origin, world.materials.clone());
+        let clipboard = &mut self.hands.clipboard;
+        let Some(corner) = clipboard.corner else {
+            let corner = target.voxel + origin;
+            clipboard.corner = Some(corner);
+            self.messages.toast(format!(
+                "A corner at {}: now mark the opposite corner",
+                place_text(corner)
+            ));
+            return Ok(());
+        };
+        let corner = corner - origin;
+        let (low, high) = (corner.min(target.voxel), corner.max(target.voxel));
+        let size = high - low + 1;
+        if size.max_element() > MOST_EDGE {
+            self.messages.toast_error(format!(
+                "This box has {} voxels. A copy has at most {MOST_EDGE} along an edge: mark a nearer corner",
+                size_text(size)
+            ));
+            return Ok(());
+        }
+        let copied = Copied::of(self.viewport.voxels()?, &materials, low, high);
+        self.messages.toast(format!(
+            "Copied {} voxels from {}, {} of them solid",
+            size_text(size),
+            place_text(low + origin),
+            copied.solid()
+        ));
+        let clipboard = &mut self.hands.clipboard;
+        clipboard.corner = None;
+        clipboard.copied = Some(copied);
+        clipboard.is_out = true;
+        Ok(())
+    }
+
+    fn paste(&mut self) -> Result<bool, AppError> {
+        let clipboard = &mut self.hands.clipboard;
+        clipboard.corner = None;
+        if clipboard.copied.is_none() {
+            self.messages
+                .toast("Nothing is copied yet: mark two corners of a box");
+            return Ok(false);
+        }
+        if !std::mem::replace(&mut clipboard.is_out, true) {
+            return Ok(false);
+        }
+        let Some(target) = self.target()? else {
+            return Ok(false);
+        };
+        let camera = self.view()?;
+        let reach = Reach::of(self.player.body());
+        let clipboard = &self.hands.clipboard;
+        let mut pasted = Pasted::default();
+        let edited = self.viewport.edit(|voxels, world| {
+            let (low, high) = reach.kept(world.origin, &camera);
+            let is_kept = |voxel: IVec3| voxel.cmpge(low).all() && voxel.cmple(high).all();
+            if let Some(copied) = &clipboard.copied {
+                let with_air = clipboard.with_air;
+                pasted = copied.paste(voxels, &world.materials, &target, with_air, is_kept);
+            }
+            pasted.stroked.edit.clone()
+        });
+        self.hands.follow(self.viewport.build());
+        if let Err(error) = edited {
+            self.messages.toast_error(error.to_string());
+            return Ok(false);
+        }
+        let at = target.before().unwrap_or(target.voxel) + self.viewport.world().origin;
+        self.tell_pasted(&pasted, at);
+        self.hands.history.push(pasted.stroked.changes);
+        Ok(pasted.changed > 0)
+    }
+
+    fn tell_pasted(&mut self, pasted: &Pasted, at: IVec3) {
+        let mut text = format!(
+            "Pasted at {}: {} voxels changed",
+            place_text(at),
+            pasted.changed
+        );
+        if pasted.outside > 0 {
+            text += &format!(", {} lie outside of the world", pasted.outside);
+        }
+        self.messages.toast(text);
+        if !pasted.missing.is_empty() {
+            let names: Vec<&str> = pasted.missing.keys().map(|name| &**name).collect();
+            let voxels: u64 = pasted.missing.values().sum();
+            self.messages.toast_error(format!(
+                "This world has no material {}: {voxels} voxels were left out",
+                names.join(", ")
+            ));
+        }
+    }
+}
+
+/// `(x, y, z)`, in world space.
+fn place_text(voxel: IVec3) -> String {
+    format!("({}, {}, {})", voxel.x, voxel.y, voxel.z)
+}
