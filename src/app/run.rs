@@ -6,9 +6,10 @@ use super::{
     body::{Body, Ground, Mode},
     clock::WorldClock,
     hands::{
-        Changes, Hands, Side,
-        aim::Reach,
-        brush::{Brush, Stroke},
+        Changes, Hands, Item, Side,
+        aim::{Reach, Target},
+        brush::{Brush, Stroke, Stroked},
+        lamps::{self, LampChange},
     },
     input::Input,
     messages::Messages,
@@ -16,7 +17,11 @@ use super::{
     player::Player,
     viewport::{Choice, Viewport},
 };
-use crate::{frame::FrameError, parameters::KEYS, world::Camera};
+use crate::{
+    frame::FrameError,
+    parameters::KEYS,
+    world::{Camera, World, voxels::Voxels},
+};
 
 /// What a run changes.
 pub struct Run<'a> {
@@ -25,6 +30,13 @@ pub struct Run<'a> {
     pub player: &'a mut Player,
     pub hands: &'a mut Hands,
     pub messages: &'a mut Messages,
+}
+
+/// Whether a stroke is the first of its button, or one of those while it is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turn {
+    First,
+    Repeated,
 }
 
 /// What an input did that costs time, so that frame times from before say nothing any more.
@@ -44,15 +56,22 @@ impl Run<'_> {
     pub fn take(&mut self, input: &Input) -> Result<Done, AppError> {
         let mut done = Done::default();
         match input {
-            Input::Stroke(stroke) => done.edited = self.stroke(*stroke)?,
+            Input::Stroke(stroke) => done.edited = self.stroke(*stroke, Turn::First)?,
             Input::Hold(stroke) => {
-                done.edited = self.stroke(*stroke)?;
+                done.edited = self.stroke(*stroke, Turn::First)?;
                 self.hands.held.begin(*stroke, self.player.now_ns());
             }
             Input::LetGo(stroke) => self.hands.held.end(*stroke),
             Input::Undo => done.edited = self.undo(),
             Input::Redo => done.edited = self.redo(),
             Input::Brush(brush) => self.settings.brush = *brush,
+            Input::Slot(slot) => self.hands.hotbar.select(*slot),
+            Input::Scroll(slots) => self.hands.hotbar.scroll(*slots),
+            Input::Item { slot, item } => {
+                if item.name(self.viewport.world()).is_some() {
+                    self.hands.hotbar.put(*slot, *item);
+                }
+            }
             Input::Camera(index) => self.jump_to(*index)?,
             Input::Clock {
                 paused,
@@ -106,7 +125,7 @@ impl Run<'_> {
         while let Some(due_ns) = self.hands.held.due_ns(to_ns) {
             self.simulate(due_ns)?;
             if let Some(stroke) = self.hands.held.take_due(due_ns) {
-                done.edited |= self.stroke(stroke)?;
+                done.edited |= self.stroke(stroke, Turn::Repeated)?;
             }
         }
         self.simulate(to_ns)?;
@@ -124,46 +143,121 @@ impl Run<'_> {
     }
 
     /// Makes a stroke where the player looks. Returns whether voxels changed.
-    fn stroke(&mut self, stroke: Stroke) -> Result<bool, AppError> {
+    fn stroke(&mut self, stroke: Stroke, turn: Turn) -> Result<bool, AppError> {
         let camera = self.view()?;
         let reach = Reach::of(self.player.body());
-        let brush = &mut self.settings.brush;
+        self.follow_build();
+        let Some(target) = self.viewport.aim(&reach, &camera)? else {
+            return Ok(false);
+        };
+        let world = self.viewport.world();
+        let lamp = lamps::met(world, &target).copied();
+        match (stroke, lamp) {
+            (Stroke::Pick, Some(lamp)) => self.hands.hotbar.pick(Item::Lamp(lamp.block)),
+            (Stroke::Pick, None) => self.hands.hotbar.pick(Item::Material(target.material)),
+            (Stroke::Dig, Some(lamp)) => self.change_lamp(lamps::dug(&lamp)),
+            (Stroke::Dig, None) => {
+                let brush = self.settings.brush;
+                return Ok(self.edit(|voxels, _| brush.dig(voxels, target.voxel)));
+            }
+            // One press hangs or switches one lamp.
+            (Stroke::Place, Some(lamp)) if turn == Turn::First => {
+                self.change_lamp(lamps::switched(&lamp));
+            }
+            (Stroke::Place, Some(_)) => {}
+            (Stroke::Place, None) => return self.place(&target, &camera, &reach, turn),
+        }
+        Ok(false)
+    }
+
+    /// Places what is in the hand. Returns whether voxels changed.
+    fn place(
+        &mut self,
+        target: &Target,
+        camera: &Camera,
+        reach: &Reach,
+        turn: Turn,
+    ) -> Result<bool, AppError> {
+        match self.hands.hotbar.item() {
+            Some(Item::Material(material)) => {
+                let Some(at) = target.before() else {
+                    return Ok(false);
+                };
+                let brush = self.settings.brush;
+                Ok(self.edit(|voxels, world| {
+                    let (low, high) = reach.kept(world.origin, camera);
+                    let hung = lamps::occupied(world);
+                    brush.place(voxels, at, material, |voxel| {
+                        let is_of_body = voxel.cmpge(low).all() && voxel.cmple(high).all();
+                        is_of_body || hung.contains(&voxel)
+                    })
+                }))
+            }
+            Some(Item::Lamp(block)) if turn == Turn::First => {
+                let eye = camera.position.floor().as_ivec3();
+                let (voxels, world) = self.viewport.voxels_and_world()?;
+                match lamps::hung(block, voxels, world, target, eye) {
+                    Ok(change) => self.change_lamp(change),
+                    Err(reason) => self.messages.toast(reason),
+                }
+                Ok(false)
+            }
+            Some(Item::Lamp(_)) => Ok(false),
+            None => {
+                self.messages
+                    .toast("This slot is empty: E has everything that can be placed");
+                Ok(false)
+            }
+        }
+    }
+
+    fn change_lamp(&mut self, change: LampChange) {
+        self.viewport.put_lamp(change.voxel, change.after);
+        self.hands.history.push(Changes::of_lamp(change));
+    }
+
+    /// Changes voxels by a stroke. Returns whether there were any to change.
+    fn edit(&mut self, stroke: impl FnOnce(&mut Voxels, &World) -> Stroked) -> bool {
         let mut changes = Changes::default();
         let edited = self.viewport.edit(|voxels, world| {
-            let stroked = brush.stroke(voxels, world, &camera, stroke, &reach);
+            let stroked = stroke(voxels, world);
             changes = stroked.changes;
             stroked.edit
         });
-        self.hands.follow(self.viewport.build());
         if let Err(error) = edited {
             self.messages.toast_error(error.to_string());
-            return Ok(false);
+            return false;
         }
         let edited = !changes.is_empty();
         self.hands.history.push(changes);
-        Ok(edited)
+        edited
     }
 
-    /// Returns whether voxels changed.
+    /// Returns whether anything changed.
     fn undo(&mut self) -> bool {
-        self.hands.follow(self.viewport.build());
+        self.follow_build();
         let viewport = &mut *self.viewport;
         let undone = self
             .hands
             .history
-            .undo(|changes| viewport.edit(|voxels, _| changes.put(voxels, Side::Before)));
+            .undo(|changes| viewport.put(changes, Side::Before));
         self.went(undone, "There is nothing to undo")
     }
 
-    /// Returns whether voxels changed.
+    /// Returns whether anything changed.
     fn redo(&mut self) -> bool {
-        self.hands.follow(self.viewport.build());
+        self.follow_build();
         let viewport = &mut *self.viewport;
         let redone = self
             .hands
             .history
-            .redo(|changes| viewport.edit(|voxels, _| changes.put(voxels, Side::After)));
+            .redo(|changes| viewport.put(changes, Side::After));
         self.went(redone, "There is nothing to redo")
+    }
+
+    fn follow_build(&mut self) {
+        let build = self.viewport.build();
+        self.hands.follow(self.viewport.world(), build);
     }
 
     fn went(&mut self, done: Result<bool, FrameError>, nothing: &str) -> bool {
@@ -195,6 +289,7 @@ impl Run<'_> {
         // What cannot be shown is reverted.
         self.settings.choice = self.viewport.choice().clone();
         self.player.resize(self.viewport.world());
+        self.follow_build();
         self.tell_notes();
         remade
     }
@@ -216,6 +311,7 @@ impl Run<'_> {
         };
         self.settings.choice = self.viewport.choice().clone();
         self.player.resize(self.viewport.world());
+        self.follow_build();
         self.tell_notes();
     }
 
@@ -291,7 +387,7 @@ impl Chosen {
     }
 }
 
-/// The ground that the player of a viewport stands on.
+/// The world of a viewport for the player who is in it.
 impl Viewport {
     /// # Errors
     /// [`AppError`] when the voxels must be read back and the device is lost.
@@ -299,6 +395,27 @@ impl Viewport {
         let origin = self.world().origin;
         let voxels = self.voxels()?;
         Ok(Ground { voxels, origin })
+    }
+
+    /// What a stroke where `camera` looks would meet.
+    ///
+    /// # Errors
+    /// [`AppError`] when the voxels must be read back and the device is lost.
+    pub fn aim(&mut self, reach: &Reach, camera: &Camera) -> Result<Option<Target>, AppError> {
+        let (voxels, world) = self.voxels_and_world()?;
+        Ok(reach.aim(voxels, &world.restored.lamps, world.origin, camera))
+    }
+
+    /// Gives everything that a stroke changed what it was before, or after.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold it; then nothing changes.
+    pub fn put(&mut self, changes: &Changes, side: Side) -> Result<(), FrameError> {
+        self.edit(|voxels, _| changes.put(voxels, side))?;
+        if let Some((voxel, lamp)) = changes.lamp(side) {
+            self.put_lamp(voxel, lamp);
+        }
+        Ok(())
     }
 }
 

@@ -21,7 +21,7 @@ const ON_TOP: [f32; 3] = [0.0, 14.625, 0.0];
 fn header(world: &Path, position: [f32; 3]) -> Value {
     let bytes = fs::read(root().join(world)).expect("a world");
     json!({
-        "grotto_record": 1,
+        "grotto_record": 2,
         "world": world,
         "world_crc32": crc32fast::hash(&bytes),
         "seed": 3,
@@ -44,12 +44,9 @@ fn moments() -> Vec<Value> {
         at(210, json!([{"press": "up"}, {"release": "up"}])),
         at(
             300,
-            json!([{"press": "run"}, {"wheel": 3.0}, {"look": [120.0, 300.0]}]),
+            json!([{"press": "run"}, {"fly_speed": 3.0}, {"look": [120.0, 300.0]}]),
         ),
-        at(
-            500,
-            json!([{"stroke": "dig"}, {"brush": {"material": 1, "radius": 2.5}}]),
-        ),
+        at(500, json!([{"stroke": "dig"}, {"brush": {"radius": 2.5}}])),
         at(
             600,
             json!([{"stroke": "dig"}, {"release": "run"}, {"press": "fly"}]),
@@ -236,7 +233,7 @@ fn bad_records_and_flags_are_refused_with_their_place() {
     };
     let end = &moments()[11..];
     refuse(
-        &with("grotto_record", json!(2)),
+        &with("grotto_record", json!(3)),
         end,
         &[],
         &["run.record:1: ", "version 2"],

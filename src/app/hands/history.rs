@@ -4,7 +4,11 @@ use std::collections::VecDeque;
 
 use glam::IVec3;
 
-use crate::world::voxels::{Edit, Voxels};
+use super::lamps::LampChange;
+use crate::world::{
+    PlacedLamp,
+    voxels::{Edit, Voxels},
+};
 
 /// Memory that the strokes which can be undone or redone may take (bytes); the oldest are forgotten first. A
 /// stroke of one voxel takes less than 100, a ball of radius 24 about 20 thousand.
@@ -20,14 +24,15 @@ struct Run {
     new: u8,
 }
 
-/// The voxels that one stroke changed.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// The voxels that one stroke changed, or the lamp.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     /// In ascending order, disjoint.
     runs: Vec<Run>,
     /// All changes lie between these voxels (grid space, both ends inclusive).
     low: IVec3,
     high: IVec3,
+    lamp: Option<Box<LampChange>>,
 }
 
 /// Which side of a change is wanted.
@@ -86,17 +91,36 @@ impl Changes {
             runs,
             low: least,
             high: most,
+            lamp: None,
         };
         (edit, changes)
     }
 
+    /// Those of a stroke that placed, dug or switched a lamp.
+    pub fn of_lamp(change: LampChange) -> Self {
+        Self {
+            lamp: Some(Box::new(change)),
+            ..Self::default()
+        }
+    }
+
     pub fn is_empty(&self) -> bool {
-        self.runs.is_empty()
+        self.runs.is_empty() && self.lamp.is_none()
+    }
+
+    /// The voxel (world space) of the lamp that was changed, and the lamp before or after the stroke.
+    pub fn lamp(&self, side: Side) -> Option<(IVec3, Option<PlacedLamp>)> {
+        let change = self.lamp.as_deref()?;
+        let lamp = match side {
+            Side::Before => change.before,
+            Side::After => change.after,
+        };
+        Some((change.voxel, lamp))
     }
 
     /// Gives the voxels the materials that they had before the stroke, or after it.
     pub fn put(&self, voxels: &mut Voxels, side: Side) -> Edit {
-        if self.is_empty() {
+        if self.runs.is_empty() {
             return Edit::default();
         }
         let size = voxels.size().as_ivec3();
@@ -113,7 +137,8 @@ impl Changes {
     }
 
     fn bytes(&self) -> usize {
-        size_of::<Self>() + self.runs.capacity() * size_of::<Run>()
+        let lamp = self.lamp.as_ref().map_or(0, |_| size_of::<LampChange>());
+        size_of::<Self>() + self.runs.capacity() * size_of::<Run>() + lamp
     }
 }
 

@@ -100,12 +100,13 @@ impl Replay {
         let camera = header.camera();
         let world = viewport.world().clone();
         let player = Player::new(&camera, &world, &viewport.ground()?);
+        let hands = Hands::new(&world, viewport.build());
         Ok(Self {
             viewport,
             device_errors,
             settings,
             player,
-            hands: Hands::default(),
+            hands,
             messages: Messages::default(),
             end_ns: record.end_ns(),
             playback: Playback::new(record),

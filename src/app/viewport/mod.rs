@@ -255,12 +255,21 @@ impl Viewport {
     /// # Errors
     /// [`FrameError`] when the device is lost.
     pub fn voxels(&mut self) -> Result<&Voxels, FrameError> {
+        Ok(self.voxels_and_world()?.0)
+    }
+
+    /// The voxels as on the GPU, and the world that they are of.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the device is lost.
+    pub fn voxels_and_world(&mut self) -> Result<(&Voxels, &World), FrameError> {
         if self.voxels.is_none() {
             let mut voxels = self.frame.stage.read_back(&self.gpu)?;
             voxels.remember(std::mem::take(&mut self.originals));
             self.voxels = Some(voxels);
         }
-        Ok(self.voxels.as_ref().expect("they are read"))
+        let voxels = self.voxels.as_ref().expect("they are read");
+        Ok((voxels, &self.world))
     }
 
     /// Changes voxels, on the CPU and on the GPU. They stay changed when the world is built again.
