@@ -307,6 +307,8 @@ pub mod tests {
 
     use super::*;
 
+    const AXES: [IVec3; 3] = [IVec3::X, IVec3::NEG_Y, IVec3::NEG_Z];
+
     /// Lamps as a player could place them.
     pub fn lamps() -> impl Strategy<Value = Vec<PlacedLamp>> {
         let voxel = (-40..40i32, -40..40i32, -40..40i32).prop_map(IVec3::from);
@@ -324,8 +326,7 @@ pub mod tests {
             radius,
             motion,
         });
-        let axes = [IVec3::X, IVec3::NEG_Y, IVec3::NEG_Z];
-        let lamp = (voxel, block, prop::sample::select(&axes[..]), any::<bool>());
+        let lamp = (voxel, block, prop::sample::select(&AXES[..]), any::<bool>());
         let lamp = lamp.prop_map(|(voxel, block, towards, is_on)| PlacedLamp {
             voxel,
             block,

@@ -18,7 +18,7 @@ const MS: u64 = 1_000_000;
 const ON_TOP: [f32; 3] = [0.0, 14.625, 0.0];
 
 /// A header for a run in this world, from a place above its rock.
-fn header(world: &Path, position: [f32; 3]) -> Value {
+pub fn header(world: &Path, position: [f32; 3]) -> Value {
     let bytes = fs::read(root().join(world)).expect("a world");
     json!({
         "grotto_record": 2,
@@ -69,7 +69,7 @@ fn moments() -> Vec<Value> {
     ]
 }
 
-fn written(folder: &Path, header: &Value, moments: &[Value]) -> PathBuf {
+pub fn written(folder: &Path, header: &Value, moments: &[Value]) -> PathBuf {
     let path = folder.join("run.record");
     let lines = std::iter::once(header).chain(moments);
     let text: String = lines.map(|line| format!("{line}\n")).collect();
@@ -78,7 +78,7 @@ fn written(folder: &Path, header: &Value, moments: &[Value]) -> PathBuf {
 }
 
 /// The figures of a replay at this frame rate, and the number of its pictures.
-fn replayed(record: &Path, fps: &str, every: &str) -> (Value, usize) {
+pub fn replayed(record: &Path, fps: &str, every: &str) -> (Value, usize) {
     let out = folder();
     let mut command = grotto();
     command.args(["play", "--json", "--quiet", "--fps", fps, "--every", every]);

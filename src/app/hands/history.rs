@@ -218,6 +218,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::world::placed::tests::lamp;
 
     const SIZE: i32 = 20;
 
@@ -294,6 +295,37 @@ mod tests {
         assert_eq!(history.redo(|_| Ok::<_, ()>(())), Ok(false));
         let kept: usize = history.done.iter().map(Changes::bytes).sum();
         assert_eq!((history.done.len(), history.bytes), (3, kept));
+    }
+
+    #[test]
+    fn a_stroke_with_a_lamp_is_undone_between_those_with_voxels() {
+        let mut voxels = Voxels::empty(UVec3::splat(SIZE as u32));
+        let mut history = History::default();
+        let lamp = lamp(IVec3::ONE);
+        let change = LampChange {
+            voxel: lamp.voxel,
+            before: None,
+            after: Some(lamp),
+        };
+        history.push(boxed(&mut voxels, IVec3::ONE, 2, 1));
+        history.push(Changes::of_lamp(change));
+        let mut undone = Vec::new();
+        for _ in 0..2 {
+            let note = |changes: &Changes| -> Result<(), ()> {
+                undone.push(changes.lamp(Side::Before));
+                assert_eq!(
+                    changes.put(&mut voxels, Side::Before) == Edit::default(),
+                    changes.lamp.is_some()
+                );
+                Ok(())
+            };
+            assert_eq!(history.undo(note), Ok(true));
+        }
+        assert_eq!(undone, [Some((lamp.voxel, None)), None]);
+        assert_eq!(
+            Changes::of_lamp(change).lamp(Side::After),
+            Some((lamp.voxel, Some(lamp)))
+        );
     }
 
     #[test]

@@ -410,7 +410,10 @@ mod tests {
     use glam::IVec3;
 
     use super::*;
-    use crate::gpu::{DeviceErrors, GpuError, ShaderChecks};
+    use crate::{
+        gpu::{DeviceErrors, GpuError, ShaderChecks},
+        world::{PlacedLamp, placed::tests::lamp},
+    };
 
     fn shown() -> Viewport {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
@@ -487,6 +490,44 @@ mod tests {
                 .edit(|voxels, _| voxels.set(at, 1))
                 .expect("it fits");
         }
+    }
+
+    #[test]
+    fn placed_lamps_outlast_presets_rebuilds_and_the_loss_of_the_device() {
+        let mut viewport = shown();
+        let at = |x| lamp(IVec3::new(x, 12, 3));
+        // Lamps of two sides of the world's edge at x = 32.
+        for lamp in [at(2), at(31), at(40)] {
+            viewport.put_lamp(lamp.voxel, Some(lamp));
+        }
+        let off = PlacedLamp {
+            is_on: false,
+            ..at(2)
+        };
+        viewport.put_lamp(off.voxel, Some(off));
+        let lit = |viewport: &Viewport| {
+            let lights = Lights::at(&viewport.world, &viewport.lamps(), 0.0);
+            // Without the sun.
+            lights.lamps.len() - 1
+        };
+        assert_eq!(lit(&viewport), 2, "one is off");
+        let resized = Choice {
+            size: [9, 7],
+            ..viewport.choice.clone()
+        };
+        viewport.apply(resized).expect("it fits");
+        viewport.reload_world().expect("it is as it was");
+        assert_eq!(viewport.placed_lamps(), [off, at(31)]);
+        let notes = viewport.take_notes();
+        assert!(notes[0].contains("1 placed lamps"), "{notes:?}");
+        let device_errors = DeviceErrors::watch(&viewport.gpu);
+        viewport.gpu.device.destroy();
+        assert!(viewport.read_display().is_err() && device_errors.is_lost());
+        let gpu = viewport.gpu.reopened(None).expect("the adapter");
+        viewport.move_to(gpu).expect("it fits");
+        assert_eq!((viewport.placed_lamps().len(), lit(&viewport)), (2, 1));
+        viewport.put_lamp(off.voxel, None);
+        assert_eq!(viewport.placed_lamps(), [at(31)]);
     }
 
     #[test]

@@ -329,6 +329,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::{super::sample::save_of, *};
+    use crate::world::placed::tests::{lamp, lamps};
 
     fn overlays() -> impl Strategy<Value = Overlay> {
         let voxel = (0..4096u32, 0..300u32, 0..40u32, 0..=255u8);

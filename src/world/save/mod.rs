@@ -131,6 +131,18 @@ pub enum SaveError {
     NoWorld { path: PathBuf, world: String },
 }
 
+impl Head {
+    /// For a person: how much was changed.
+    pub fn changes(&self) -> String {
+        let lamps = match self.lamps {
+            0 => String::new(),
+            1 => ", 1 lamp".to_owned(),
+            lamps => format!(", {lamps} lamps"),
+        };
+        format!("{} voxels changed{lamps}", self.voxels)
+    }
+}
+
 impl Save {
     /// The view of the player.
     pub fn view(&self) -> super::Camera {
