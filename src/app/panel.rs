@@ -7,7 +7,7 @@ use egui::{Align, Color32, Grid, Layout, RichText, ScrollArea, Slider, Ui};
 use super::{
     clock::{FrameRate, WorldClock},
     controls,
-    hands::brush::Brush,
+    hands::{Hotbar, Item, brush::Brush},
     time_graph,
     viewport::{Choice, Viewport},
     views, widgets,
@@ -42,13 +42,16 @@ pub struct Facts<'a> {
     pub fly_speed: f64,
     /// Probes by state, once they have been counted.
     pub probes: Option<StateCounts>,
+    pub hotbar: &'a Hotbar,
 }
 
 /// What a user clicked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// Move to the world's camera of this index.
     JumpTo(usize),
+    /// Take this into the hand.
+    Hold(Item),
     Screenshot,
     Reload,
 }
@@ -120,8 +123,10 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
     scene(ui, facts, settings, &mut action);
     section(ui, "Time", true, |ui| time(ui, &mut settings.clock));
     section(ui, "Dig and build", true, |ui| {
-        let world = facts.viewport.world();
-        grid(ui, "brush", |ui| settings.brush.rows(ui, world));
+        grid(ui, "brush", |ui| {
+            action = in_hand(ui, facts).map(Action::Hold).or(action);
+            settings.brush.rows(ui);
+        });
     });
     section(ui, "GPU time of each pass", true, |ui| passes(ui, facts));
     parameters(ui, facts, settings);
@@ -144,6 +149,22 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
         }
     });
     action
+}
+
+/// A row for what is in the hand. Returns the material that was chosen for it.
+fn in_hand(ui: &mut Ui, facts: &Facts<'_>) -> Option<Item> {
+    let world = facts.viewport.world();
+    ui.label("in the hand").on_hover_text(
+        "What a right click places; a middle click takes what is under the crosshair, E shows all there is",
+    );
+    let item = facts.hotbar.item();
+    let name = item.and_then(|item| item.name(world));
+    let names: Vec<&str> = world.materials.iter().map(|m| &*m.name).collect();
+    let mut chosen = name.as_deref().unwrap_or("nothing");
+    let is_changed = widgets::choose(ui, "in the hand", &mut chosen, &names);
+    ui.end_row();
+    let index = names.iter().position(|name| *name == chosen)?;
+    is_changed.then(|| Item::materials(world).nth(index))?
 }
 
 fn section(ui: &mut Ui, title: &str, open: bool, add: impl FnOnce(&mut Ui)) {

@@ -6,10 +6,11 @@ use super::{
     body::{Body, Ground, Mode},
     clock::WorldClock,
     hands::{
-        Changes, Hands, Side,
-        aim::Reach,
+        Changes, Hands, Item, Side,
+        aim::{Reach, Target},
         bits::Dug,
-        brush::{Brush, Stroke},
+        brush::{Brush, Stroke, Stroked},
+        lamps::{self, LampChange},
     },
     input::Input,
     messages::Messages,
@@ -17,7 +18,11 @@ use super::{
     player::Player,
     viewport::{Choice, Viewport},
 };
-use crate::{frame::FrameError, parameters::KEYS, world::Camera};
+use crate::{
+    frame::FrameError,
+    parameters::KEYS,
+    world::{Camera, World, voxels::Voxels},
+};
 
 /// What a run changes.
 pub struct Run<'a> {
@@ -26,6 +31,13 @@ pub struct Run<'a> {
     pub player: &'a mut Player,
     pub hands: &'a mut Hands,
     pub messages: &'a mut Messages,
+}
+
+/// Whether a stroke is the first of its button, or one of those while it is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turn {
+    First,
+    Repeated,
 }
 
 /// What an input did that costs time, so that frame times from before say nothing any more.
@@ -45,9 +57,9 @@ impl Run<'_> {
     pub fn take(&mut self, input: &Input) -> Result<Done, AppError> {
         let mut done = Done::default();
         match input {
-            Input::Stroke(stroke) => done.edited = self.stroke(*stroke)?,
+            Input::Stroke(stroke) => done.edited = self.stroke(*stroke, Turn::First)?,
             Input::Hold(stroke) => {
-                done.edited = self.stroke(*stroke)?;
+                done.edited = self.stroke(*stroke, Turn::First)?;
                 self.hands.held.begin(*stroke, self.player.now_ns());
             }
             Input::LetGo(stroke) => self.hands.held.end(*stroke),
@@ -55,6 +67,13 @@ impl Run<'_> {
             Input::Redo => done.edited = self.redo(),
             Input::Brush(brush) => self.settings.brush = *brush,
             Input::Clip(clip) => done.edited = self.clip(*clip)?,
+            Input::Slot(slot) => self.hands.hotbar.select(*slot),
+            Input::Scroll(slots) => self.hands.hotbar.scroll(*slots),
+            Input::Item { slot, item } => {
+                if item.name(self.viewport.world()).is_some() {
+                    self.hands.hotbar.put(*slot, *item);
+                }
+            }
             Input::Camera(index) => self.jump_to(*index)?,
             Input::Clock {
                 paused,
@@ -108,7 +127,7 @@ impl Run<'_> {
         while let Some(due_ns) = self.hands.held.due_ns(to_ns) {
             self.simulate(due_ns)?;
             if let Some(stroke) = self.hands.held.take_due(due_ns) {
-                done.edited |= self.stroke(stroke)?;
+                done.edited |= self.stroke(stroke, Turn::Repeated)?;
             }
         }
         self.simulate(to_ns)?;
@@ -129,32 +148,119 @@ impl Run<'_> {
     }
 
     /// Makes a stroke where the player looks. Returns whether voxels changed.
-    fn stroke(&mut self, stroke: Stroke) -> Result<bool, AppError> {
+    fn stroke(&mut self, stroke: Stroke, turn: Turn) -> Result<bool, AppError> {
         let camera = self.view()?;
         let reach = Reach::of(self.player.body());
-        let brush = &mut self.settings.brush;
+        self.follow_build();
+        let Some(target) = self.viewport.aim(&reach, &camera)? else {
+            return Ok(false);
+        };
+        let world = self.viewport.world();
+        let lamp = lamps::met(world, &target).copied();
+        match (stroke, lamp) {
+            (Stroke::Pick, Some(lamp)) => self.hands.hotbar.pick(Item::Lamp(lamp.block)),
+            (Stroke::Pick, None) => self.hands.hotbar.pick(Item::Material(target.material)),
+            (Stroke::Dig, Some(lamp)) => self.change_lamp(lamps::dug(&lamp)),
+            (Stroke::Dig, None) => {
+                let brush = self.settings.brush;
+                let is_dug = self.edit(|voxels, _| brush.dig(voxels, target.voxel));
+                if is_dug {
+                    self.burst(&camera);
+                }
+                return Ok(is_dug);
+            }
+            (Stroke::Replace, Some(_)) => {}
+            (Stroke::Replace, None) => return Ok(self.replace(&target)),
+            // One press hangs or switches one lamp.
+            (Stroke::Place, Some(lamp)) if turn == Turn::First => {
+                self.change_lamp(lamps::switched(&lamp));
+            }
+            (Stroke::Place, Some(_)) => {}
+            (Stroke::Place, None) => return self.place(&target, &camera, &reach, turn),
+        }
+        Ok(false)
+    }
+
+    /// Places what is in the hand. Returns whether voxels changed.
+    fn place(
+        &mut self,
+        target: &Target,
+        camera: &Camera,
+        reach: &Reach,
+        turn: Turn,
+    ) -> Result<bool, AppError> {
+        match self.hands.hotbar.item() {
+            Some(Item::Material(material)) => {
+                let Some(at) = target.before() else {
+                    return Ok(false);
+                };
+                let brush = self.settings.brush;
+                Ok(self.edit(|voxels, world| {
+                    let (low, high) = reach.kept(world.origin, camera);
+                    let hung = lamps::occupied(world);
+                    brush.place(voxels, at, material, |voxel| {
+                        let is_of_body = voxel.cmpge(low).all() && voxel.cmple(high).all();
+                        is_of_body || hung.contains(&voxel)
+                    })
+                }))
+            }
+            Some(Item::Lamp(block)) if turn == Turn::First => {
+                let eye = camera.position.floor().as_ivec3();
+                let (voxels, world) = self.viewport.voxels_and_world()?;
+                match lamps::hung(block, voxels, world, target, eye) {
+                    Ok(change) => self.change_lamp(change),
+                    Err(reason) => self.messages.toast(reason),
+                }
+                Ok(false)
+            }
+            Some(Item::Lamp(_)) => Ok(false),
+            None => {
+                self.messages
+                    .toast("This slot is empty: E has everything that can be placed");
+                Ok(false)
+            }
+        }
+    }
+
+    /// Gives voxels the material in the hand. Returns whether voxels changed.
+    fn replace(&mut self, target: &Target) -> bool {
+        let Some(Item::Material(material)) = self.hands.hotbar.item() else {
+            self.messages
+                .toast("Replacing needs a material in the hand");
+            return false;
+        };
+        let brush = self.settings.brush;
+        self.edit(|voxels, _| brush.replace(voxels, target.voxel, material))
+    }
+
+    fn change_lamp(&mut self, change: LampChange) {
+        self.viewport.put_lamp(change.voxel, change.after);
+        self.hands.history.push(Changes::of_lamp(change));
+    }
+
+    /// Changes voxels by a stroke. Returns whether there were any to change.
+    pub(super) fn edit(&mut self, stroke: impl FnOnce(&mut Voxels, &World) -> Stroked) -> bool {
         let mut changes = Changes::default();
         let edited = self.viewport.edit(|voxels, world| {
-            let stroked = brush.stroke(voxels, world, &camera, stroke, &reach);
+            let stroked = stroke(voxels, world);
             changes = stroked.changes;
             stroked.edit
         });
-        self.hands.follow(self.viewport.build());
         if let Err(error) = edited {
             self.messages.toast_error(error.to_string());
-            return Ok(false);
+            return false;
         }
         let edited = !changes.is_empty();
-        if stroke == Stroke::Dig {
-            self.burst(&changes, &camera);
-        }
         self.hands.history.push(changes);
-        Ok(edited)
+        edited
     }
 
-    /// Bits fly off the voxels that a stroke removed.
-    fn burst(&mut self, changes: &Changes, camera: &Camera) {
+    /// Bits fly off the voxels that the last stroke removed.
+    fn burst(&mut self, camera: &Camera) {
         let world = self.viewport.world();
+        let Some(changes) = self.hands.history.last() else {
+            return;
+        };
         let dug = changes.removed(world.size.as_ivec3());
         let dug: Vec<Dug> = dug
             .map(|(voxel, material)| Dug {
@@ -169,41 +275,48 @@ impl Run<'_> {
             .burst(&dug, &world.materials, eye, &measures);
     }
 
-    /// Lets the next pictures show the bits that fly now.
+    /// Lets the next pictures show the bits that fly now, and the bulbs of placed lamps.
     ///
     /// # Errors
     /// [`AppError`] when the device fails.
     pub fn show_bits(&mut self) -> Result<(), AppError> {
-        self.hands.follow(self.viewport.build());
+        self.follow_build();
         let measures = self.player.body().measures;
+        let time_s = self.settings.clock.time_s;
         let ground = self.viewport.ground()?;
-        let bits = self
+        let mut bits = self
             .hands
             .bits
             .seen(self.player.now_ns(), &ground, &measures);
+        bits.extend(self.viewport.bulbs(time_s));
         Ok(self.viewport.show_bits(&bits)?)
     }
 
-    /// Returns whether voxels changed.
+    /// Returns whether anything changed.
     fn undo(&mut self) -> bool {
-        self.hands.follow(self.viewport.build());
+        self.follow_build();
         let viewport = &mut *self.viewport;
         let undone = self
             .hands
             .history
-            .undo(|changes| viewport.edit(|voxels, _| changes.put(voxels, Side::Before)));
+            .undo(|changes| viewport.put(changes, Side::Before));
         self.went(undone, "There is nothing to undo")
     }
 
-    /// Returns whether voxels changed.
+    /// Returns whether anything changed.
     fn redo(&mut self) -> bool {
-        self.hands.follow(self.viewport.build());
+        self.follow_build();
         let viewport = &mut *self.viewport;
         let redone = self
             .hands
             .history
-            .redo(|changes| viewport.edit(|voxels, _| changes.put(voxels, Side::After)));
+            .redo(|changes| viewport.put(changes, Side::After));
         self.went(redone, "There is nothing to redo")
+    }
+
+    pub(super) fn follow_build(&mut self) {
+        let build = self.viewport.build();
+        self.hands.follow(self.viewport.world(), build);
     }
 
     fn went(&mut self, done: Result<bool, FrameError>, nothing: &str) -> bool {
@@ -235,6 +348,7 @@ impl Run<'_> {
         // What cannot be shown is reverted.
         self.settings.choice = self.viewport.choice().clone();
         self.player.resize(self.viewport.world());
+        self.follow_build();
         self.tell_notes();
         remade
     }
@@ -256,6 +370,7 @@ impl Run<'_> {
         };
         self.settings.choice = self.viewport.choice().clone();
         self.player.resize(self.viewport.world());
+        self.follow_build();
         self.tell_notes();
     }
 
@@ -331,7 +446,7 @@ impl Chosen {
     }
 }
 
-/// The ground that the player of a viewport stands on.
+/// The world of a viewport for the player who is in it.
 impl Viewport {
     /// # Errors
     /// [`AppError`] when the voxels must be read back and the device is lost.
@@ -339,6 +454,27 @@ impl Viewport {
         let origin = self.world().origin;
         let voxels = self.voxels()?;
         Ok(Ground { voxels, origin })
+    }
+
+    /// What a stroke where `camera` looks would meet.
+    ///
+    /// # Errors
+    /// [`AppError`] when the voxels must be read back and the device is lost.
+    pub fn aim(&mut self, reach: &Reach, camera: &Camera) -> Result<Option<Target>, AppError> {
+        let (voxels, world) = self.voxels_and_world()?;
+        Ok(reach.aim(voxels, &world.restored.lamps, world.origin, camera))
+    }
+
+    /// Gives everything that a stroke changed what it was before, or after.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold it; then nothing changes.
+    pub fn put(&mut self, changes: &Changes, side: Side) -> Result<(), FrameError> {
+        self.edit(|voxels, _| changes.put(voxels, side))?;
+        if let Some((voxel, lamp)) = changes.lamp(side) {
+            self.put_lamp(voxel, lamp);
+        }
+        Ok(())
     }
 }
 

@@ -5,6 +5,7 @@ use glam::IVec3;
 use super::{
     aim::{Reach, Target},
     clipboard::{Clip, Copied, MOST_EDGE, Pasted, size_text},
+    lamps,
 };
 use crate::app::{AppError, run::Run};
 
@@ -42,8 +43,7 @@ impl Run<'_> {
     fn target(&mut self) -> Result<Option<Target>, AppError> {
         let camera = self.view()?;
         let reach = Reach::of(self.player.body());
-        let ground = self.viewport.ground()?;
-        let target = reach.aim(ground.voxels, ground.origin, &camera);
+        let target = self.viewport.aim(&reach, &camera)?;
         if target.is_none() {
             self.messages.toast("No voxel is within reach");
         }
@@ -93,39 +93,35 @@ impl Run<'_> {
     fn paste(&mut self) -> Result<bool, AppError> {
         let clipboard = &mut self.hands.clipboard;
         clipboard.corner = None;
-        if clipboard.copied.is_none() {
+        let with_air = clipboard.with_air;
+        let Some(copied) = clipboard.copied.clone() else {
             self.messages
                 .toast("Nothing is copied yet: mark two corners of a box");
             return Ok(false);
-        }
+        };
         if !std::mem::replace(&mut clipboard.is_out, true) {
             return Ok(false);
         }
         let Some(target) = self.target()? else {
             return Ok(false);
         };
+        self.follow_build();
         let camera = self.view()?;
         let reach = Reach::of(self.player.body());
-        let clipboard = &self.hands.clipboard;
         let mut pasted = Pasted::default();
-        let edited = self.viewport.edit(|voxels, world| {
+        let changed = self.edit(|voxels, world| {
             let (low, high) = reach.kept(world.origin, &camera);
-            let is_kept = |voxel: IVec3| voxel.cmpge(low).all() && voxel.cmple(high).all();
-            if let Some(copied) = &clipboard.copied {
-                let with_air = clipboard.with_air;
-                pasted = copied.paste(voxels, &world.materials, &target, with_air, is_kept);
-            }
-            pasted.stroked.edit.clone()
+            let hung = lamps::occupied(world);
+            let is_kept = |voxel: IVec3| {
+                let is_of_body = voxel.cmpge(low).all() && voxel.cmple(high).all();
+                is_of_body || hung.contains(&voxel)
+            };
+            pasted = copied.paste(voxels, &world.materials, &target, with_air, is_kept);
+            std::mem::take(&mut pasted.stroked)
         });
-        self.hands.follow(self.viewport.build());
-        if let Err(error) = edited {
-            self.messages.toast_error(error.to_string());
-            return Ok(false);
-        }
         let at = target.before().unwrap_or(target.voxel) + self.viewport.world().origin;
         self.tell_pasted(&pasted, at);
-        self.hands.history.push(pasted.stroked.changes);
-        Ok(pasted.changed > 0)
+        Ok(changed)
     }
 
     fn tell_pasted(&mut self, pasted: &Pasted, at: IVec3) {

@@ -80,11 +80,14 @@ impl Eye<'_> {
         segments
     }
 
-    /// A line (grid space), seen or hidden as its middle is.
+    /// A line (grid space), seen or hidden as its middle is. Where the line lies on a voxel's face, it is seen from the
+    /// side of the air: outwards or inwards.
     fn line(&self, ends: [DVec3; 2], outwards: DVec3, segments: &mut Vec<Segment>) {
         let eye = self.camera.origin - self.origin.as_dvec3();
-        let middle = ends[0].midpoint(ends[1]) + BEFORE_FACE * outwards;
-        let is_hidden = is_hidden(self.voxels, eye, middle);
+        let middle = ends[0].midpoint(ends[1]);
+        let is_hidden = [outwards, -outwards]
+            .into_iter()
+            .all(|aside| is_hidden(self.voxels, eye, middle + BEFORE_FACE * aside));
         let ends = project(self.camera, ends.map(|end| end + self.origin.as_dvec3()));
         segments.extend(ends.map(|ends| Segment {
             ends,
@@ -127,11 +130,7 @@ mod tests {
 
     #[test]
     fn of_a_box_in_the_floor_the_part_above_it_is_seen() {
-        let brush = |shape, radius| Brush {
-            material: 1,
-            shape,
-            radius,
-        };
+        let brush = |shape, radius| Brush { shape, radius };
         let at = IVec3::new(8, 0, 8);
         let parts = PARTS[0] as usize;
         let cube = segments(|eye| eye.of_brush(&brush(Shape::Box, 1.9), at));

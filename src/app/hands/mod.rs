@@ -1,8 +1,8 @@
 //! The player's hands: what the crosshair points at, strokes that dig and build, and how they are undone.
 //!
 //! `aim` finds the voxel under the crosshair; `outline` draws its edges, and `extent` those of larger brushes and boxes.
-//! `brush` makes strokes there, `held` repeats them, and `history` keeps what they changed. `clipboard` holds a copy, and
-//! `clip` is how a run uses it. `bits` fly off what is dug.
+//! `hotbar` has the `item` in the hand. `brush` and `lamps` make strokes, `held` repeats them, and `history` keeps what
+//! they changed. `clipboard` holds a copy, and `clip` is how a run uses it. `bits` fly off what is dug.
 
 pub mod aim;
 pub mod bits;
@@ -12,6 +12,9 @@ pub mod clipboard;
 pub mod extent;
 mod held;
 mod history;
+pub mod hotbar;
+pub mod item;
+pub mod lamps;
 pub mod outline;
 
 use bits::Bits;
@@ -19,11 +22,16 @@ use clipboard::Clipboard;
 
 pub use held::Held;
 pub use history::{Changes, History, Side};
+pub use hotbar::Hotbar;
+pub use item::Item;
+
+use crate::world::World;
 
 /// What the hands of a run hold and have done.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Hands {
     pub held: Held,
+    pub hotbar: Hotbar,
     pub history: History,
     pub clipboard: Clipboard,
     pub bits: Bits,
@@ -32,25 +40,35 @@ pub struct Hands {
 }
 
 impl Hands {
-    /// Forgets what belongs to voxels that no longer exist: `build` counts how often the world was built.
-    pub fn follow(&mut self, build: u32) {
+    /// Those of a run that begins in this world.
+    pub fn new(world: &World, build: u32) -> Self {
+        Self {
+            held: Held::default(),
+            hotbar: Hotbar::of(world),
+            history: History::default(),
+            clipboard: Clipboard::default(),
+            bits: Bits::default(),
+            build,
+        }
+    }
+
+    /// Forgets what belongs to voxels and materials that no longer exist: `build` counts how often the world was built.
+    pub fn follow(&mut self, world: &World, build: u32) {
         if self.build != build {
             self.build = build;
             self.history = History::default();
+            self.hotbar.fit(world);
             self.bits.clear();
         }
     }
 
-    /// Those of a run in another world: the copy goes along.
-    pub fn elsewhere(&self) -> Self {
+    /// The same, with the copy of a run in another world.
+    pub fn with_copy_of(self, other: &Self) -> Self {
         let clipboard = Clipboard {
             corner: None,
             is_out: false,
-            ..self.clipboard.clone()
+            ..other.clipboard.clone()
         };
-        Self {
-            clipboard,
-            ..Self::default()
-        }
+        Self { clipboard, ..self }
     }
 }

@@ -2,6 +2,7 @@
 
 mod benchmark;
 mod input;
+mod inventory;
 mod lost;
 mod menu;
 mod panels;
@@ -27,6 +28,7 @@ use super::{
     clock::{FrameRate, WorldClock},
     hands::brush::Brush,
     input::Input,
+    inventory::Items,
     menu::{Folders, Menu, Occasion},
     messages::Messages,
     pace::Attention,
@@ -64,6 +66,10 @@ pub struct Session {
     panel_open: bool,
     /// While it is open, it takes all input.
     menu: Option<Menu>,
+    /// While the inventory is open, it takes keys and clicks.
+    items: Items,
+    /// Part of a notch that the mouse wheel was turned by.
+    wheel: f32,
     folders: Folders,
     /// With which every world is entered.
     parameters_at_start: Parameters,
@@ -162,6 +168,8 @@ impl Session {
             lose_device_at: options.lose_device_at,
             panel_open: false,
             menu: None,
+            items: Items::default(),
+            wheel: 0.0,
             folders: Folders::of_user(),
             parameters_at_start: options.parameters.clone(),
             messages,

@@ -68,16 +68,15 @@ impl Play {
     pub fn after(&self, camera: &Camera, viewport: &mut Viewport) -> Result<Self, AppError> {
         let world = viewport.world().clone();
         let player = Player::new(camera, &world, &viewport.ground()?);
-        Ok(Self {
-            hands: self.hands.elsewhere(),
-            ..Self::of(player, viewport)
-        })
+        let mut play = Self::of(player, viewport);
+        play.hands = play.hands.with_copy_of(&self.hands);
+        Ok(play)
     }
 
     fn of(player: Player, viewport: &Viewport) -> Self {
         Self {
             player,
-            hands: Hands::default(),
+            hands: Hands::new(viewport.world(), viewport.build()),
             pending: Vec::new(),
             chosen: Chosen::at_start(viewport),
             recorder: None,
@@ -149,8 +148,8 @@ impl Session {
     pub(super) fn aim(&mut self) -> Option<(Target, Vec<Segment>)> {
         let reach = Reach::of(self.play.player.body());
         let [width, height] = self.viewport.frame().size().map(f64::from);
+        let target = self.viewport.aim(&reach, &self.camera).ok()??;
         let ground = self.viewport.ground().ok()?;
-        let target = reach.aim(ground.voxels, ground.origin, &self.camera)?;
         let basis = self.camera.basis(width / height);
         let mut edges = outline::of_target(ground.voxels, ground.origin, &basis, &target);
         let eye = Eye {

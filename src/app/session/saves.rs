@@ -71,5 +71,9 @@ pub(super) fn kept(
             .collect(),
         origin: world.origin.to_array(),
     };
-    Ok(Kept { state, overlay })
+    Ok(Kept {
+        state,
+        overlay,
+        lamps: viewport.placed_lamps().to_vec(),
+    })
 }

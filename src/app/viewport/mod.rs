@@ -1,5 +1,6 @@
 //! What the window shows: a world on the GPU, and the choices made for it.
 
+mod bulbs;
 mod changes;
 
 use std::path::{Path, PathBuf};
@@ -257,12 +258,21 @@ impl Viewport {
     /// # Errors
     /// [`FrameError`] when the device is lost.
     pub fn voxels(&mut self) -> Result<&Voxels, FrameError> {
+        Ok(self.voxels_and_world()?.0)
+    }
+
+    /// The voxels as on the GPU, and the world that they are of.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the device is lost.
+    pub fn voxels_and_world(&mut self) -> Result<(&Voxels, &World), FrameError> {
         if self.voxels.is_none() {
             let mut voxels = self.frame.stage.read_back(&self.gpu)?;
             voxels.remember(std::mem::take(&mut self.originals));
             self.voxels = Some(voxels);
         }
-        Ok(self.voxels.as_ref().expect("they are read"))
+        let voxels = self.voxels.as_ref().expect("they are read");
+        Ok((voxels, &self.world))
     }
 
     /// Changes voxels, on the CPU and on the GPU. They stay changed when the world is built again.
@@ -333,11 +343,7 @@ impl Viewport {
             time_s,
             textures: parameters.textures.enabled,
         };
-        let lamp_time_s = if parameters.lights.animate {
-            time_s
-        } else {
-            0.0
-        };
+        let lamp_time_s = self.lamp_time_s(time_s);
         let lights = Lights::at(&self.world, &self.lamps(), lamp_time_s);
         if let Some(reference_view) = &mut self.reference_view {
             return reference_view.record(&self.gpu, recorder, shot, &lights);
@@ -345,6 +351,14 @@ impl Viewport {
         self.frame
             .record(&self.gpu, recorder, &shot, &lights, &parameters.probes);
         Ok(())
+    }
+
+    /// The time that lamps are at: they stand still if they are not animated.
+    fn lamp_time_s(&self, time_s: f64) -> f64 {
+        match self.choice.parameters.lights.animate {
+            true => time_s,
+            false => 0.0,
+        }
     }
 
     /// The path-traced picture, while it is shown.
@@ -411,7 +425,10 @@ mod tests {
     use glam::IVec3;
 
     use super::*;
-    use crate::gpu::{DeviceErrors, GpuError, ShaderChecks};
+    use crate::{
+        gpu::{DeviceErrors, GpuError, ShaderChecks},
+        world::{PlacedLamp, placed::tests::lamp},
+    };
 
     fn shown() -> Viewport {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
@@ -488,6 +505,44 @@ mod tests {
                 .edit(|voxels, _| voxels.set(at, 1))
                 .expect("it fits");
         }
+    }
+
+    #[test]
+    fn placed_lamps_outlast_presets_rebuilds_and_the_loss_of_the_device() {
+        let mut viewport = shown();
+        let at = |x| lamp(IVec3::new(x, 12, 3));
+        // Lamps of two sides of the world's edge at x = 32.
+        for lamp in [at(2), at(31), at(40)] {
+            viewport.put_lamp(lamp.voxel, Some(lamp));
+        }
+        let off = PlacedLamp {
+            is_on: false,
+            ..at(2)
+        };
+        viewport.put_lamp(off.voxel, Some(off));
+        let lit = |viewport: &Viewport| {
+            let lights = Lights::at(&viewport.world, &viewport.lamps(), 0.0);
+            // Without the sun.
+            lights.lamps.len() - 1
+        };
+        assert_eq!(lit(&viewport), 2, "one is off");
+        let resized = Choice {
+            size: [9, 7],
+            ..viewport.choice.clone()
+        };
+        viewport.apply(resized).expect("it fits");
+        viewport.reload_world().expect("it is as it was");
+        assert_eq!(viewport.placed_lamps(), [off, at(31)]);
+        let notes = viewport.take_notes();
+        assert!(notes[0].contains("1 placed lamps"), "{notes:?}");
+        let device_errors = DeviceErrors::watch(&viewport.gpu);
+        viewport.gpu.device.destroy();
+        assert!(viewport.read_display().is_err() && device_errors.is_lost());
+        let gpu = viewport.gpu.reopened(None).expect("the adapter");
+        viewport.move_to(gpu).expect("it fits");
+        assert_eq!((viewport.placed_lamps().len(), lit(&viewport)), (2, 1));
+        viewport.put_lamp(off.voxel, None);
+        assert_eq!(viewport.placed_lamps(), [at(31)]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle},
-    world::View,
+    world::{View, placed::MOST_PLACED},
 };
 
 crate::shared! {
@@ -43,8 +43,8 @@ pub struct Bits {
 }
 
 impl Bits {
-    /// Most bits in a picture.
-    pub const MOST: usize = 1024;
+    /// Most bits in a picture: the bulbs of all lamps that can be placed, and some that fly.
+    pub const MOST: usize = MOST_PLACED + 256;
 
     /// Draws over `hdr` (`rgba16float`), a picture of `surfaces`. `offer` is that of the scene and the probes.
     ///
@@ -74,6 +74,7 @@ impl Bits {
             let spec = KernelSpec {
                 shader: "view/bits",
                 entry,
+                overrides: &[("FREE_AIR", 1.0)],
                 offered: &offer.constants,
                 ..Default::default()
             };
