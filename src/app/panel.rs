@@ -8,7 +8,7 @@ use super::{
     clock::{FrameRate, WorldClock},
     controls,
     hands::{Hotbar, Item, brush::Brush},
-    time_graph,
+    inventory, time_graph,
     viewport::{Choice, Viewport},
     views, widgets,
 };
@@ -124,7 +124,9 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
     section(ui, "Time", true, |ui| time(ui, &mut settings.clock));
     section(ui, "Dig and build", true, |ui| {
         grid(ui, "brush", |ui| {
-            action = in_hand(ui, facts).map(Action::Hold).or(action);
+            let world = facts.viewport.world();
+            let item = inventory::row(ui, world, facts.hotbar);
+            action = item.map(Action::Hold).or(action);
             settings.brush.rows(ui);
         });
     });
@@ -149,22 +151,6 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
         }
     });
     action
-}
-
-/// A row for what is in the hand. Returns the material that was chosen for it.
-fn in_hand(ui: &mut Ui, facts: &Facts<'_>) -> Option<Item> {
-    let world = facts.viewport.world();
-    ui.label("in the hand").on_hover_text(
-        "What a right click places; a middle click takes what is under the crosshair, E shows all there is",
-    );
-    let item = facts.hotbar.item();
-    let name = item.and_then(|item| item.name(world));
-    let names: Vec<&str> = world.materials.iter().map(|m| &*m.name).collect();
-    let mut chosen = name.as_deref().unwrap_or("nothing");
-    let is_changed = widgets::choose(ui, "in the hand", &mut chosen, &names);
-    ui.end_row();
-    let index = names.iter().position(|name| *name == chosen)?;
-    is_changed.then(|| Item::materials(world).nth(index))?
 }
 
 fn section(ui: &mut Ui, title: &str, open: bool, add: impl FnOnce(&mut Ui)) {
