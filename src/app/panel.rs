@@ -124,8 +124,7 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
     section(ui, "Time", true, |ui| time(ui, &mut settings.clock));
     section(ui, "Dig and build", true, |ui| {
         grid(ui, "brush", |ui| {
-            let world = facts.viewport.world();
-            let item = inventory::row(ui, world, facts.hotbar);
+            let item = inventory::row(ui, facts.viewport.world(), facts.hotbar);
             action = item.map(Action::Hold).or(action);
             settings.brush.rows(ui);
         });

@@ -15,7 +15,7 @@ use crate::{
     parameters::{Parameters, Remake},
     passes::view::{Inspection, Shot},
     world::{
-        self, Camera, LampPreset, LayoutSpec, World,
+        self, Camera, LayoutSpec, World,
         file::Overrides,
         voxels::{Edit, Originals, Voxels},
     },
@@ -368,20 +368,6 @@ impl Viewport {
             Some(reference_view) => reference_view.read_display(&self.gpu),
             None => self.frame.read_display(&self.gpu),
         }
-    }
-
-    /// The lamps of the chosen preset, up to the number that the parameters allow.
-    fn lamps(&self) -> LampPreset {
-        let parameters = &self.choice.parameters.lights;
-        let presets = &self.world.lamp_presets;
-        let chosen = presets
-            .iter()
-            .find(|preset| preset.name == parameters.preset);
-        let mut lamps = chosen
-            .unwrap_or_else(|| presets.first().expect("a world has a lamp preset"))
-            .clone();
-        lamps.lamps.truncate(parameters.max_lamps as usize);
-        lamps
     }
 }
 
