@@ -125,7 +125,7 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
     section(ui, "Dig and build", true, |ui| {
         grid(ui, "brush", |ui| {
             let item = inventory::row(ui, facts.viewport.world(), facts.hotbar);
-            action = item.map(Action::Hold).or(action);
+            action = action.or(item.map(Action::Hold));
             settings.brush.rows(ui);
         });
     });
@@ -241,8 +241,8 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
 /// Which part of the world is shown, and how.
 fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut Option<Action>) {
     let world = facts.viewport.world();
-    ui.label(RichText::new(&world.name).strong())
-        .on_hover_text(&world.title);
+    let name = RichText::new(&world.name).strong();
+    ui.label(name).on_hover_text(&world.title);
     grid(ui, "scene", |ui| {
         ui.label("jump to").on_hover_text("A camera of the world");
         let cameras: Vec<&str> = world.cameras.iter().map(|camera| &*camera.name).collect();
@@ -292,9 +292,7 @@ fn time(ui: &mut Ui, clock: &mut WorldClock) {
         ui.label("world time");
         ui.horizontal(|ui| {
             let label = if clock.paused { "resume" } else { "pause" };
-            if ui.button(label).clicked() {
-                clock.paused = !clock.paused;
-            }
+            clock.paused ^= ui.button(label).clicked();
             ui.monospace(format!("{:.1} s", clock.time_s));
         });
         ui.end_row();
