@@ -8,7 +8,7 @@ use super::{
     clock::{FrameRate, WorldClock},
     controls,
     hands::{Hotbar, Item, brush::Brush},
-    time_graph,
+    inventory, time_graph,
     viewport::{Choice, Viewport},
     views, widgets,
 };
@@ -124,7 +124,8 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
     section(ui, "Time", true, |ui| time(ui, &mut settings.clock));
     section(ui, "Dig and build", true, |ui| {
         grid(ui, "brush", |ui| {
-            action = in_hand(ui, facts).map(Action::Hold).or(action);
+            let item = inventory::row(ui, facts.viewport.world(), facts.hotbar);
+            action = action.or(item.map(Action::Hold));
             settings.brush.rows(ui);
         });
     });
@@ -149,22 +150,6 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
         }
     });
     action
-}
-
-/// A row for what is in the hand. Returns the material that was chosen for it.
-fn in_hand(ui: &mut Ui, facts: &Facts<'_>) -> Option<Item> {
-    let world = facts.viewport.world();
-    ui.label("in the hand").on_hover_text(
-        "What a right click places; a middle click takes what is under the crosshair, E shows all there is",
-    );
-    let item = facts.hotbar.item();
-    let name = item.and_then(|item| item.name(world));
-    let names: Vec<&str> = world.materials.iter().map(|m| &*m.name).collect();
-    let mut chosen = name.as_deref().unwrap_or("nothing");
-    let is_changed = widgets::choose(ui, "in the hand", &mut chosen, &names);
-    ui.end_row();
-    let index = names.iter().position(|name| *name == chosen)?;
-    is_changed.then(|| Item::materials(world).nth(index))?
 }
 
 fn section(ui: &mut Ui, title: &str, open: bool, add: impl FnOnce(&mut Ui)) {
@@ -256,8 +241,8 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
 /// Which part of the world is shown, and how.
 fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut Option<Action>) {
     let world = facts.viewport.world();
-    ui.label(RichText::new(&world.name).strong())
-        .on_hover_text(&world.title);
+    let name = RichText::new(&world.name).strong();
+    ui.label(name).on_hover_text(&world.title);
     grid(ui, "scene", |ui| {
         ui.label("jump to").on_hover_text("A camera of the world");
         let cameras: Vec<&str> = world.cameras.iter().map(|camera| &*camera.name).collect();
@@ -307,9 +292,7 @@ fn time(ui: &mut Ui, clock: &mut WorldClock) {
         ui.label("world time");
         ui.horizontal(|ui| {
             let label = if clock.paused { "resume" } else { "pause" };
-            if ui.button(label).clicked() {
-                clock.paused = !clock.paused;
-            }
+            clock.paused ^= ui.button(label).clicked();
             ui.monospace(format!("{:.1} s", clock.time_s));
         });
         ui.end_row();

@@ -18,6 +18,7 @@ mod memory;
 mod passes;
 mod stage;
 mod traced;
+mod values;
 
 pub use stage::{BuildReport, Stage};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
@@ -25,8 +26,9 @@ pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 use antialias::Antialiasing;
 use bits::DrawnBits;
 use inspect::Inspect;
-use passes::{Passes, Update, Wanted};
+use passes::{Passes, Wanted};
 pub use passes::{offer, resources};
+use values::Update;
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},

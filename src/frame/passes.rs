@@ -2,7 +2,14 @@
 
 use std::thread::{self, ScopedJoinHandle};
 
-use super::{FrameError, Stage, inspect::Inspect};
+use super::{
+    FrameError, Stage,
+    inspect::Inspect,
+    values::{
+        ActiveList, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes, ProbeLight,
+        ProbeRays, Radiance, SeenFaces, Surfaces, Update,
+    },
+};
 use crate::{
     gpu::{Gpu, Offer, Recorder},
     parameters::Antialias,
@@ -349,36 +356,6 @@ fn made<T>(thread: ScopedJoinHandle<'_, T>) -> T {
         .join()
         .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
-
-/// What must be brought up to date in a frame.
-#[derive(Clone, Copy)]
-pub(super) struct Update {
-    /// Lamps have moved: pass `scene/lamp_lists` must run.
-    pub lists_lamps: bool,
-    /// Pass `probes/classify` and the passes after it must run.
-    pub places_probes: bool,
-    /// Visibility bits tell which surfaces each probe sees.
-    pub marks_visibility: bool,
-    /// A volume that follows the camera has probes that are new.
-    pub has_fresh: bool,
-}
-
-/// Values of a frame. Their data lies in the buffers and textures that the passes bind by name.
-struct PlacedProbes;
-struct ListedProbes;
-struct ActiveList;
-struct ProbeRays;
-/// Maps and ambient cubes of the probes.
-struct ProbeLight;
-/// Voxel, face and distance of each pixel.
-struct Surfaces;
-struct SeenFaces;
-struct ListedFaces;
-struct FaceRays;
-/// For each listed face, the irradiance of each quadrant, and which lamps the face sees wholly or not at all.
-struct FaceLight;
-/// Linear HDR radiance of each pixel.
-struct Radiance;
 
 /// What subjects offer to each other: the scene, the light of the probes, and the light of surfaces.
 pub fn offer<'a>(

@@ -335,7 +335,8 @@ fn ghosts(gpu: Gpu) -> f64 {
     let after = with_bits(&mut drawn, &[]);
     never.draw(9);
     let [mut count, mut kept] = [0, 0];
-    let pairs = after.rgb.iter().zip(&never.radiance().rgb).zip(crossed);
+    let clean = never.radiance();
+    let pairs = after.rgb.iter().zip(&clean.rgb).zip(crossed);
     for ((now, clean), _) in pairs.filter(|(_, crossed)| *crossed) {
         count += 1;
         kept += u32::from((now[0] - clean[0]).abs() > 0.1);

@@ -2,12 +2,11 @@
 //!
 //! `aim` finds the voxel under the crosshair; `outline` draws its edges, and `extent` those of larger brushes and boxes.
 //! `hotbar` has the `item` in the hand. `brush` and `lamps` make strokes, `held` repeats them, and `history` keeps what
-//! they changed. `clipboard` holds a copy, and `clip` is how a run uses it. `bits` fly off what is dug.
+//! they changed. `clipboard` holds a copy. `bits` fly off what is dug.
 
 pub mod aim;
 pub mod bits;
 pub mod brush;
-mod clip;
 pub mod clipboard;
 pub mod extent;
 mod held;

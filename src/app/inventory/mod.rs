@@ -17,6 +17,7 @@ use pictures::Pictures;
 use super::{
     hands::{Hotbar, Item},
     input::Input,
+    widgets,
 };
 use crate::world::{
     World,
@@ -37,6 +38,8 @@ pub struct Items {
     /// While it is open.
     inventory: Option<Inventory>,
     pictures: Pictures,
+    /// Part of a notch that the mouse wheel was turned by.
+    wheel: f32,
 }
 
 impl Items {
@@ -50,6 +53,15 @@ impl Items {
 
     pub fn close(&mut self) {
         self.inventory = None;
+    }
+
+    /// The wheel was turned by so many notches away from the user. Whole notches go through the slots: towards the user
+    /// to the right.
+    pub fn scroll(&mut self, notches: f32) -> Option<Input> {
+        self.wheel += notches;
+        let whole = self.wheel.trunc();
+        self.wheel -= whole;
+        (whole != 0.0).then_some(Input::Scroll(-whole as i32))
     }
 
     /// Draws the hotbar, and the inventory if it is open. Returns what was chosen in them.
@@ -68,6 +80,20 @@ impl Items {
     pub fn forget_textures(&mut self) {
         self.pictures.forget_textures();
     }
+}
+
+/// A row of the panel for what is in the hand. Returns the material that was chosen for it.
+pub fn row(ui: &mut Ui, world: &World, hotbar: &Hotbar) -> Option<Item> {
+    ui.label("in the hand").on_hover_text(
+        "What a right click places; a middle click takes what is under the crosshair, E shows all there is",
+    );
+    let name = hotbar.item().and_then(|item| item.name(world));
+    let names: Vec<&str> = world.materials.iter().map(|m| &*m.name).collect();
+    let mut chosen = name.as_deref().unwrap_or("nothing");
+    let is_changed = widgets::choose(ui, "in the hand", &mut chosen, &names);
+    ui.end_row();
+    let index = names.iter().position(|name| *name == chosen)?;
+    is_changed.then(|| Item::materials(world).nth(index))?
 }
 
 /// All materials and lamps, and the editor of lamps.
@@ -237,4 +263,18 @@ fn cells(
         }
     });
     clicked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_notches_of_the_wheel_go_through_the_slots() {
+        let mut items = Items::default();
+        assert_eq!(items.scroll(1.0), Some(Input::Scroll(-1)));
+        assert_eq!(items.scroll(-2.0), Some(Input::Scroll(2)));
+        let parts: Vec<_> = (0..8).filter_map(|_| items.scroll(0.25)).collect();
+        assert_eq!(parts, [Input::Scroll(-1), Input::Scroll(-1)]);
+    }
 }

@@ -58,16 +58,13 @@ impl Session {
         true
     }
 
-    /// The wheel goes through the slots: towards the user to the right.
     pub(super) fn scroll(&mut self, delta: &MouseScrollDelta) {
-        self.wheel += match delta {
+        let notches = match delta {
             MouseScrollDelta::LineDelta(_, lines) => *lines,
             MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / PIXELS_PER_NOTCH,
         };
-        let notches = self.wheel.trunc();
-        self.wheel -= notches;
-        if notches != 0.0 {
-            self.give(Input::Scroll(-notches as i32));
+        if let Some(input) = self.items.scroll(notches) {
+            self.give(input);
         }
     }
 }

@@ -182,7 +182,7 @@ impl Session {
             }
             None => (path.to_owned(), self.parameters_of_new()),
         };
-        // The digits jump to the world's own cameras.
+        // Alt and the digits jump to the world's own cameras.
         world
             .cameras
             .retain(|camera| save.is_none() || camera.name != save::VIEW);

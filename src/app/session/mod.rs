@@ -25,7 +25,7 @@ use play::Play;
 
 use super::{
     AppError, Options,
-    clock::{FrameRate, WorldClock},
+    clock::FrameRate,
     hands::brush::Brush,
     input::Input,
     inventory::Items,
@@ -34,7 +34,7 @@ use super::{
     pace::Attention,
     panel::{PassMeans, Settings},
     reload::Watch,
-    saving::{Saving, clock_of},
+    saving::Saving,
     screen::{self, Acquired, Screen},
     viewport::{Choice, Viewport},
     without_place,
@@ -68,8 +68,6 @@ pub struct Session {
     menu: Option<Menu>,
     /// While the inventory is open, it takes keys and clicks.
     items: Items,
-    /// Part of a notch that the mouse wheel was turned by.
-    wheel: f32,
     folders: Folders,
     /// With which every world is entered.
     parameters_at_start: Parameters,
@@ -147,7 +145,7 @@ impl Session {
             inspection: options.inspection,
             scale,
             vsync: true,
-            clock: first_clock(options),
+            clock: saves::first_clock(options),
             brush: Brush::default(),
         };
         let play = Play::begin(options, &mut viewport)?;
@@ -169,7 +167,6 @@ impl Session {
             panel_open: false,
             menu: None,
             items: Items::default(),
-            wheel: 0.0,
             folders: Folders::of_user(),
             parameters_at_start: options.parameters.clone(),
             messages,
@@ -366,17 +363,6 @@ impl Session {
             self.world_watch.follow_world();
             self.give(Input::Reload);
         }
-    }
-}
-
-/// World time at the start: that of the save, if the run continues one.
-fn first_clock(options: &Options) -> WorldClock {
-    let continued = options.saves.continued.as_ref();
-    let saved = continued.map(|(_, save)| clock_of(save));
-    let clock = saved.unwrap_or_default();
-    WorldClock {
-        paused: clock.paused || options.traced,
-        ..clock
     }
 }
 

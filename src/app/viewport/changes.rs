@@ -6,7 +6,7 @@ use super::Viewport;
 use crate::{
     frame::FrameError,
     world::{
-        PlacedLamp, World, placed,
+        LampPreset, PlacedLamp, World, placed,
         voxels::{Overlay, Voxels},
     },
 };
@@ -34,6 +34,20 @@ impl Viewport {
     /// Places, changes or removes the lamp of a voxel (world space). It stays when the world is built again.
     pub fn put_lamp(&mut self, voxel: IVec3, lamp: Option<PlacedLamp>) {
         placed::put(&mut self.world.restored.lamps, voxel, lamp);
+    }
+
+    /// The lamps of the chosen preset, up to the number that the parameters allow.
+    pub(super) fn lamps(&self) -> LampPreset {
+        let parameters = &self.choice.parameters.lights;
+        let presets = &self.world.lamp_presets;
+        let chosen = presets
+            .iter()
+            .find(|preset| preset.name == parameters.preset);
+        let mut lamps = chosen
+            .unwrap_or_else(|| presets.first().expect("a world has a lamp preset"))
+            .clone();
+        lamps.lamps.truncate(parameters.max_lamps as usize);
+        lamps
     }
 
     fn all_changes(world: &World, voxels: Option<&Voxels>) -> Overlay {

@@ -1,6 +1,6 @@
 //! What the window shows: a world on the GPU, and the choices made for it.
 
-mod bulbs;
+mod bits;
 mod changes;
 
 use std::path::{Path, PathBuf};
@@ -14,9 +14,9 @@ use crate::{
     lights::Lights,
     measure::picture::Picture,
     parameters::{Parameters, Remake},
-    passes::view::{Inspection, Shot, bits::GpuBit},
+    passes::view::{Inspection, Shot},
     world::{
-        self, Camera, LampPreset, LayoutSpec, World,
+        self, Camera, LayoutSpec, World,
         file::Overrides,
         voxels::{Edit, Originals, Voxels},
     },
@@ -313,14 +313,6 @@ impl Viewport {
         Ok(())
     }
 
-    /// Draws these bits in the next pictures, and no others. The path-traced picture has none.
-    ///
-    /// # Errors
-    /// [`FrameError`] when they cannot be drawn.
-    pub fn show_bits(&mut self, bits: &[GpuBit]) -> Result<(), FrameError> {
-        self.frame.set_bits(&self.gpu, bits)
-    }
-
     /// Records a frame, as seen from `camera` at world time `time_s`.
     ///
     /// # Errors
@@ -353,14 +345,6 @@ impl Viewport {
         Ok(())
     }
 
-    /// The time that lamps are at: they stand still if they are not animated.
-    fn lamp_time_s(&self, time_s: f64) -> f64 {
-        match self.choice.parameters.lights.animate {
-            true => time_s,
-            false => 0.0,
-        }
-    }
-
     /// The path-traced picture, while it is shown.
     pub fn reference_view(&mut self) -> Option<&mut ReferenceView> {
         self.reference_view.as_mut()
@@ -383,20 +367,6 @@ impl Viewport {
             Some(reference_view) => reference_view.read_display(&self.gpu),
             None => self.frame.read_display(&self.gpu),
         }
-    }
-
-    /// The lamps of the chosen preset, up to the number that the parameters allow.
-    fn lamps(&self) -> LampPreset {
-        let parameters = &self.choice.parameters.lights;
-        let presets = &self.world.lamp_presets;
-        let chosen = presets
-            .iter()
-            .find(|preset| preset.name == parameters.preset);
-        let mut lamps = chosen
-            .unwrap_or_else(|| presets.first().expect("a world has a lamp preset"))
-            .clone();
-        lamps.lamps.truncate(parameters.max_lamps as usize);
-        lamps
     }
 }
 

@@ -2,12 +2,15 @@
 
 use glam::IVec3;
 
-use super::{
-    aim::{Reach, Target},
-    clipboard::{Clip, Copied, MOST_EDGE, Pasted, size_text},
-    lamps,
+use super::Run;
+use crate::app::{
+    AppError,
+    hands::{
+        aim::{Reach, Target},
+        clipboard::{Clip, Copied, MOST_EDGE, Pasted, size_text},
+        lamps,
+    },
 };
-use crate::app::{AppError, run::Run};
 
 impl Run<'_> {
     /// Marks, copies, turns or pastes. Returns whether voxels changed.
@@ -29,8 +32,8 @@ impl Run<'_> {
             Clip::Air => {
                 clipboard.with_air = !clipboard.with_air;
                 self.messages.toast(match clipboard.with_air {
-                    true => "Pasting air too: it digs what lies there",
-                    false => "Pasting without air: what lies there stays",
+                    true => "Pasting air too: it digs what lies there (N)",
+                    false => "Pasting without air: what lies there stays (N)",
                 });
             }
             Clip::Cancel => {
@@ -61,7 +64,7 @@ impl Run<'_> {
             let corner = target.voxel + origin;
             clipboard.corner = Some(corner);
             self.messages.toast(format!(
-                "A corner at {}: now mark the opposite corner",
+                "A corner at {}: C again copies the box to the opposite corner",
                 place_text(corner)
             ));
             return Ok(());
@@ -78,7 +81,7 @@ impl Run<'_> {
         }
         let copied = Copied::of(self.viewport.voxels()?, &materials, low, high);
         self.messages.toast(format!(
-            "Copied {} voxels from {}, {} of them solid",
+            "Copied {} voxels from {}, {} of them solid: V pastes them, R turns them",
             size_text(size),
             place_text(low + origin),
             copied.solid()
@@ -96,7 +99,7 @@ impl Run<'_> {
         let with_air = clipboard.with_air;
         let Some(copied) = clipboard.copied.clone() else {
             self.messages
-                .toast("Nothing is copied yet: mark two corners of a box");
+                .toast("Nothing is copied yet: C marks the corners of a box");
             return Ok(false);
         };
         if !std::mem::replace(&mut clipboard.is_out, true) {

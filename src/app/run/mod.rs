@@ -1,28 +1,24 @@
 //! A run of a world: applies inputs to the player, the clock, the brush and the voxels. The window and a replay
 //! both play through it.
 
+mod bits;
+mod clip;
+mod strokes;
+
+use strokes::Turn;
+
 use super::{
     AppError,
     body::{Body, Ground, Mode},
     clock::WorldClock,
-    hands::{
-        Changes, Hands, Item, Side,
-        aim::{Reach, Target},
-        bits::Dug,
-        brush::{Brush, Stroke, Stroked},
-        lamps::{self, LampChange},
-    },
+    hands::{Hands, aim::Reach, brush::Brush},
     input::Input,
     messages::Messages,
     panel::Settings,
     player::Player,
     viewport::{Choice, Viewport},
 };
-use crate::{
-    frame::FrameError,
-    parameters::KEYS,
-    world::{Camera, World, voxels::Voxels},
-};
+use crate::{parameters::KEYS, world::Camera};
 
 /// What a run changes.
 pub struct Run<'a> {
@@ -31,13 +27,6 @@ pub struct Run<'a> {
     pub player: &'a mut Player,
     pub hands: &'a mut Hands,
     pub messages: &'a mut Messages,
-}
-
-/// Whether a stroke is the first of its button, or one of those while it is held.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Turn {
-    First,
-    Repeated,
 }
 
 /// What an input did that costs time, so that frame times from before say nothing any more.
@@ -145,187 +134,6 @@ impl Run<'_> {
             self.messages.toast(notice.text());
         }
         Ok(())
-    }
-
-    /// Makes a stroke where the player looks. Returns whether voxels changed.
-    fn stroke(&mut self, stroke: Stroke, turn: Turn) -> Result<bool, AppError> {
-        let camera = self.view()?;
-        let reach = Reach::of(self.player.body());
-        self.follow_build();
-        let Some(target) = self.viewport.aim(&reach, &camera)? else {
-            return Ok(false);
-        };
-        let world = self.viewport.world();
-        let lamp = lamps::met(world, &target).copied();
-        match (stroke, lamp) {
-            (Stroke::Pick, Some(lamp)) => self.hands.hotbar.pick(Item::Lamp(lamp.block)),
-            (Stroke::Pick, None) => self.hands.hotbar.pick(Item::Material(target.material)),
-            (Stroke::Dig, Some(lamp)) => self.change_lamp(lamps::dug(&lamp)),
-            (Stroke::Dig, None) => {
-                let brush = self.settings.brush;
-                let is_dug = self.edit(|voxels, _| brush.dig(voxels, target.voxel));
-                if is_dug {
-                    self.burst(&camera);
-                }
-                return Ok(is_dug);
-            }
-            (Stroke::Replace, Some(_)) => {}
-            (Stroke::Replace, None) => return Ok(self.replace(&target)),
-            // One press hangs or switches one lamp.
-            (Stroke::Place, Some(lamp)) if turn == Turn::First => {
-                self.change_lamp(lamps::switched(&lamp));
-            }
-            (Stroke::Place, Some(_)) => {}
-            (Stroke::Place, None) => return self.place(&target, &camera, &reach, turn),
-        }
-        Ok(false)
-    }
-
-    /// Places what is in the hand. Returns whether voxels changed.
-    fn place(
-        &mut self,
-        target: &Target,
-        camera: &Camera,
-        reach: &Reach,
-        turn: Turn,
-    ) -> Result<bool, AppError> {
-        match self.hands.hotbar.item() {
-            Some(Item::Material(material)) => {
-                let Some(at) = target.before() else {
-                    return Ok(false);
-                };
-                let brush = self.settings.brush;
-                Ok(self.edit(|voxels, world| {
-                    let (low, high) = reach.kept(world.origin, camera);
-                    let hung = lamps::occupied(world);
-                    brush.place(voxels, at, material, |voxel| {
-                        let is_of_body = voxel.cmpge(low).all() && voxel.cmple(high).all();
-                        is_of_body || hung.contains(&voxel)
-                    })
-                }))
-            }
-            Some(Item::Lamp(block)) if turn == Turn::First => {
-                let eye = camera.position.floor().as_ivec3();
-                let (voxels, world) = self.viewport.voxels_and_world()?;
-                match lamps::hung(block, voxels, world, target, eye) {
-                    Ok(change) => self.change_lamp(change),
-                    Err(reason) => self.messages.toast(reason),
-                }
-                Ok(false)
-            }
-            Some(Item::Lamp(_)) => Ok(false),
-            None => {
-                self.messages
-                    .toast("This slot is empty: E has everything that can be placed");
-                Ok(false)
-            }
-        }
-    }
-
-    /// Gives voxels the material in the hand. Returns whether voxels changed.
-    fn replace(&mut self, target: &Target) -> bool {
-        let Some(Item::Material(material)) = self.hands.hotbar.item() else {
-            self.messages
-                .toast("Replacing needs a material in the hand");
-            return false;
-        };
-        let brush = self.settings.brush;
-        self.edit(|voxels, _| brush.replace(voxels, target.voxel, material))
-    }
-
-    fn change_lamp(&mut self, change: LampChange) {
-        self.viewport.put_lamp(change.voxel, change.after);
-        self.hands.history.push(Changes::of_lamp(change));
-    }
-
-    /// Changes voxels by a stroke. Returns whether there were any to change.
-    pub(super) fn edit(&mut self, stroke: impl FnOnce(&mut Voxels, &World) -> Stroked) -> bool {
-        let mut changes = Changes::default();
-        let edited = self.viewport.edit(|voxels, world| {
-            let stroked = stroke(voxels, world);
-            changes = stroked.changes;
-            stroked.edit
-        });
-        if let Err(error) = edited {
-            self.messages.toast_error(error.to_string());
-            return false;
-        }
-        let edited = !changes.is_empty();
-        self.hands.history.push(changes);
-        edited
-    }
-
-    /// Bits fly off the voxels that the last stroke removed.
-    fn burst(&mut self, camera: &Camera) {
-        let world = self.viewport.world();
-        let Some(changes) = self.hands.history.last() else {
-            return;
-        };
-        let dug = changes.removed(world.size.as_ivec3());
-        let dug: Vec<Dug> = dug
-            .map(|(voxel, material)| Dug {
-                voxel: voxel + world.origin,
-                material,
-            })
-            .collect();
-        let measures = self.player.body().measures;
-        let eye = camera.position.as_dvec3();
-        self.hands
-            .bits
-            .burst(&dug, &world.materials, eye, &measures);
-    }
-
-    /// Lets the next pictures show the bits that fly now, and the bulbs of placed lamps.
-    ///
-    /// # Errors
-    /// [`AppError`] when the device fails.
-    pub fn show_bits(&mut self) -> Result<(), AppError> {
-        self.follow_build();
-        let measures = self.player.body().measures;
-        let time_s = self.settings.clock.time_s;
-        let ground = self.viewport.ground()?;
-        let mut bits = self
-            .hands
-            .bits
-            .seen(self.player.now_ns(), &ground, &measures);
-        bits.extend(self.viewport.bulbs(time_s));
-        Ok(self.viewport.show_bits(&bits)?)
-    }
-
-    /// Returns whether anything changed.
-    fn undo(&mut self) -> bool {
-        self.follow_build();
-        let viewport = &mut *self.viewport;
-        let undone = self
-            .hands
-            .history
-            .undo(|changes| viewport.put(changes, Side::Before));
-        self.went(undone, "There is nothing to undo")
-    }
-
-    /// Returns whether anything changed.
-    fn redo(&mut self) -> bool {
-        self.follow_build();
-        let viewport = &mut *self.viewport;
-        let redone = self
-            .hands
-            .history
-            .redo(|changes| viewport.put(changes, Side::After));
-        self.went(redone, "There is nothing to redo")
-    }
-
-    pub(super) fn follow_build(&mut self) {
-        let build = self.viewport.build();
-        self.hands.follow(self.viewport.world(), build);
-    }
-
-    fn went(&mut self, done: Result<bool, FrameError>, nothing: &str) -> bool {
-        match done {
-            Ok(true) => return true,
-            Ok(false) => self.messages.toast(nothing),
-            Err(error) => self.messages.toast_error(error.to_string()),
-        }
-        false
     }
 
     /// What the player sees now.
@@ -454,27 +262,6 @@ impl Viewport {
         let origin = self.world().origin;
         let voxels = self.voxels()?;
         Ok(Ground { voxels, origin })
-    }
-
-    /// What a stroke where `camera` looks would meet.
-    ///
-    /// # Errors
-    /// [`AppError`] when the voxels must be read back and the device is lost.
-    pub fn aim(&mut self, reach: &Reach, camera: &Camera) -> Result<Option<Target>, AppError> {
-        let (voxels, world) = self.voxels_and_world()?;
-        Ok(reach.aim(voxels, &world.restored.lamps, world.origin, camera))
-    }
-
-    /// Gives everything that a stroke changed what it was before, or after.
-    ///
-    /// # Errors
-    /// [`FrameError`] when the adapter cannot hold it; then nothing changes.
-    pub fn put(&mut self, changes: &Changes, side: Side) -> Result<(), FrameError> {
-        self.edit(|voxels, _| changes.put(voxels, side))?;
-        if let Some((voxel, lamp)) = changes.lamp(side) {
-            self.put_lamp(voxel, lamp);
-        }
-        Ok(())
     }
 }
 

@@ -1,10 +1,11 @@
-//! The bulbs of the lamps that a player has placed.
+//! Bits in the picture, and the bulbs of the lamps that a player has placed.
 
 use std::f32::consts::PI;
 
 use super::Viewport;
 use crate::{
     app::hands::bits,
+    frame::FrameError,
     lights::LampState,
     passes::view::bits::{Bits, GpuBit},
     world::{PlacedLamp, World, placed::MOST_PLACED},
@@ -25,6 +26,22 @@ const _: () = assert!(
 );
 
 impl Viewport {
+    /// Draws these bits in the next pictures, and no others. The path-traced picture has none.
+    ///
+    /// # Errors
+    /// [`FrameError`] when they cannot be drawn.
+    pub fn show_bits(&mut self, bits: &[GpuBit]) -> Result<(), FrameError> {
+        self.frame.set_bits(&self.gpu, bits)
+    }
+
+    /// The time that lamps are at: they stand still if they are not animated.
+    pub(super) fn lamp_time_s(&self, time_s: f64) -> f64 {
+        match self.choice.parameters.lights.animate {
+            true => time_s,
+            false => 0.0,
+        }
+    }
+
     /// The bulbs at world time `time_s`, dark ones too.
     pub fn bulbs(&self, time_s: f64) -> Vec<GpuBit> {
         let time_s = self.lamp_time_s(time_s);
