@@ -2,7 +2,7 @@
 
 use super::{LampState, Lights};
 
-/// Since when each lamp has stood as it stands.
+/// Since which frame each lamp has had its present place, direction and shape.
 #[derive(Clone, Debug, Default)]
 pub struct RestingLamps {
     /// `None` before the first frame.

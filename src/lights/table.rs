@@ -25,7 +25,7 @@ crate::shared! {
     /// `GpuLampSlot::lamp` of a slot without a lamp.
     pub const NO_LAMP as NO_LAMP: u32 = u32::MAX;
 
-    /// One lamp: `Lamp` in `shaders/scene/lights.wesl`. The spot's edge is folded into a ramp,
+    /// One lamp. The spot's edge is folded into a ramp,
     /// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are not spots.
     pub struct GpuLamp as Lamp {
         pub position_ws: [f32; 3],
@@ -57,7 +57,7 @@ crate::shared! {
         pub since: u32,
     }
 
-    /// `Sky` in `shaders/scene/lights.wesl`.
+    /// Radiance of the sky (linear RGB).
     pub struct GpuSky as Sky {
         pub zenith: [f32; 3],
         pub _pad0: f32,

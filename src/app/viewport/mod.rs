@@ -70,7 +70,7 @@ pub struct Viewport {
     /// The voxels as on the GPU, read back at the first need. They remember what edited cells contained when
     /// this world was built.
     voxels: Option<Voxels>,
-    /// How often voxels were built anew, without edits.
+    /// How often voxels were built again, without edits.
     build: u32,
     /// What cells contained whose last edit did not fit, while there are no voxels.
     originals: Originals,
