@@ -4,7 +4,7 @@
 //! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. `run`
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
 //! without a window, and `saving` writes saves. The other modules are their parts: `controls` names the keys, `hands`
-//! dig and build, `panel`
+//! dig and build, `inventory` shows what can be placed, `panel`
 //! and `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
@@ -14,6 +14,7 @@ mod clock;
 mod controls;
 mod hands;
 mod input;
+mod inventory;
 mod menu;
 mod messages;
 mod pace;

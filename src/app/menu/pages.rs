@@ -130,10 +130,7 @@ impl Menu {
                     for save in &self.saves {
                         ui.strong(&save.name);
                         match &save.head {
-                            Ok(head) => ui.label(format!(
-                                "in {}, {} voxels changed",
-                                head.world, head.voxels
-                            )),
+                            Ok(head) => ui.label(format!("in {}, {}", head.world, head.changes())),
                             Err(error) => ui.label(error.to_string()),
                         };
                         ui.label(since(save));

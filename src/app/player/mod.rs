@@ -186,7 +186,7 @@ impl Player {
             Input::Release(key) => self.keys.release(key),
             Input::Focus(false) => self.keys = Keys::default(),
             Input::Look(right, down) => self.look(right, down),
-            Input::Wheel(notches) => {
+            Input::FlySpeed(notches) => {
                 let speed = self.fly_speed * SPEED_PER_NOTCH.powf(f64::from(notches));
                 self.fly_speed = speed.clamp(*FLY_SPEEDS.start(), *FLY_SPEEDS.end());
             }

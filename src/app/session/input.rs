@@ -1,7 +1,7 @@
 //! User input to the window: keys and mouse steer the camera or go to the panel.
 
 use winit::{
-    event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent},
+    event::{ElementState, KeyEvent, MouseButton, WindowEvent},
     keyboard::{KeyCode, PhysicalKey},
     window::CursorGrabMode,
 };
@@ -26,7 +26,7 @@ impl Session {
 
     /// Handles any event except requests to close or to draw.
     pub fn event(&mut self, event: &WindowEvent) {
-        if self.benchmark_takes(event) || self.menu_takes(event) {
+        if self.benchmark_takes(event) || self.menu_takes(event) || self.inventory_takes(event) {
             return;
         }
         // The panel ignores input that steers the camera, but it must receive releases.
@@ -64,11 +64,7 @@ impl Session {
             },
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::MouseWheel { delta, .. } if self.captured || !self.over_panel() => {
-                let notches = match delta {
-                    MouseScrollDelta::LineDelta(_, lines) => *lines,
-                    MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / 40.0,
-                };
-                self.give(Input::Wheel(notches));
+                self.scroll(delta);
             }
             _ => {}
         }
@@ -174,9 +170,14 @@ impl Session {
             // The user types a number into the panel.
             _ if is_typing => {}
             KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
+            KeyCode::KeyE => self.open_inventory(),
             code => {
-                let camera = digit(code).map(Input::Camera);
-                if let Some(input) = key.map(Input::Press).or(camera) {
+                let chosen = match slot_of(code) {
+                    Some(camera) if self.modifiers.alt_key() => Some(Input::Camera(camera)),
+                    slot => slot.map(Input::Slot),
+                };
+                let input = key.map(Input::Press).or(chosen).or(fly_speed(code));
+                if let Some(input) = input {
                     self.give(input);
                 }
             }
@@ -221,12 +222,20 @@ impl Session {
     }
 }
 
-/// 0 for the key 1, and so on.
-fn digit(code: KeyCode) -> Option<usize> {
-    use KeyCode::{Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9};
+/// 0 for the key 1, and so on; the key 0 is the last.
+pub(super) fn slot_of(code: KeyCode) -> Option<usize> {
+    use KeyCode::{Digit0, Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9};
     [
-        Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9,
+        Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9, Digit0,
     ]
     .iter()
     .position(|known| *known == code)
+}
+
+fn fly_speed(code: KeyCode) -> Option<Input> {
+    match code {
+        KeyCode::PageUp => Some(Input::FlySpeed(1.0)),
+        KeyCode::PageDown => Some(Input::FlySpeed(-1.0)),
+        _ => None,
+    }
 }

@@ -41,6 +41,7 @@ impl Session {
         if let Some(menu) = &mut self.menu {
             menu.forget_textures();
         }
+        self.items.forget_textures();
         self.viewport.move_to(gpu)?;
         self.messages
             .toast("The GPU was lost and opened again; edits are kept, light is computed again");

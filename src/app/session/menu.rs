@@ -182,7 +182,7 @@ impl Session {
             }
             None => (path.to_owned(), self.parameters_of_new()),
         };
-        // The digits jump to the world's own cameras.
+        // Alt and the digits jump to the world's own cameras.
         world
             .cameras
             .retain(|camera| save.is_none() || camera.name != save::VIEW);
@@ -204,7 +204,7 @@ impl Session {
         self.world_watch = watch;
         self.close_menu();
         self.messages.toast(
-            "W A S D walk, the mouse looks, left digs, right builds; Esc opens the menu, F1 shows all keys",
+            "W A S D walk, the mouse looks, left digs, right builds, E has all materials and lamps; Esc opens the menu, F1 shows all keys",
         );
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 mod benchmark;
 mod input;
+mod inventory;
 mod lost;
 mod menu;
 mod panels;
@@ -24,15 +25,16 @@ use play::Play;
 
 use super::{
     AppError, Options,
-    clock::{FrameRate, WorldClock},
+    clock::FrameRate,
     hands::brush::Brush,
     input::Input,
+    inventory::Items,
     menu::{Folders, Menu, Occasion},
     messages::Messages,
     pace::Attention,
     panel::{PassMeans, Settings},
     reload::Watch,
-    saving::{Saving, clock_of},
+    saving::Saving,
     screen::{self, Acquired, Screen},
     viewport::{Choice, Viewport},
     without_place,
@@ -64,6 +66,8 @@ pub struct Session {
     panel_open: bool,
     /// While it is open, it takes all input.
     menu: Option<Menu>,
+    /// While the inventory is open, it takes keys and clicks.
+    items: Items,
     folders: Folders,
     /// With which every world is entered.
     parameters_at_start: Parameters,
@@ -141,7 +145,7 @@ impl Session {
             inspection: options.inspection,
             scale,
             vsync: true,
-            clock: first_clock(options),
+            clock: saves::first_clock(options),
             brush: Brush::default(),
         };
         let play = Play::begin(options, &mut viewport)?;
@@ -162,6 +166,7 @@ impl Session {
             lose_device_at: options.lose_device_at,
             panel_open: false,
             menu: None,
+            items: Items::default(),
             folders: Folders::of_user(),
             parameters_at_start: options.parameters.clone(),
             messages,
@@ -358,17 +363,6 @@ impl Session {
             self.world_watch.follow_world();
             self.give(Input::Reload);
         }
-    }
-}
-
-/// World time at the start: that of the save, if the run continues one.
-fn first_clock(options: &Options) -> WorldClock {
-    let continued = options.saves.continued.as_ref();
-    let saved = continued.map(|(_, save)| clock_of(save));
-    let clock = saved.unwrap_or_default();
-    WorldClock {
-        paused: clock.paused || options.traced,
-        ..clock
     }
 }
 

@@ -25,9 +25,11 @@ impl Session {
             camera: &self.camera,
             fly_speed: self.play.player.fly_speed(),
             probes: self.probes,
+            hotbar: &self.play.hands.hotbar,
         };
         let mut action = None;
         let mut chosen = None;
+        let mut items = Vec::new();
         let output = context.run_ui(input, |ui| {
             if let Some(menu) = &mut self.menu {
                 chosen = menu.show(ui, &mut self.settings).or(chosen.take());
@@ -35,6 +37,9 @@ impl Session {
                 summary.show(ui);
             } else if self.panel_open && self.benchmarks.running.is_none() {
                 action = panel::show(ui, &facts, &mut self.settings).or(action);
+            }
+            if self.menu.is_none() && self.benchmarks.running.is_none() {
+                items = self.items.show(ui, facts.viewport.world(), facts.hotbar);
             }
             if self.captured {
                 if let Some((_, edges)) = &aimed {
@@ -44,8 +49,15 @@ impl Session {
             }
             self.messages.show(ui);
         });
+        for input in items {
+            self.give(input);
+        }
         match action {
             Some(Action::JumpTo(index)) => self.give(Input::Camera(index)),
+            Some(Action::Hold(item)) => {
+                let slot = self.play.hands.hotbar.selected();
+                self.give(Input::Item { slot, item });
+            }
             Some(Action::Screenshot) => self.screenshot_wanted = true,
             Some(Action::Reload) => self.reload(true, true),
             None => {}
