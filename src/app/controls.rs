@@ -2,7 +2,7 @@
 
 use winit::keyboard::{self, KeyCode, ModifiersState};
 
-use super::input::Key;
+use super::{hands::clipboard::Clip, input::Key};
 
 /// What each key does, for the panel.
 pub const HELP: &[(&str, &str)] = &[
@@ -14,6 +14,16 @@ pub const HELP: &[(&str, &str)] = &[
     ("middle click", "take what you look at into the hand"),
     ("wheel, 1 … 9, 0", "what is in the hand"),
     ("E", "the inventory: all materials and lamps"),
+    ("B, [ and ]", "the brush: one voxel, ball, box; its size"),
+    ("G", "give voxels the material in hand (held: on and on)"),
+    (
+        "C, C",
+        "mark two corners: copies the box; right click puts it away",
+    ),
+    (
+        "V, R, N",
+        "paste the copy, turn it, with its air or without",
+    ),
     ("Ctrl + Z", "undo the last stroke"),
     ("Ctrl + Y", "redo it"),
     ("Esc", "the menu, and a pause"),
@@ -49,6 +59,20 @@ pub fn player_key(code: KeyCode) -> Option<Key> {
         KeyCode::ControlLeft | KeyCode::ControlRight => Key::Run,
         KeyCode::KeyK => Key::Fly,
         KeyCode::KeyH => Key::NoClip,
+        _ => return None,
+    })
+}
+
+/// The key that replaces voxels while it is held.
+pub const REPLACE: KeyCode = KeyCode::KeyG;
+
+/// What a key does to the clipboard.
+pub fn clip(code: KeyCode) -> Option<Clip> {
+    Some(match code {
+        KeyCode::KeyC => Clip::Mark,
+        KeyCode::KeyV => Clip::Paste,
+        KeyCode::KeyR => Clip::Turn,
+        KeyCode::KeyN => Clip::Air,
         _ => return None,
     })
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::hands::{
     Item,
     brush::{Brush, Stroke},
+    clipboard::Clip,
 };
 
 /// A key that moves the player.
@@ -57,8 +58,10 @@ pub enum Input {
     Undo,
     /// The stroke that was undone last is made again.
     Redo,
-    /// The brush was changed in the panel.
+    /// The brush was changed.
     Brush(Brush),
+    /// The clipboard was used.
+    Clip(Clip),
     /// Jump to the world's camera of this index.
     Camera(usize),
     /// World time was paused, resumed, sped up or set.

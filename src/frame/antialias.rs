@@ -32,6 +32,8 @@ pub(super) struct Antialiasing {
     still: u32,
     /// What the last picture showed; `None` where there is no history.
     before: Option<(Shot, Option<Lights>)>,
+    /// Bits that stand still have changed since.
+    bits_changed: bool,
     /// First and last voxel (grid space) of the box that was edited since.
     edited: Option<([u32; 3], [u32; 3])>,
 }
@@ -65,6 +67,11 @@ impl Antialiasing {
         ));
     }
 
+    /// Remembers that bits which stand still came, went or changed.
+    pub fn change_bits(&mut self) {
+        self.bits_changed = true;
+    }
+
     /// The next picture; `None` if it is not anti-aliased. Views of data are exact at the centres of pixels, and so are
     /// probes that are drawn over a picture. `lights`: `None` if the light is that of the last picture. `is_warming`: the
     /// probes are new, and their light still rises.
@@ -83,7 +90,9 @@ impl Antialiasing {
         let shows_same = |(before, _): &(Shot, _)| shows_same(before, shot);
         let before = self.before.take().filter(shows_same);
         let edited = self.edited.take();
+        let same_bits = !std::mem::take(&mut self.bits_changed);
         let is_still = !is_warming
+            && same_bits
             && edited.is_none()
             && before.as_ref().is_some_and(|(before, lights_before)| {
                 let is_lit_alike = lights.is_none() || lights == lights_before.as_ref();
@@ -216,6 +225,7 @@ impl Frame {
         if let (Some(jittered), Some(pass)) = (jittered, &self.passes.antialias) {
             pass.set(gpu, &jittered.history);
         }
+        self.upload_bits(gpu);
     }
 }
 

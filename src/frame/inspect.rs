@@ -63,8 +63,8 @@ impl Inspect {
         Ok(made)
     }
 
-    /// Records the passes between the camera rays and the tone mapper. The picture shows `view`.
-    pub fn record(&self, recorder: &mut Recorder<'_>, shade: &Shade, view: View) {
+    /// Records the pass that makes a picture of what the camera rays hit. It shows `view`.
+    pub fn shade(&self, recorder: &mut Recorder<'_>, shade: &Shade, view: View) {
         // Runs below an atlas too: pixels request probes, and viewing the atlas must not put the probes to sleep.
         if view == View::States {
             let states = self.states.as_ref();
@@ -73,6 +73,10 @@ impl Inspect {
         } else {
             shade.record(recorder);
         }
+    }
+
+    /// Draws over the picture.
+    pub fn draw(&self, recorder: &mut Recorder<'_>) {
         if let Some(probes) = &self.probes {
             probes.record(recorder);
         }

@@ -30,6 +30,9 @@ impl Frame {
         let mut moved = Self::new(gpu, stage, layout, probes, self.size)?;
         moved.antialias(gpu, self.antialiasing.wanted)?;
         moved.inspect(gpu, self.passes.inspect.wanted)?;
+        if self.bits.wanted {
+            moved.prepare_bits(gpu)?;
+        }
         Ok(moved)
     }
 }

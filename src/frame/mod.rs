@@ -12,19 +12,24 @@
 //! ```
 
 mod antialias;
+mod bits;
 mod inspect;
 mod lost;
+mod memory;
 mod passes;
 mod stage;
 mod traced;
+mod values;
 
 pub use stage::{BuildReport, Stage};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
 use antialias::Antialiasing;
+use bits::DrawnBits;
 use inspect::Inspect;
-use passes::{Passes, Update, Wanted};
+use passes::{Passes, Wanted};
 pub use passes::{offer, resources};
+use values::Update;
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
@@ -34,9 +39,9 @@ use crate::{
     passes::{
         bench::shadow_count::{self, Senders},
         probes::{ProbeField, ProbeFieldError},
-        scene::{GpuLights, MemoryUse},
+        scene::GpuLights,
         surface_cache::{NextFrame, SurfaceCache},
-        view::{Inspection, InspectionError, Shot, antialias::TemporalAntialias},
+        view::{Inspection, InspectionError, Shot},
     },
     probes::{ProbeError, warmup_frames},
     world::{
@@ -81,6 +86,7 @@ pub struct Frame {
     faces: SurfaceCache,
     passes: Passes,
     antialiasing: Antialiasing,
+    bits: DrawnBits,
     /// Index of the anti-aliased picture that is shown; `None` for a picture as it is shaded.
     shown: Option<usize>,
 }
@@ -116,6 +122,7 @@ impl Frame {
             faces,
             passes,
             antialiasing: Antialiasing::default(),
+            bits: DrawnBits::default(),
             shown: None,
         })
     }
@@ -227,6 +234,7 @@ impl Frame {
         let wanted = Wanted {
             inspection: self.passes.inspect.wanted,
             antialias: self.antialiasing.wanted,
+            bits: self.bits.wanted,
         };
         self.passes = Passes::new(
             gpu,
@@ -262,6 +270,7 @@ impl Frame {
                 ..self.passes.inspect.wanted
             },
             antialias: self.antialiasing.wanted,
+            bits: self.bits.wanted,
         };
         self.passes = Passes::new(
             gpu,
@@ -377,25 +386,5 @@ impl Frame {
         let resources = resources(&self.stage, &self.view, &self.lights);
         let offer = offer(&self.field, &self.faces, &resources);
         shadow_count::count(gpu, &senders, &offer.with(self.faces.update_resources()))
-    }
-
-    /// Bytes of GPU memory.
-    pub fn memory(&self) -> MemoryUse {
-        let [width, height] = self.size.map(u64::from);
-        let antialias = u64::from(self.passes.antialias.is_some());
-        let per_pixel = 8 + 4 + antialias * TemporalAntialias::BYTES_PER_PIXEL;
-        let picture = self.passes.camera_rays.surfaces.size() + width * height * per_pixel;
-        let voxels = self.stage.voxels.bytes();
-        let probes = self.field.memory().total();
-        let others = picture
-            + self.passes.inspect.bytes(self.size)
-            + self.faces.bytes()
-            + self.lights.bytes()
-            + self.stage.emitters.bytes();
-        MemoryUse {
-            voxels,
-            probes,
-            total: voxels + probes + others,
-        }
     }
 }

@@ -2,7 +2,14 @@
 
 use std::thread::{self, ScopedJoinHandle};
 
-use super::{FrameError, Stage, inspect::Inspect};
+use super::{
+    FrameError, Stage,
+    inspect::Inspect,
+    values::{
+        ActiveList, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes, ProbeLight,
+        ProbeRays, Radiance, SeenFaces, Surfaces, Update,
+    },
+};
 use crate::{
     gpu::{Gpu, Offer, Recorder},
     parameters::Antialias,
@@ -17,8 +24,8 @@ use crate::{
             SurfaceCache, allocate::SurfaceAllocate, resolve::SurfaceResolve, trace::SurfaceTrace,
         },
         view::{
-            Inspection, Shot, antialias::TemporalAntialias, camera_rays::CameraRays, shade::Shade,
-            tonemap::Tonemap,
+            Inspection, Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays,
+            shade::Shade, tonemap::Tonemap,
         },
     },
 };
@@ -39,6 +46,7 @@ pub(super) struct Passes {
     surface_trace: SurfaceTrace,
     resolve: SurfaceResolve,
     pub shade: Shade,
+    pub bits: Option<Bits>,
     pub inspect: Inspect,
     pub antialias: Option<TemporalAntialias>,
     pub tonemap: Tonemap,
@@ -49,6 +57,7 @@ pub(super) struct Passes {
 pub(super) struct Wanted {
     pub inspection: Inspection,
     pub antialias: Antialias,
+    pub bits: bool,
 }
 
 impl Passes {
@@ -82,6 +91,10 @@ impl Passes {
             let allocate =
                 threads.spawn(move || SurfaceAllocate::new(gpu, size, &surfaces, cache, scene));
             let shade = Shade::new(gpu, size, &camera_rays.surfaces, &offer)?;
+            let bits = wanted
+                .bits
+                .then(|| Bits::new(gpu, &shade.hdr, &camera_rays.surfaces, &offer))
+                .transpose()?;
             let antialias = match wanted.antialias {
                 Antialias::Off => None,
                 Antialias::Temporal => {
@@ -101,6 +114,7 @@ impl Passes {
                 tonemap: Tonemap::new(gpu, size, &lit, scene)?,
                 inspect: Inspect::new(gpu, inspection, &camera_rays, &shade, field, &offer)?,
                 antialias,
+                bits,
                 lamp_lists: made(lamp_lists)?,
                 classify: made(classify)?,
                 visibility: made(visibility)?,
@@ -146,10 +160,13 @@ impl Passes {
         });
         let probe_light = self.blend_probes(recorder, active, probe_rays);
         let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
-        let light = (probe_light, face_light);
-        let radiance = self.shade(recorder, surfaces, light, shot);
-        let radiance = self.antialias(recorder, radiance, smoothed);
-        self.tonemap(recorder, radiance, smoothed);
+        self.finish_picture(
+            recorder,
+            surfaces,
+            (probe_light, face_light),
+            shot,
+            smoothed,
+        );
     }
 
     /// A picture of another shot, by the light of the last frame. `smoothed` as in [`record`](Self::record).
@@ -160,8 +177,20 @@ impl Passes {
         smoothed: Option<usize>,
     ) {
         let surfaces = self.trace_camera(recorder);
-        let light = (ProbeLight, FaceLight);
-        let radiance = self.shade(recorder, surfaces, light, shot);
+        self.finish_picture(recorder, surfaces, (ProbeLight, FaceLight), shot, smoothed);
+    }
+
+    fn finish_picture(
+        &self,
+        recorder: &mut Recorder<'_>,
+        surfaces: Surfaces,
+        light: (ProbeLight, FaceLight),
+        shot: &Shot,
+        smoothed: Option<usize>,
+    ) {
+        let radiance = self.shade(recorder, &surfaces, &light, shot);
+        let radiance = self.draw_bits(recorder, radiance, (surfaces, light), shot);
+        let radiance = self.inspect(recorder, radiance);
         let radiance = self.antialias(recorder, radiance, smoothed);
         self.tonemap(recorder, radiance, smoothed);
     }
@@ -274,12 +303,32 @@ impl Passes {
     fn shade(
         &self,
         recorder: &mut Recorder<'_>,
-        _: Surfaces,
-        _: (ProbeLight, FaceLight),
+        _: &Surfaces,
+        _: &(ProbeLight, FaceLight),
         shot: &Shot,
     ) -> Radiance {
-        self.inspect.record(recorder, &self.shade, shot.view);
+        self.inspect.shade(recorder, &self.shade, shot.view);
         Radiance
+    }
+
+    /// Draws what flies and the bulbs of lamps before the surfaces.
+    fn draw_bits(
+        &self,
+        recorder: &mut Recorder<'_>,
+        radiance: Radiance,
+        _: (Surfaces, (ProbeLight, FaceLight)),
+        shot: &Shot,
+    ) -> Radiance {
+        if let Some(bits) = self.bits.as_ref().filter(|_| Bits::are_in(shot.view)) {
+            bits.record(recorder);
+        }
+        radiance
+    }
+
+    /// Draws the probes themselves, if they are to be seen.
+    fn inspect(&self, recorder: &mut Recorder<'_>, radiance: Radiance) -> Radiance {
+        self.inspect.draw(recorder);
+        radiance
     }
 
     /// Averages jittered pictures.
@@ -307,36 +356,6 @@ fn made<T>(thread: ScopedJoinHandle<'_, T>) -> T {
         .join()
         .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
-
-/// What must be brought up to date in a frame.
-#[derive(Clone, Copy)]
-pub(super) struct Update {
-    /// Lamps have moved: pass `scene/lamp_lists` must run.
-    pub lists_lamps: bool,
-    /// Pass `probes/classify` and the passes after it must run.
-    pub places_probes: bool,
-    /// Visibility bits tell which surfaces each probe sees.
-    pub marks_visibility: bool,
-    /// A volume that follows the camera has probes that are new.
-    pub has_fresh: bool,
-}
-
-/// Values of a frame. Their data lies in the buffers and textures that the passes bind by name.
-struct PlacedProbes;
-struct ListedProbes;
-struct ActiveList;
-struct ProbeRays;
-/// Maps and ambient cubes of the probes.
-struct ProbeLight;
-/// Voxel, face and distance of each pixel.
-struct Surfaces;
-struct SeenFaces;
-struct ListedFaces;
-struct FaceRays;
-/// For each listed face, the irradiance of each quadrant, and which lamps the face sees wholly or not at all.
-struct FaceLight;
-/// Linear HDR radiance of each pixel.
-struct Radiance;
 
 /// What subjects offer to each other: the scene, the light of the probes, and the light of surfaces.
 pub fn offer<'a>(

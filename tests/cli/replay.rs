@@ -46,7 +46,10 @@ fn moments() -> Vec<Value> {
             300,
             json!([{"press": "run"}, {"fly_speed": 3.0}, {"look": [120.0, 300.0]}]),
         ),
-        at(500, json!([{"stroke": "dig"}, {"brush": {"radius": 2.5}}])),
+        at(
+            500,
+            json!([{"stroke": "dig"}, {"brush": {"shape": "ball", "radius": 2.5}}]),
+        ),
         at(
             600,
             json!([{"stroke": "dig"}, {"release": "run"}, {"press": "fly"}]),
@@ -182,6 +185,63 @@ fn a_held_button_digs_the_same_shaft_at_any_frame_rate_and_every_stroke_is_undon
 }
 
 #[test]
+fn a_copy_is_pasted_and_undone() {
+    let dig = (5, json!([{"stroke": "dig"}]));
+    let untouched = voxels_after(&[(5, json!([]))], "20");
+    let once = voxels_after(std::slice::from_ref(&dig), "20");
+    // The voxel below the hole is copied, and pasted on top of itself: the hole is filled.
+    let copy = ["mark", "mark", "cancel", "paste"].map(|clip| json!({"clip": clip}));
+    let copied = [dig.clone(), (20, json!(copy))];
+    assert_eq!(
+        voxels_after(&copied, "20"),
+        once,
+        "it is only taken out again"
+    );
+    let paste = (40, json!([{"clip": "turn"}, {"clip": "paste"}]));
+    let pasted = [&copied[..], &[paste]].concat();
+    for fps in ["20", "130"] {
+        assert_eq!(voxels_after(&pasted, fps), untouched);
+    }
+    let undone = [&pasted[..], &[(60, json!(["undo"]))]].concat();
+    assert_eq!(voxels_after(&undone, "20"), once);
+    let redone = [&undone[..], &[(70, json!(["redo"]))]].concat();
+    assert_eq!(voxels_after(&redone, "20"), untouched);
+}
+
+#[test]
+fn bits_fly_in_a_replay_in_the_same_way_each_time() {
+    let folder = folder();
+    let mut header = header(Path::new(MINIMAL), ON_TOP);
+    header["camera"]["pitch_deg"] = json!(-70.0);
+    header["size"] = json!([48, 32]);
+    let run = |inputs: Value| {
+        let moments = [
+            json!({"t": 50 * MS + 3, "do": inputs}),
+            json!({"t": 300 * MS, "end": true}),
+        ];
+        let record = written(folder.path(), &header, &moments);
+        let out = crate::folder();
+        let mut command = grotto();
+        command.args(["play", "--quiet", "--fps", "20", "--replay"]);
+        command.arg(&record).arg("--out").arg(out.path());
+        let ended = end(&mut command);
+        assert_eq!(ended.code, 0, "{}", ended.stderr);
+        let mut pictures: Vec<PathBuf> = fs::read_dir(out.path())
+            .expect("readable")
+            .map(|entry| entry.expect("an entry").path())
+            .collect();
+        pictures.sort();
+        pictures
+            .iter()
+            .map(|path| fs::read(path).expect("readable"))
+            .collect::<Vec<_>>()
+    };
+    let dug = run(json!([{"stroke": "dig"}]));
+    assert_eq!(dug, run(json!([{"stroke": "dig"}])));
+    assert!(dug.len() == 6 && dug[3] != dug[4], "they fly on");
+}
+
+#[test]
 fn worlds_of_nothing_but_stone_or_air_are_played() {
     let folder = folder();
     for shape in ["Box(half: (99, 99, 99))", "Empty"] {
@@ -236,7 +296,7 @@ fn bad_records_and_flags_are_refused_with_their_place() {
         &with("grotto_record", json!(3)),
         end,
         &[],
-        &["run.record:1: ", "version 2"],
+        &["run.record:1: ", "version 3"],
     );
     refuse(
         &with("world_crc32", json!(5)),

@@ -5,6 +5,7 @@
 mod support;
 
 mod antialias;
+mod bits;
 mod cascades;
 mod dispatch_chunks;
 mod distances;

@@ -12,8 +12,8 @@ use glam::{DVec3, I64Vec3, IVec3};
 use serde::{Deserialize, Serialize};
 
 pub use measures::Measures;
-pub use sweep::{Aabb, Terrain};
-use sweep::{FARTHEST, ONE, point_to_units, to_units, to_voxels};
+pub use sweep::{Aabb, Terrain, point_to_units, to_units, to_voxels};
+use sweep::{FARTHEST, ONE};
 
 use crate::world::voxels::Voxels;
 

@@ -1,6 +1,6 @@
 //! What the crosshair points at.
 
-use egui::{Color32, LayerId, Order, Stroke as Line, Ui};
+use egui::{Align2, Color32, FontId, LayerId, Order, Stroke as Line, Ui, vec2};
 use glam::{DVec3, IVec3};
 
 use crate::{
@@ -133,6 +133,18 @@ pub fn crosshair(ui: &Ui, reaches: bool) {
         let down = centre.y - ends..=centre.y + ends;
         painter.hline(across, centre.y, Line::new(width, colour));
         painter.vline(centre.x, down, Line::new(width, colour));
+    }
+}
+
+/// Says beside the crosshair what the hands hold.
+pub fn caption(ui: &Ui, text: &str) {
+    let layer = LayerId::new(Order::Middle, egui::Id::unique("caption"));
+    let painter = ui.ctx().layer_painter(layer);
+    let at = ui.ctx().content_rect().center() + vec2(CROSSHAIR + 7.0, CROSSHAIR + 3.0);
+    let font = FontId::proportional(13.0);
+    for (offset, colour) in [(1.0, Color32::from_black_alpha(200)), (0.0, Color32::WHITE)] {
+        let at = at + vec2(offset, offset);
+        painter.text(at, Align2::LEFT_TOP, text, font.clone(), colour);
     }
 }
 

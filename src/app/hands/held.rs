@@ -52,7 +52,7 @@ impl Held {
 fn every_ns(stroke: Stroke) -> Option<u64> {
     match stroke {
         Stroke::Dig => Some(DIG_EVERY_NS),
-        Stroke::Place => Some(PLACE_EVERY_NS),
+        Stroke::Place | Stroke::Replace => Some(PLACE_EVERY_NS),
         Stroke::Pick => None,
     }
 }
@@ -85,6 +85,7 @@ mod tests {
         for frame_ms in [2, 16, 250] {
             assert_eq!(strokes(Stroke::Dig, frame_ms), dug);
             assert_eq!(strokes(Stroke::Place, frame_ms), placed);
+            assert_eq!(strokes(Stroke::Replace, frame_ms), placed);
             assert!(strokes(Stroke::Pick, frame_ms).is_empty());
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use glam::IVec3;
+use glam::{IVec3, UVec3};
 
 use super::lamps::LampChange;
 use crate::world::{
@@ -118,6 +118,19 @@ impl Changes {
         Some((change.voxel, lamp))
     }
 
+    /// The voxels (grid space) of a world of this size that are air now, and what they were.
+    pub fn removed(&self, size: IVec3) -> impl Iterator<Item = (IVec3, u8)> {
+        let size = size.as_uvec3();
+        let dug = self.runs.iter().filter(|run| run.new == 0);
+        dug.flat_map(move |run| {
+            (run.start..run.start + u32::from(run.voxels)).map(move |index| {
+                let row = index / size.x;
+                let at = UVec3::new(index % size.x, row % size.y, row / size.y);
+                (at.as_ivec3(), run.old)
+            })
+        })
+    }
+
     /// Gives the voxels the materials that they had before the stroke, or after it.
     pub fn put(&self, voxels: &mut Voxels, side: Side) -> Edit {
         if self.runs.is_empty() {
@@ -185,6 +198,11 @@ impl History {
         }
     }
 
+    /// What the last stroke changed.
+    pub fn last(&self) -> Option<&Changes> {
+        self.done.back()
+    }
+
     /// Undoes the last stroke by `apply`. Returns false when there is none.
     ///
     /// # Errors
@@ -214,7 +232,6 @@ impl History {
 
 #[cfg(test)]
 mod tests {
-    use glam::UVec3;
     use proptest::prelude::*;
 
     use super::*;

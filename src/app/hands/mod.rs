@@ -1,16 +1,23 @@
 //! The player's hands: what the crosshair points at, strokes that dig and build, and how they are undone.
 //!
-//! `aim` finds the voxel under the crosshair, and `outline` draws its edges. `hotbar` has the `item` in the hand.
-//! `brush` and `lamps` make strokes, `held` repeats them, and `history` keeps what they changed.
+//! `aim` finds the voxel under the crosshair; `outline` draws its edges, and `extent` those of larger brushes and boxes.
+//! `hotbar` has the `item` in the hand. `brush` and `lamps` make strokes, `held` repeats them, and `history` keeps what
+//! they changed. `clipboard` holds a copy. `bits` fly off what is dug.
 
 pub mod aim;
+pub mod bits;
 pub mod brush;
+pub mod clipboard;
+pub mod extent;
 mod held;
 mod history;
 pub mod hotbar;
 pub mod item;
 pub mod lamps;
 pub mod outline;
+
+use bits::Bits;
+use clipboard::Clipboard;
 
 pub use held::Held;
 pub use history::{Changes, History, Side};
@@ -25,6 +32,8 @@ pub struct Hands {
     pub held: Held,
     pub hotbar: Hotbar,
     pub history: History,
+    pub clipboard: Clipboard,
+    pub bits: Bits,
     /// Which build of the world [`Self::history`] belongs to.
     build: u32,
 }
@@ -36,6 +45,8 @@ impl Hands {
             held: Held::default(),
             hotbar: Hotbar::of(world),
             history: History::default(),
+            clipboard: Clipboard::default(),
+            bits: Bits::default(),
             build,
         }
     }
@@ -46,6 +57,17 @@ impl Hands {
             self.build = build;
             self.history = History::default();
             self.hotbar.fit(world);
+            self.bits.clear();
         }
+    }
+
+    /// The same, with the copy of a run in another world.
+    pub fn with_copy_of(self, other: &Self) -> Self {
+        let clipboard = Clipboard {
+            corner: None,
+            is_out: false,
+            ..other.clipboard.clone()
+        };
+        Self { clipboard, ..self }
     }
 }

@@ -14,7 +14,7 @@ const NEAR: f64 = 0.02;
 /// Parts of an edge that are hidden or seen as one.
 const PARTS: u32 = 16;
 /// How far (voxels) before its faces a point of an edge is looked for: rounding must not hide it in its own voxel.
-const BEFORE_FACE: f64 = 1e-4;
+pub(super) const BEFORE_FACE: f64 = 1e-4;
 
 /// Part of an edge, in normalised device coordinates: x to the right, y up, both in [−1, 1] on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Segment {
     pub ends: [DVec2; 2],
     /// Whether it bounds the face aimed at.
     pub of_face: bool,
+    /// Whether voxels hide it: then it is drawn faintly.
+    pub is_hidden: bool,
 }
 
 /// The visible edges of the target, seen through `camera` in a world with this origin: those of faces that are
@@ -70,7 +72,11 @@ pub fn of_target(
             for (first, last) in parts.ended() {
                 let ends = [first, last].map(|end| at(f64::from(end) / f64::from(PARTS)));
                 let ends = project(camera, ends.map(|end| end + origin.as_dvec3()));
-                segments.extend(ends.map(|ends| Segment { ends, of_face }));
+                segments.extend(ends.map(|ends| Segment {
+                    ends,
+                    of_face,
+                    is_hidden: false,
+                }));
             }
         }
     }
@@ -97,7 +103,8 @@ impl Parts {
     }
 }
 
-fn is_hidden(voxels: &Voxels, eye: DVec3, point: DVec3) -> bool {
+/// Whether a voxel stands between the eye and a point (grid space).
+pub(super) fn is_hidden(voxels: &Voxels, eye: DVec3, point: DVec3) -> bool {
     let ray = Ray {
         max_distance: 1.0,
         ..Ray::new(eye, point - eye)
@@ -141,6 +148,8 @@ pub fn draw(ui: &Ui, segments: &[Segment]) {
     for is_light in [false, true] {
         for segment in segments {
             let (width, colour) = match (is_light, segment.of_face) {
+                (false, _) if segment.is_hidden => continue,
+                (true, _) if segment.is_hidden => (1.0, Color32::from_white_alpha(45)),
                 (false, _) => (3.0, Color32::from_black_alpha(150)),
                 (true, true) => (1.5, Color32::WHITE),
                 (true, false) => (1.0, Color32::from_white_alpha(150)),

@@ -19,9 +19,9 @@ use super::{
 use crate::world::{Camera, World};
 
 /// Steps per second of simulated time.
-const STEPS_PER_S: u64 = 120;
-const STEP_S: f64 = 1.0 / STEPS_PER_S as f64;
-const NS_PER_S: u64 = 1_000_000_000;
+pub const STEPS_PER_S: u64 = 120;
+pub const STEP_S: f64 = 1.0 / STEPS_PER_S as f64;
+pub const NS_PER_S: u64 = 1_000_000_000;
 /// Two presses of a key within this time (nanoseconds) are a double press.
 const DOUBLE_NS: u64 = 300_000_000;
 
@@ -264,11 +264,12 @@ impl Player {
     }
 }
 
-fn whole_steps(ns: u64) -> u64 {
+/// Whole steps within this time.
+pub fn whole_steps(ns: u64) -> u64 {
     (u128::from(ns) * u128::from(STEPS_PER_S) / u128::from(NS_PER_S)) as u64
 }
 
 /// The first nanosecond that belongs to this step.
-fn step_start_ns(step: u64) -> u64 {
+pub fn step_start_ns(step: u64) -> u64 {
     (u128::from(step) * u128::from(NS_PER_S)).div_ceil(u128::from(STEPS_PER_S)) as u64
 }

@@ -234,7 +234,10 @@ mod tests {
     use super::*;
     use crate::{
         app::{
-            hands::brush::{Brush, Stroke},
+            hands::{
+                brush::{Brush, Shape, Stroke},
+                clipboard::Clip,
+            },
             input::Key,
             record::Recorder,
             viewport::Choice,
@@ -275,7 +278,11 @@ mod tests {
             Input::Look(0.1, -33.7),
             Input::FlySpeed(1.0),
             Input::Stroke(Stroke::Dig),
-            Input::Brush(Brush { radius: 1.7 }),
+            Input::Brush(Brush {
+                shape: Shape::Ball,
+                radius: 1.7,
+            }),
+            Input::Clip(Clip::Mark),
             Input::Slot(9),
             Input::Scroll(-3),
             Input::Item {

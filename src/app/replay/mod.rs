@@ -164,6 +164,7 @@ impl Replay {
             }
         }
         self.advance(to_ns)?;
+        self.run().show_bits()?;
         let ground = self.viewport.ground()?;
         self.latency.shown(&self.player, &ground);
         self.camera = self.player.view(&ground);

@@ -1,6 +1,8 @@
 //! A run of a world: applies inputs to the player, the clock, the brush and the voxels. The window and a replay
 //! both play through it.
 
+mod bits;
+mod clip;
 mod strokes;
 
 use strokes::Turn;
@@ -53,6 +55,7 @@ impl Run<'_> {
             Input::Undo => done.edited = self.undo(),
             Input::Redo => done.edited = self.redo(),
             Input::Brush(brush) => self.settings.brush = *brush,
+            Input::Clip(clip) => done.edited = self.clip(*clip)?,
             Input::Slot(slot) => self.hands.hotbar.select(*slot),
             Input::Scroll(slots) => self.hands.hotbar.scroll(*slots),
             Input::Item { slot, item } => {
@@ -123,7 +126,10 @@ impl Run<'_> {
     fn simulate(&mut self, to_ns: u64) -> Result<(), AppError> {
         let elapsed_ns = to_ns.saturating_sub(self.player.now_ns());
         self.settings.clock.advance(elapsed_ns as f64 * 1e-9);
-        self.player.advance(to_ns, &self.viewport.ground()?);
+        let ground = self.viewport.ground()?;
+        self.player.advance(to_ns, &ground);
+        let measures = self.player.body().measures;
+        self.hands.bits.advance(to_ns, &ground, &measures);
         for notice in self.player.take_notices() {
             self.messages.toast(notice.text());
         }

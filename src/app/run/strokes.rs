@@ -40,8 +40,14 @@ impl Run<'_> {
             (Stroke::Dig, Some(lamp)) => self.change_lamp(lamps::dug(&lamp)),
             (Stroke::Dig, None) => {
                 let brush = self.settings.brush;
-                return Ok(self.edit(|voxels, _| brush.dig(voxels, target.voxel)));
+                let is_dug = self.edit(|voxels, _| brush.dig(voxels, target.voxel));
+                if is_dug {
+                    self.burst(&camera);
+                }
+                return Ok(is_dug);
             }
+            (Stroke::Replace, Some(_)) => {}
+            (Stroke::Replace, None) => return Ok(self.replace(&target)),
             // One press hangs or switches one lamp.
             (Stroke::Place, Some(lamp)) if turn == Turn::First => {
                 self.change_lamp(lamps::switched(&lamp));
@@ -93,13 +99,24 @@ impl Run<'_> {
         }
     }
 
+    /// Gives voxels the material in the hand. Returns whether voxels changed.
+    fn replace(&mut self, target: &Target) -> bool {
+        let Some(Item::Material(material)) = self.hands.hotbar.item() else {
+            self.messages
+                .toast("Replacing needs a material in the hand");
+            return false;
+        };
+        let brush = self.settings.brush;
+        self.edit(|voxels, _| brush.replace(voxels, target.voxel, material))
+    }
+
     fn change_lamp(&mut self, change: LampChange) {
         self.viewport.put_lamp(change.voxel, change.after);
         self.hands.history.push(Changes::of_lamp(change));
     }
 
     /// Changes voxels by a stroke. Returns whether there were any to change.
-    fn edit(&mut self, stroke: impl FnOnce(&mut Voxels, &World) -> Stroked) -> bool {
+    pub(super) fn edit(&mut self, stroke: impl FnOnce(&mut Voxels, &World) -> Stroked) -> bool {
         let mut changes = Changes::default();
         let edited = self.viewport.edit(|voxels, world| {
             let stroked = stroke(voxels, world);

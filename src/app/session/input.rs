@@ -8,8 +8,11 @@ use winit::{
 
 use super::{
     super::{
-        controls::{Shortcut, player_key, shortcut},
-        hands::brush::Stroke,
+        controls::{REPLACE, Shortcut, clip, player_key, shortcut},
+        hands::{
+            brush::{Brush, Shape, Stroke},
+            clipboard::Clip,
+        },
         input::Input,
         menu::Occasion,
     },
@@ -107,6 +110,9 @@ impl Session {
             MouseButton::Left if !self.captured && !self.over_panel() => self.capture_mouse(),
             _ if !self.captured => {}
             MouseButton::Left => self.give(Input::Hold(Stroke::Dig)),
+            MouseButton::Right if self.play.hands.clipboard.is_active() => {
+                self.give(Input::Clip(Clip::Cancel));
+            }
             MouseButton::Right => self.give(Input::Hold(Stroke::Place)),
             MouseButton::Middle => self.give(Input::Stroke(Stroke::Pick)),
             _ => {}
@@ -136,6 +142,9 @@ impl Session {
             if let Some(key) = key {
                 self.give(Input::Release(key));
             }
+            if code == REPLACE {
+                self.give(Input::LetGo(Stroke::Replace));
+            }
             return;
         }
         let is_typing = !self.captured && self.egui.egui_ctx().egui_wants_keyboard_input();
@@ -154,6 +163,9 @@ impl Session {
             return;
         }
         match code {
+            KeyCode::Escape if self.captured && self.play.hands.clipboard.is_active() => {
+                self.give(Input::Clip(Clip::Cancel));
+            }
             KeyCode::Escape | KeyCode::F1 => self.open_menu(Occasion::Pause),
             KeyCode::Tab if !is_typing => {
                 self.panel_open = !self.panel_open;
@@ -170,6 +182,14 @@ impl Session {
             // The user types a number into the panel.
             _ if is_typing => {}
             KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
+            REPLACE => self.give(Input::Hold(Stroke::Replace)),
+            KeyCode::KeyB => self.set_brush(Brush {
+                shape: self.settings.brush.shape.next(),
+                ..self.settings.brush
+            }),
+            KeyCode::BracketLeft => self.set_brush(self.settings.brush.resized(-1.0)),
+            KeyCode::BracketRight => self.set_brush(self.settings.brush.resized(1.0)),
+            code if let Some(clip) = clip(code) => self.give(Input::Clip(clip)),
             KeyCode::KeyE => self.open_inventory(),
             code => {
                 let chosen = match slot_of(code) {
@@ -182,6 +202,17 @@ impl Session {
                 }
             }
         }
+    }
+
+    /// Changes the brush, and says what it is now.
+    fn set_brush(&mut self, brush: Brush) {
+        self.settings.brush = brush;
+        self.messages.toast(match brush.shape {
+            Shape::Voxel => "Brush: one voxel (B changes the shape)".to_owned(),
+            Shape::Ball | Shape::Box => {
+                format!("Brush: {} ([ and ] change the size)", brush.text())
+            }
+        });
     }
 
     /// Switches between light by probes and path tracing. World time is paused for path tracing: moving lamps
@@ -215,7 +246,7 @@ impl Session {
             let _ = self.window.set_cursor_grab(CursorGrabMode::None);
             self.window.set_cursor_visible(true);
             self.captured = false;
-            for stroke in [Stroke::Dig, Stroke::Place] {
+            for stroke in [Stroke::Dig, Stroke::Place, Stroke::Replace] {
                 self.give(Input::LetGo(stroke));
             }
         }

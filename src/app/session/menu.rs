@@ -4,7 +4,7 @@ use std::{path::Path, time::Duration};
 
 use winit::{event_loop::ActiveEventLoop, window::Fullscreen};
 
-use super::{Session, play::Play};
+use super::Session;
 use crate::{
     app::{
         AppError,
@@ -260,7 +260,7 @@ impl Session {
         let first = viewport.world().cameras.first();
         let camera = start.camera.or(first.cloned());
         let camera = camera.unwrap_or_else(|| self.camera.clone());
-        let play = Play::afresh(&camera, &mut viewport)?;
+        let play = self.play.after(&camera, &mut viewport)?;
         self.end_run()?;
         for note in viewport.take_notes() {
             self.messages.toast_error(note);

@@ -18,6 +18,7 @@ impl Session {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
         let aimed = if self.captured { self.aim() } else { None };
+        let in_hands = self.in_hands(aimed.as_ref().map(|(target, _)| target));
         let facts = Facts {
             viewport: &self.viewport,
             rate: &self.rate,
@@ -46,6 +47,9 @@ impl Session {
                     outline::draw(ui, edges);
                 }
                 aim::crosshair(ui, aimed.is_some());
+                if let Some(text) = &in_hands {
+                    aim::caption(ui, text);
+                }
             }
             self.messages.show(ui);
         });

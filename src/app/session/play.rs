@@ -8,6 +8,8 @@ use crate::app::{
     hands::{
         Hands,
         aim::{Reach, Target},
+        brush::Shape,
+        extent::Eye,
         outline::{self, Segment},
     },
     input::Input,
@@ -59,14 +61,16 @@ impl Play {
         })
     }
 
-    /// A run of its own, in a world that is entered from the menu.
+    /// A run of its own after this one, in a world that is entered from the menu.
     ///
     /// # Errors
     /// [`AppError`] when the voxels cannot be read back.
-    pub fn afresh(camera: &Camera, viewport: &mut Viewport) -> Result<Self, AppError> {
+    pub fn after(&self, camera: &Camera, viewport: &mut Viewport) -> Result<Self, AppError> {
         let world = viewport.world().clone();
         let player = Player::new(camera, &world, &viewport.ground()?);
-        Ok(Self::of(player, viewport))
+        let mut play = Self::of(player, viewport);
+        play.hands = play.hands.with_copy_of(&self.hands);
+        Ok(play)
     }
 
     fn of(player: Player, viewport: &Viewport) -> Self {
@@ -123,6 +127,7 @@ impl Session {
         }
         edited |= run.advance(to_ns)?.edited;
         self.camera = run.view()?;
+        run.show_bits()?;
         self.play.chosen = Chosen::of(&self.viewport, &self.settings);
         if remade {
             self.remade();
@@ -138,15 +143,34 @@ impl Session {
         Ok(())
     }
 
-    /// The voxel that a click would meet, and its edges on the screen.
+    /// The voxel that a click would meet, and what is outlined on the screen: that voxel, what the brush covers, and the
+    /// box that is copied or pasted.
     pub(super) fn aim(&mut self) -> Option<(Target, Vec<Segment>)> {
         let reach = Reach::of(self.play.player.body());
         let [width, height] = self.viewport.frame().size().map(f64::from);
         let target = self.viewport.aim(&reach, &self.camera).ok()??;
         let ground = self.viewport.ground().ok()?;
         let basis = self.camera.basis(width / height);
-        let edges = outline::of_target(ground.voxels, ground.origin, &basis, &target);
+        let mut edges = outline::of_target(ground.voxels, ground.origin, &basis, &target);
+        let eye = Eye {
+            voxels: ground.voxels,
+            origin: ground.origin,
+            camera: &basis,
+        };
+        let clipboard = &self.play.hands.clipboard;
+        edges.extend(match clipboard.extent(ground.origin, &target) {
+            Some((low, high)) => eye.of_box(low, high),
+            None => eye.of_brush(&self.settings.brush, target.voxel),
+        });
         Some((target, edges))
+    }
+
+    /// What the hands hold besides a brush of one voxel, in words.
+    pub(super) fn in_hands(&self, target: Option<&Target>) -> Option<String> {
+        let origin = self.viewport.world().origin;
+        let brush = &self.settings.brush;
+        let copy = self.play.hands.clipboard.text(origin, target);
+        copy.or_else(|| (brush.shape != Shape::Voxel).then(|| brush.text()))
     }
 
     /// What the user did since the last frame.

@@ -1,5 +1,6 @@
 //! What the window shows: a world on the GPU, and the choices made for it.
 
+mod bits;
 mod changes;
 
 use std::path::{Path, PathBuf};
@@ -98,6 +99,7 @@ impl Viewport {
         let layout = layout(&world, &choice.layout);
         let mut frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
         frame.antialias(&gpu, choice.parameters.picture.antialias)?;
+        frame.prepare_bits(&gpu)?;
         let mut viewport = Self {
             gpu,
             path: path.to_owned(),
@@ -211,6 +213,7 @@ impl Viewport {
             let parameters = &self.choice.parameters;
             let mut frame = Frame::new(&gpu, stage, layout, &parameters.probes, self.choice.size)?;
             frame.antialias(&gpu, parameters.picture.antialias)?;
+            frame.prepare_bits(&gpu)?;
             self.frame = frame;
             self.world = world;
             self.voxels = None;
@@ -332,11 +335,7 @@ impl Viewport {
             time_s,
             textures: parameters.textures.enabled,
         };
-        let lamp_time_s = if parameters.lights.animate {
-            time_s
-        } else {
-            0.0
-        };
+        let lamp_time_s = self.lamp_time_s(time_s);
         let lights = Lights::at(&self.world, &self.lamps(), lamp_time_s);
         if let Some(reference_view) = &mut self.reference_view {
             return reference_view.record(&self.gpu, recorder, shot, &lights);

@@ -2,6 +2,7 @@
 
 pub mod antialias;
 pub mod atlas_view;
+pub mod bits;
 pub mod camera_rays;
 mod inspection;
 pub mod overlay;

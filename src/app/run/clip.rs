@@ -1,0 +1,154 @@
+//! What a run does with its clipboard.
+
+use glam::IVec3;
+
+use super::Run;
+use crate::app::{
+    AppError,
+    hands::{
+        aim::{Reach, Target},
+        clipboard::{Clip, Copied, MOST_EDGE, Pasted, size_text},
+        lamps,
+    },
+};
+
+impl Run<'_> {
+    /// Marks, copies, turns or pastes. Returns whether voxels changed.
+    ///
+    /// # Errors
+    /// [`AppError`] when the device fails.
+    pub fn clip(&mut self, clip: Clip) -> Result<bool, AppError> {
+        let clipboard = &mut self.hands.clipboard;
+        match clip {
+            Clip::Mark => self.mark()?,
+            Clip::Paste => return self.paste(),
+            Clip::Turn => {
+                if let Some(copied) = clipboard.copied.as_mut().filter(|_| clipboard.is_out) {
+                    *copied = copied.turned();
+                    let size = size_text(copied.size());
+                    self.messages.toast(format!("Turned: {size}"));
+                }
+            }
+            Clip::Air => {
+                clipboard.with_air = !clipboard.with_air;
+                self.messages.toast(match clipboard.with_air {
+                    true => "Pasting air too: it digs what lies there (N)",
+                    false => "Pasting without air: what lies there stays (N)",
+                });
+            }
+            Clip::Cancel => {
+                clipboard.is_out &= clipboard.corner.take().is_some();
+            }
+        }
+        Ok(false)
+    }
+
+    fn target(&mut self) -> Result<Option<Target>, AppError> {
+        let camera = self.view()?;
+        let reach = Reach::of(self.player.body());
+        let target = self.viewport.aim(&reach, &camera)?;
+        if target.is_none() {
+            self.messages.toast("No voxel is within reach");
+        }
+        Ok(target)
+    }
+
+    fn mark(&mut self) -> Result<(), AppError> {
+        let Some(target) = self.target()? else {
+            return Ok(());
+        };
+        let world = self.viewport.world();
+        let (origin, materials) = (world.origin, world.materials.clone());
+        let clipboard = &mut self.hands.clipboard;
+        let Some(corner) = clipboard.corner else {
+            let corner = target.voxel + origin;
+            clipboard.corner = Some(corner);
+            self.messages.toast(format!(
+                "A corner at {}: C again copies the box to the opposite corner",
+                place_text(corner)
+            ));
+            return Ok(());
+        };
+        let corner = corner - origin;
+        let (low, high) = (corner.min(target.voxel), corner.max(target.voxel));
+        let size = high - low + 1;
+        if size.max_element() > MOST_EDGE {
+            self.messages.toast_error(format!(
+                "This box has {} voxels. A copy has at most {MOST_EDGE} along an edge: mark a nearer corner",
+                size_text(size)
+            ));
+            return Ok(());
+        }
+        let copied = Copied::of(self.viewport.voxels()?, &materials, low, high);
+        self.messages.toast(format!(
+            "Copied {} voxels from {}, {} of them solid: V pastes them, R turns them",
+            size_text(size),
+            place_text(low + origin),
+            copied.solid()
+        ));
+        let clipboard = &mut self.hands.clipboard;
+        clipboard.corner = None;
+        clipboard.copied = Some(copied);
+        clipboard.is_out = true;
+        Ok(())
+    }
+
+    fn paste(&mut self) -> Result<bool, AppError> {
+        let clipboard = &mut self.hands.clipboard;
+        clipboard.corner = None;
+        let with_air = clipboard.with_air;
+        let Some(copied) = clipboard.copied.clone() else {
+            self.messages
+                .toast("Nothing is copied yet: C marks the corners of a box");
+            return Ok(false);
+        };
+        if !std::mem::replace(&mut clipboard.is_out, true) {
+            return Ok(false);
+        }
+        let Some(target) = self.target()? else {
+            return Ok(false);
+        };
+        self.follow_build();
+        let camera = self.view()?;
+        let reach = Reach::of(self.player.body());
+        let mut pasted = Pasted::default();
+        let changed = self.edit(|voxels, world| {
+            let (low, high) = reach.kept(world.origin, &camera);
+            let hung = lamps::occupied(world);
+            let is_kept = |voxel: IVec3| {
+                let is_of_body = voxel.cmpge(low).all() && voxel.cmple(high).all();
+                is_of_body || hung.contains(&voxel)
+            };
+            pasted = copied.paste(voxels, &world.materials, &target, with_air, is_kept);
+            std::mem::take(&mut pasted.stroked)
+        });
+        let at = target.before().unwrap_or(target.voxel) + self.viewport.world().origin;
+        self.tell_pasted(&pasted, at);
+        Ok(changed)
+    }
+
+    fn tell_pasted(&mut self, pasted: &Pasted, at: IVec3) {
+        let mut text = format!(
+            "Pasted at {}: {} voxels changed",
+            place_text(at),
+            pasted.changed
+        );
+        if pasted.outside > 0 {
+            text += &format!(", {} lie outside of the world", pasted.outside);
+        }
+        self.messages.toast(text);
+        if !pasted.missing.is_empty() {
+            let names: Vec<&str> = pasted.missing.keys().map(|name| &**name).collect();
+            let voxels: u64 = pasted.missing.values().sum();
+            self.messages.toast_error(format!(
+                "This world has no material {}: {voxels} voxels were left out",
+                names.join(", ")
+            ));
+        }
+    }
+}
+
+/// `(x, y, z)`, in world space.
+fn place_text(voxel: IVec3) -> String {
+    format!("({}, {}, {})", voxel.x, voxel.y, voxel.z)
+}

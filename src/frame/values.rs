@@ -1,0 +1,31 @@
+//! What goes from pass to pass in a frame.
+
+/// What must be brought up to date in a frame.
+#[derive(Clone, Copy)]
+pub(super) struct Update {
+    /// Lamps have moved: pass `scene/lamp_lists` must run.
+    pub lists_lamps: bool,
+    /// Pass `probes/classify` and the passes after it must run.
+    pub places_probes: bool,
+    /// Visibility bits tell which surfaces each probe sees.
+    pub marks_visibility: bool,
+    /// A volume that follows the camera has probes that are new.
+    pub has_fresh: bool,
+}
+
+/// Values of a frame. Their data lies in the buffers and textures that the passes bind by name.
+pub(super) struct PlacedProbes;
+pub(super) struct ListedProbes;
+pub(super) struct ActiveList;
+pub(super) struct ProbeRays;
+/// Maps and ambient cubes of the probes.
+pub(super) struct ProbeLight;
+/// Voxel, face and distance of each pixel.
+pub(super) struct Surfaces;
+pub(super) struct SeenFaces;
+pub(super) struct ListedFaces;
+pub(super) struct FaceRays;
+/// For each listed face, the irradiance of each quadrant, and which lamps the face sees wholly or not at all.
+pub(super) struct FaceLight;
+/// Linear HDR radiance of each pixel.
+pub(super) struct Radiance;
