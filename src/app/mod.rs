@@ -5,7 +5,7 @@
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
 //! without a window, and `saving` writes saves. The other modules are their parts: `controls` names the keys, `hands`
 //! dig and build, `panel`
-//! and `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
+//! and `widgets` choose, `sound` lets the run be heard, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
 mod benchmark;
@@ -13,6 +13,7 @@ mod body;
 mod clock;
 mod controls;
 mod hands;
+mod icon;
 mod input;
 mod menu;
 mod messages;
@@ -28,6 +29,7 @@ pub mod saving;
 mod screen;
 mod screenshot;
 mod session;
+pub mod sound;
 mod time_graph;
 mod viewport;
 mod views;
@@ -35,7 +37,7 @@ mod widgets;
 
 use std::{
     env,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -139,6 +141,11 @@ pub fn has_display() -> bool {
 pub fn title_world() -> Result<PathBuf, FileError> {
     let first = menu::built_in().swap_remove(0);
     first.path(&menu::Folders::of_user())
+}
+
+/// The file of a world that comes with grotto, for its name: `cave`, `cave.ron` or `worlds/cave.ron`.
+pub fn bundled_world(name: &Path) -> Option<PathBuf> {
+    menu::bundled(name, &menu::Folders::of_user())
 }
 
 /// Opens the window. Returns, when it is closed, the number of frames that it has shown.

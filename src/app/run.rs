@@ -13,7 +13,8 @@ use super::{
     input::Input,
     messages::Messages,
     panel::Settings,
-    player::Player,
+    player::{Contact, Footfall, Player},
+    sound::{Kind, Noise, Noises, Place},
     viewport::{Choice, Viewport},
 };
 use crate::{frame::FrameError, parameters::KEYS, world::Camera};
@@ -25,6 +26,7 @@ pub struct Run<'a> {
     pub player: &'a mut Player,
     pub hands: &'a mut Hands,
     pub messages: &'a mut Messages,
+    pub noises: &'a mut Noises,
 }
 
 /// What an input did that costs time, so that frame times from before say nothing any more.
@@ -120,7 +122,25 @@ impl Run<'_> {
         for notice in self.player.take_notices() {
             self.messages.toast(notice.text());
         }
+        for footfall in self.player.take_footfalls() {
+            let noise = self.noise_of(&footfall)?;
+            self.noises.make(noise);
+        }
         Ok(())
+    }
+
+    fn noise_of(&mut self, footfall: &Footfall) -> Result<Noise, AppError> {
+        let ground = self.viewport.ground()?;
+        let material = ground.voxels.material(footfall.voxel - ground.origin);
+        Ok(Noise {
+            kind: match footfall.contact {
+                Contact::Step => Kind::Step,
+                Contact::Land => Kind::Land,
+            },
+            material: self.viewport.world().sound_of(material),
+            strength: footfall.strength,
+            at_ns: footfall.at_ns,
+        })
     }
 
     /// Makes a stroke where the player looks. Returns whether voxels changed.
@@ -140,6 +160,19 @@ impl Run<'_> {
             return Ok(false);
         }
         let edited = !changes.is_empty();
+        if edited {
+            let (kind, side) = match stroke {
+                Stroke::Place => (Kind::Place, Side::After),
+                Stroke::Dig | Stroke::Pick => (Kind::Dig, Side::Before),
+            };
+            self.noises.make(Noise {
+                kind,
+                material: self.viewport.world().sound_of(changes.most(side)),
+                // One voxel is soft, a ball of radius 5 is as loud as it gets.
+                strength: (changes.voxels() as f32).log2() / 9.0,
+                at_ns: self.player.now_ns(),
+            });
+        }
         self.hands.history.push(changes);
         Ok(edited)
     }
@@ -299,6 +332,28 @@ impl Viewport {
         let origin = self.world().origin;
         let voxels = self.voxels()?;
         Ok(Ground { voxels, origin })
+    }
+
+    /// Lets `hear` know what surrounds a camera.
+    ///
+    /// # Errors
+    /// [`AppError`] when the voxels must be read back and the device is lost.
+    pub fn with_place(
+        &mut self,
+        camera: &Camera,
+        voxels_per_m: f64,
+        hear: impl FnOnce(&Place<'_>),
+    ) -> Result<(), AppError> {
+        let materials = self.world().materials.iter();
+        let sounds: Vec<_> = materials.map(|material| material.sound).collect();
+        let Ground { voxels, origin } = self.ground()?;
+        hear(&Place {
+            voxels,
+            sounds: &sounds,
+            ear: camera.position.as_dvec3() - origin.as_dvec3(),
+            voxels_per_m,
+        });
+        Ok(())
     }
 }
 

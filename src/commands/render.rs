@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum as _};
 
 use super::{
     Failure, memory,
-    options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup},
+    options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup, world_file},
     output,
     record::{FrameTimes, ProbeCounts, Rays, Record, frame_spans, median_passes, mrays_per_s},
 };
@@ -35,6 +35,7 @@ use crate::{
 #[derive(Args)]
 pub struct Arguments {
     /// World file (worlds/*.ron)
+    #[arg(value_parser = world_file())]
     world: PathBuf,
     /// The picture to write: .png (tone-mapped) or .exr (linear)
     #[arg(short, long, value_name = "FILE")]

@@ -8,6 +8,8 @@ mod bench_reports;
 mod bench_speed;
 mod info;
 mod measuring;
+#[cfg(target_os = "linux")]
+mod package;
 mod reference;
 mod refusals;
 mod render;

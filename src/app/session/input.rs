@@ -173,6 +173,7 @@ impl Session {
             KeyCode::F11 => self.toggle_full_screen(),
             // The user types a number into the panel.
             _ if is_typing => {}
+            KeyCode::KeyM => self.toggle_mute(),
             KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
             code => {
                 let camera = digit(code).map(Input::Camera);
@@ -181,6 +182,15 @@ impl Session {
                 }
             }
         }
+    }
+
+    fn toggle_mute(&mut self) {
+        let sound = &mut self.play.sound;
+        sound.set_muted(!sound.is_muted());
+        self.messages.toast(match sound.silence() {
+            Some(reason) => format!("No sound: {reason}"),
+            None => "Sound is on (M mutes it)".into(),
+        });
     }
 
     /// Switches between light by probes and path tracing. World time is paused for path tracing: moving lamps
