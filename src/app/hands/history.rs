@@ -109,7 +109,9 @@ impl Changes {
             };
             counts[usize::from(material)] += u32::from(run.voxels);
         }
+        // The last of several that are equal counts: air.
         (0..=u8::MAX)
+            .rev()
             .max_by_key(|material| counts[usize::from(*material)])
             .expect("there are 256 materials")
     }

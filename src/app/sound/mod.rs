@@ -154,6 +154,12 @@ pub struct Soundtrack {
     samples: u64,
 }
 
+impl Default for Soundtrack {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Soundtrack {
     pub fn new() -> Self {
         let mut mixer = Mixer::new(wav::RATE_HZ as f32, SEED);
@@ -174,5 +180,70 @@ impl Soundtrack {
         let count = (end as u64).saturating_sub(self.samples);
         self.samples += count;
         (0..count).map(|_| self.mixer.next()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, IVec3, UVec3};
+
+    use super::*;
+    use crate::world::{MaterialSound, voxels::Voxels};
+
+    #[test]
+    fn noises_keep_their_times_and_a_room_is_told_once() {
+        let mut voxels = Voxels::empty(UVec3::splat(16));
+        voxels.fill_box(IVec3::ZERO, IVec3::splat(15), 1);
+        // Within stone nothing changes from frame to frame.
+        let place = Place {
+            voxels: &voxels,
+            sounds: &[MaterialSound::Stone],
+            ear: DVec3::splat(8.0),
+            voxels_per_m: 1.0,
+        };
+        let mut listener = Listener::new();
+        let mut noises = Noises::default();
+        let mut told = Vec::new();
+        listener.frame(&place, &mut noises, 1_000_000_000, |command| {
+            told.push(command)
+        });
+        told.clear();
+        noises.make(Noise {
+            kind: Kind::Step,
+            material: MaterialSound::Wood,
+            strength: 1.0,
+            at_ns: 1_012_000_000,
+        });
+        for now_ns in [1_020_000_000, 1_040_000_000] {
+            listener.frame(&place, &mut noises, now_ns, |command| told.push(command));
+        }
+        let [Command::Make(noise, wait_s)] = told[..] else {
+            panic!("{told:?}");
+        };
+        assert_eq!(noise.material, MaterialSound::Wood);
+        assert!((wait_s - 0.012).abs() < 1e-6, "{wait_s}");
+    }
+
+    #[test]
+    fn a_soundtrack_is_as_long_as_the_run_at_any_frame_rate() {
+        let voxels = Voxels::empty(UVec3::splat(8));
+        let place = Place {
+            voxels: &voxels,
+            sounds: &[],
+            ear: DVec3::splat(4.0),
+            voxels_per_m: 1.0,
+        };
+        for frames in [7_u64, 60, 144] {
+            let mut track = Soundtrack::new();
+            let end = |frame: u64| frame * 2_000_000_000 / frames;
+            let samples: usize = (1..=frames)
+                .map(|frame| {
+                    track
+                        .frame(&place, &mut Noises::default(), end(frame))
+                        .len()
+                })
+                .sum();
+            assert_eq!(samples, 96_000);
+        }
     }
 }

@@ -154,3 +154,84 @@ fn play_on(player: &Arc<Mutex<Player>>, shared: &Shared) {
 pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        app::sound::{
+            mixer::Room,
+            noise::{Kind, Noise},
+        },
+        world::materials::MaterialSound,
+    };
+
+    /// Both sides, without a thread and without a device.
+    fn both() -> (Device, Player) {
+        let (commands, received) = mpsc::sync_channel(WAITING);
+        let shared = Arc::new(Shared {
+            state: Mutex::new(State::Opening),
+            is_over: AtomicBool::new(false),
+        });
+        let player = Player {
+            mixer: Mixer::new(48_000.0, 1),
+            seed: 1,
+            commands: received,
+            shared: shared.clone(),
+        };
+        (Device { commands, shared }, player)
+    }
+
+    fn dig() -> Command {
+        let noise = Noise {
+            kind: Kind::Dig,
+            material: MaterialSound::Stone,
+            strength: 1.0,
+            at_ns: 0,
+        };
+        Command::Make(noise, 0.0)
+    }
+
+    fn is_silent(player: &mut Player) -> bool {
+        (0..48_000).all(|_| player.next() == [0.0; 2])
+    }
+
+    #[test]
+    fn commands_are_heard_and_a_device_that_does_not_play_makes_nobody_wait() {
+        let (device, mut player) = both();
+        assert!(device.send(Command::Volume(1.0)) && device.send(dig()));
+        assert!(player.catch_up());
+        assert!(!is_silent(&mut player));
+        assert!((0..WAITING).all(|_| device.send(dig())));
+        assert!(!device.send(dig()), "the queue is full");
+    }
+
+    #[test]
+    fn another_device_goes_on_in_the_same_room_and_forgets_old_noises() {
+        let (device, mut player) = both();
+        let windy = Room {
+            sky: 1.0,
+            ..Room::default()
+        };
+        assert!(device.send(Command::Volume(1.0)));
+        assert!(player.catch_up());
+        assert!(device.send(Command::Room(windy)) && device.send(dig()));
+        player.begin(44_100.0);
+        assert_eq!(device.state(), State::Playing);
+        let loudest = |player: &mut Player| {
+            let samples = (0..44_100).map(|_| player.next()[0].abs());
+            samples.fold(0.0, f32::max)
+        };
+        let wind = loudest(&mut player);
+        assert!(wind > 0.001 && wind < 0.1, "{wind}: wind, and no dig");
+        assert!(device.send(dig()) && player.catch_up());
+        assert!(loudest(&mut player) > 3.0 * wind);
+    }
+
+    #[test]
+    fn a_closed_window_ends_the_sound() {
+        let (device, mut player) = both();
+        drop(device);
+        assert!(!player.catch_up());
+    }
+}
