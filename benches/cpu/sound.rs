@@ -1,7 +1,6 @@
 //! What sound costs: a frame at 60 frames per second with two noises and the rays of the ear, and a second of sound.
 
 use criterion::Criterion;
-use glam::DVec3;
 use grotto::{
     app::sound::{Kind, Noise, Noises, Place, Soundtrack},
     world::{MaterialSound, World, voxels::Voxels},
@@ -44,7 +43,7 @@ fn frame(soundtrack: &mut Soundtrack, world: &World, voxels: &Voxels, now_ns: u6
     let place = Place {
         voxels,
         sounds: &sounds,
-        ear: world.cameras[0].position.as_dvec3() - DVec3::from(world.origin.as_dvec3()),
+        ear: world.cameras[0].position.as_dvec3() - world.origin.as_dvec3(),
         voxels_per_m: 1.0,
     };
     soundtrack.frame(&place, &mut noises, now_ns).len()
