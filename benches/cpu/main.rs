@@ -9,6 +9,7 @@ mod generate;
 mod marching;
 mod parsing;
 mod sdf;
+mod sound;
 
 use std::{path::PathBuf, sync::LazyLock, time::Duration};
 
@@ -48,6 +49,6 @@ criterion_group! {
     config = Criterion::default()
         .warm_up_time(Duration::from_secs(1))
         .measurement_time(Duration::from_secs(3));
-    targets = sdf::all, generate::all, marching::all, edits::all, frame::all, parsing::all
+    targets = sdf::all, generate::all, marching::all, edits::all, frame::all, parsing::all, sound::all
 }
 criterion_main!(benches);

@@ -4,8 +4,8 @@
 //! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. `run`
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
 //! without a window, and `saving` writes saves. The other modules are their parts: `controls` names the keys, `hands`
-//! dig and build, `inventory` shows what can be placed, `panel`
-//! and `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
+//! dig and build, `inventory` shows what can be placed, `panel` and `widgets` choose, `sound` lets the run be heard,
+//! `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
 mod benchmark;
@@ -13,6 +13,7 @@ mod body;
 mod clock;
 mod controls;
 mod hands;
+mod icon;
 mod input;
 mod inventory;
 mod menu;
@@ -29,6 +30,7 @@ pub mod saving;
 mod screen;
 mod screenshot;
 mod session;
+pub mod sound;
 mod time_graph;
 mod viewport;
 mod views;
@@ -36,7 +38,7 @@ mod widgets;
 
 use std::{
     env,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -140,6 +142,11 @@ pub fn has_display() -> bool {
 pub fn title_world() -> Result<PathBuf, FileError> {
     let first = menu::built_in().swap_remove(0);
     first.path(&menu::Folders::of_user())
+}
+
+/// The file of a world that comes with grotto, for its name: `cave`, `cave.ron` or `worlds/cave.ron`.
+pub fn bundled_world(name: &Path) -> Option<PathBuf> {
+    menu::bundled(name, &menu::Folders::of_user())
 }
 
 /// Opens the window. Returns, when it is closed, the number of frames that it has shown.

@@ -5,14 +5,18 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{Failure, options::OutputOptions, output};
+use super::{
+    Failure,
+    options::{OutputOptions, world_file},
+    output,
+};
 use crate::world;
 
 /// Validate world files
 #[derive(Args)]
 pub struct Arguments {
     /// World files (worlds/*.ron)
-    #[arg(required = true, value_name = "WORLD")]
+    #[arg(required = true, value_name = "WORLD", value_parser = world_file())]
     worlds: Vec<PathBuf>,
     #[command(flatten)]
     output: OutputOptions,

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{
     Failure, memory,
-    options::{RunOptions, load_world, note_restored},
+    options::{RunOptions, load_world, note_restored, world_file},
     output,
 };
 use crate::{
@@ -26,7 +26,7 @@ use crate::{
 #[derive(Args)]
 pub struct Arguments {
     /// Save or world file
-    #[arg(value_name = "SAVE")]
+    #[arg(value_name = "SAVE", value_parser = world_file())]
     world: PathBuf,
     /// The model
     #[arg(short, long, value_name = "FILE.vox")]

@@ -1,12 +1,15 @@
 //! Options that commands share, and the scene that they select, checked.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{
+    Args,
+    builder::{PathBufValueParser, TypedValueParser},
+};
 
 use super::{Failure, output};
 use crate::{
-    app::saving,
+    app::{self, saving},
     parameters::{Parameters, nearest},
     passes::view::{AtlasLayer, Inspection, ProbeColour},
     world::{
@@ -121,6 +124,16 @@ pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
 pub fn world_time(text: &str) -> Result<f64, String> {
     let time = text.parse().ok().filter(|time: &f64| time.abs() <= 1e9);
     time.ok_or_else(|| "write seconds as a number, at most 1e9".to_owned())
+}
+
+/// A world file; where there is none, the world of that name that comes with grotto.
+pub fn world_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|path| {
+        if path.exists() {
+            return path;
+        }
+        app::bundled_world(&path).unwrap_or(path)
+    })
 }
 
 /// Accepts what [`Parameters::set`] accepts, so that mistakes are reported like those of any other flag.

@@ -12,7 +12,7 @@ use super::{
     Failure,
     frame_loop::smooth,
     memory,
-    options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup},
+    options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup, world_file},
     output,
     record::{FrameTimes, ProbeCounts, Rays, Record, frame_spans, median_passes, mrays_per_s},
 };
@@ -37,6 +37,7 @@ use crate::{
 #[derive(Args)]
 pub struct Arguments {
     /// World file (worlds/*.ron)
+    #[arg(value_parser = world_file())]
     world: PathBuf,
     /// The picture to write: .png (tone-mapped) or .exr (linear)
     #[arg(short, long, value_name = "FILE")]

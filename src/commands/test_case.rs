@@ -6,7 +6,9 @@ use clap::Args;
 
 use super::{
     Failure,
-    options::{RunOptions, choose, load_world, note_restored, picture_size, world_time},
+    options::{
+        RunOptions, choose, load_world, note_restored, picture_size, world_file, world_time,
+    },
     settings::{Setting, Varied},
 };
 use crate::{
@@ -20,7 +22,7 @@ use crate::{
 #[derive(Args, Clone)]
 pub struct TestCaseOptions {
     /// World files
-    #[arg(value_name = "WORLD")]
+    #[arg(value_name = "WORLD", value_parser = world_file())]
     pub worlds: Vec<PathBuf>,
     /// Only this camera (repeatable); worlds without it are left out
     #[arg(long = "camera", value_name = "NAME")]

@@ -237,7 +237,7 @@ mod tests {
 
     use super::*;
     use crate::world::voxels::{BRICK_VOXELS, NewCell, brick_index};
-    use crate::world::{Colour, Pattern};
+    use crate::world::{Colour, MaterialSound, Pattern};
 
     fn material(emission: Vec3) -> Material {
         let colour = Colour::Flat(Vec3::splat(0.5));
@@ -247,6 +247,7 @@ mod tests {
             b: colour,
             pattern: Pattern::Plain,
             emission,
+            sound: MaterialSound::Stone,
         }
     }
 

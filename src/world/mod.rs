@@ -27,7 +27,7 @@ use glam::{IVec3, UVec3};
 
 pub use camera::CameraBasis;
 pub use features::FeaturePart;
-pub use materials::{Colour, Material, Pattern, Rule};
+pub use materials::{Colour, Material, MaterialSound, Pattern, Rule};
 pub use noise::NoiseField;
 pub use placed::PlacedLamp;
 pub use scenery::{
@@ -76,6 +76,15 @@ pub struct World {
     pub response: ResponseSpec,
     /// What was changed about it; nothing for a world file.
     pub restored: Restored,
+}
+
+impl World {
+    /// The sound of a voxel's material (1-based); that of stone, if the world has no such material.
+    pub fn sound_of(&self, material: u8) -> MaterialSound {
+        let index = usize::from(material).checked_sub(1);
+        let known = index.and_then(|index| self.materials.get(index));
+        known.map_or(MaterialSound::Stone, |known| known.sound)
+    }
 }
 
 /// What a save, or the player of a window, adds to its world.

@@ -9,6 +9,8 @@ mod bench_speed;
 mod info;
 mod lamps;
 mod measuring;
+#[cfg(target_os = "linux")]
+mod package;
 mod reference;
 mod refusals;
 mod render;

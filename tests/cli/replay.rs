@@ -136,6 +136,55 @@ fn a_replay_is_the_same_run_at_any_frame_rate_and_shows_inputs_at_once() {
     assert_ne!(other["eye"], slow["eye"]);
 }
 
+/// What is heard in a replay of these moments, as the bytes of a sound file.
+fn heard(moments: &[Value]) -> Vec<u8> {
+    let folder = folder();
+    let record = written(folder.path(), &header(Path::new(MINIMAL), ON_TOP), moments);
+    let sound = folder.path().join("run.wav");
+    let mut command = grotto();
+    command.args(["play", "--quiet", "--fps", "10", "--every", "0"]);
+    command
+        .arg("--replay")
+        .arg(&record)
+        .arg("--sound")
+        .arg(&sound);
+    command.arg("--out").arg(folder.path());
+    let ended = end(&mut command);
+    assert_eq!(ended.code, 0, "{}", ended.stderr);
+    fs::read(sound).expect("it was written")
+}
+
+#[test]
+fn a_replay_writes_what_is_heard_the_same_to_the_bit() {
+    let run = |dig: &str| {
+        let moments = [
+            json!({"t": 0, "do": [{"look": [0.0, 400.0]}]}),
+            json!({"t": 500 * MS, "do": [{"stroke": dig}]}),
+            json!({"t": 1000 * MS, "end": true}),
+        ];
+        heard(&moments)
+    };
+    let dug = run("dig");
+    assert_eq!(dug, run("dig"));
+    // One second of two channels of 16 bits, after a head of 44 bytes.
+    assert_eq!(dug.len(), 44 + 48_000 * 4);
+    let loudest = |wav: &[u8], from_ms: usize, to_ms: usize| {
+        let samples = wav[44 + from_ms * 192..44 + to_ms * 192].chunks(2);
+        let sizes = samples.map(|pair| i16::from_le_bytes([pair[0], pair[1]]).unsigned_abs());
+        sizes.max().expect("samples")
+    };
+    // The open sky above: wind. The stroke is heard when it is made.
+    let wind = loudest(&dug, 300, 500);
+    assert!(wind > 10, "{wind}");
+    assert!(loudest(&dug, 500, 600) > 4 * wind, "{wind}");
+    let picked = run("pick");
+    assert!(
+        loudest(&picked, 500, 600) < 2 * wind,
+        "a look makes no noise"
+    );
+    assert_eq!(picked[44..44 + 490 * 192], dug[44..44 + 490 * 192]);
+}
+
 /// The voxels at the end of a run of these moments, looked straight down from the top of the ball.
 fn voxels_after(inputs: &[(u64, Value)], fps: &str) -> Value {
     let folder = folder();

@@ -4,7 +4,7 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     probes::Volume,
     world::{
-        Camera, Colour, LayoutSpec, Material, Pattern, Sky,
+        Camera, Colour, LayoutSpec, Material, MaterialSound, Pattern, Sky,
         voxels::{BRICK_VOXELS, CELL, NewCell, Voxels, brick_index},
     },
 };
@@ -35,6 +35,7 @@ pub fn flat(albedo: f32, emission: f32) -> Material {
         b: Colour::Flat(Vec3::splat(albedo)),
         pattern: Pattern::Plain,
         emission: Vec3::splat(emission),
+        sound: MaterialSound::Stone,
     }
 }
 

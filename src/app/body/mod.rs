@@ -146,6 +146,16 @@ impl Body {
         self.at(self.feet)
     }
 
+    /// Middle of the base of the box (world space, voxels).
+    pub fn feet(&self) -> DVec3 {
+        DVec3::from(self.feet.to_array().map(to_voxels))
+    }
+
+    /// Voxels per second.
+    pub fn velocity(&self) -> DVec3 {
+        self.velocity
+    }
+
     fn at(&self, feet: I64Vec3) -> Aabb {
         let Measures {
             half_width, height, ..
@@ -162,8 +172,7 @@ impl Body {
         if lift > 0 && self.mode != Mode::NoClip {
             lift = self.shape().sweep(terrain, 1, lift);
         }
-        let eye = self.feet + I64Vec3::Y * (self.measures.eye + lift);
-        DVec3::from(eye.to_array().map(to_voxels))
+        self.feet() + DVec3::Y * to_voxels(self.measures.eye + lift)
     }
 
     /// Changes how the body moves. Returns false, and changes nothing, where a body in stone finds no room.

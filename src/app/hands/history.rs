@@ -131,6 +131,28 @@ impl Changes {
         })
     }
 
+    /// Number of voxels that changed.
+    pub fn voxels(&self) -> u32 {
+        self.runs.iter().map(|run| u32::from(run.voxels)).sum()
+    }
+
+    /// The material that most of the voxels had before or after the stroke; 0 if most were air, or none changed.
+    pub fn most(&self, side: Side) -> u8 {
+        let mut counts = [0_u32; 256];
+        for run in &self.runs {
+            let material = match side {
+                Side::Before => run.old,
+                Side::After => run.new,
+            };
+            counts[usize::from(material)] += u32::from(run.voxels);
+        }
+        // The last of several that are equal counts: air.
+        (0..=u8::MAX)
+            .rev()
+            .max_by_key(|material| counts[usize::from(*material)])
+            .expect("there are 256 materials")
+    }
+
     /// Gives the voxels the materials that they had before the stroke, or after it.
     pub fn put(&self, voxels: &mut Voxels, side: Side) -> Edit {
         if self.runs.is_empty() {
@@ -296,6 +318,23 @@ mod tests {
             }
             prop_assert_eq!(history.redo(|_| Err(())), Ok(false));
         }
+    }
+
+    #[test]
+    fn a_stroke_knows_its_voxels_and_what_most_of_them_were() {
+        let mut voxels = Voxels::empty(UVec3::splat(SIZE as u32));
+        voxels.fill_box(IVec3::ZERO, IVec3::new(5, 5, 5), 7);
+        voxels.fill_box(IVec3::ZERO, IVec3::new(5, 0, 5), 9);
+        let dig = |voxels: &mut Voxels, high| Changes::make(voxels, IVec3::ZERO, high, |_, _| 0).1;
+        let changes = dig(&mut voxels, IVec3::new(1, 2, 1));
+        assert_eq!(changes.voxels(), 12);
+        assert_eq!(
+            (changes.most(Side::Before), changes.most(Side::After)),
+            (7, 0)
+        );
+        let floor = dig(&mut voxels, IVec3::new(5, 0, 5));
+        assert_eq!((floor.voxels(), floor.most(Side::Before)), (32, 9));
+        assert_eq!(Changes::default().most(Side::Before), 0);
     }
 
     #[test]

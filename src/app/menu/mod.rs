@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 pub use folders::Folders;
 use pictures::Pictures;
-pub use worlds::{Entry, built_in, create};
+pub use worlds::{Entry, built_in, bundled, create};
 
 use crate::{
     gpu::Gpu,

@@ -85,6 +85,24 @@ impl Entry {
     }
 }
 
+/// The file of a world of the binary, for a name such as `cave`, `cave.ron` or `worlds/cave.ron`.
+pub fn bundled(name: &Path, folders: &Folders) -> Option<PathBuf> {
+    let is_here = name
+        .parent()
+        .is_none_or(|folder| folder == Path::new("") || folder == Path::new("worlds"));
+    let is_world = name.extension().is_none_or(|extension| extension == "ron");
+    let stem = name.file_stem()?.to_str()?;
+    let (name, text) = BUILT_IN.iter().find(|(name, _)| *name == stem)?;
+    let entry = Entry {
+        name: (*name).to_owned(),
+        title: String::new(),
+        origin: Origin::BuiltIn(text),
+    };
+    // Where it cannot be written, the name is told as missing.
+    let path = (is_here && is_world).then(|| entry.path(folders).ok());
+    path.flatten()
+}
+
 /// The worlds of the binary.
 pub fn built_in() -> Vec<Entry> {
     let entries = BUILT_IN.iter().map(|(name, text)| Entry {
@@ -212,6 +230,25 @@ mod tests {
         assert_eq!(known, there);
         for entry in built_in() {
             assert!(!entry.title.contains("error"), "{}", entry.title);
+        }
+    }
+
+    #[test]
+    fn worlds_of_the_binary_are_found_by_their_names() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folders = folders(root.path());
+        for name in ["sealed", "sealed.ron", "worlds/sealed.ron"] {
+            let path = bundled(Path::new(name), &folders).expect("it is one");
+            assert!(fs::read_to_string(path).is_ok_and(|text| text.contains("title:")));
+        }
+        for name in [
+            "other.ron",
+            "sealed.vox",
+            "elsewhere/sealed.ron",
+            "/sealed.ron",
+            "",
+        ] {
+            assert_eq!(bundled(Path::new(name), &folders), None, "{name}");
         }
     }
 

@@ -5,12 +5,16 @@
 //! time since the last whole step. Compared with the usual interpolation between the last two steps (Fiedler 2004,
 //! "Fix Your Timestep!"), no input waits a step until it is seen.
 
+mod gait;
 #[cfg(test)]
 mod tests;
 
 use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
+
+use gait::Gait;
+pub use gait::{Contact, Footfall};
 
 use super::{
     body::{Body, Event, Intent, Measures, Mode, Terrain},
@@ -22,6 +26,8 @@ use crate::world::{Camera, World};
 pub const STEPS_PER_S: u64 = 120;
 pub const STEP_S: f64 = 1.0 / STEPS_PER_S as f64;
 pub const NS_PER_S: u64 = 1_000_000_000;
+/// Footfalls that are kept until they are taken.
+const MOST_FOOTFALLS: usize = 16;
 /// Two presses of a key within this time (nanoseconds) are a double press.
 const DOUBLE_NS: u64 = 300_000_000;
 
@@ -73,6 +79,8 @@ pub struct Player {
     now_ns: u64,
     steps: u64,
     notices: Vec<Notice>,
+    gait: Gait,
+    footfalls: Vec<Footfall>,
 }
 
 /// Keys that are down, and those that went down since the last step: even the shortest press counts for one.
@@ -130,6 +138,8 @@ impl Player {
             keys: Keys::default(),
             now_ns: 0,
             steps: 0,
+            gait: Gait::default(),
+            footfalls: Vec::new(),
         }
     }
 
@@ -157,11 +167,17 @@ impl Player {
         std::mem::take(&mut self.notices)
     }
 
+    /// The footfalls since the last call.
+    pub fn take_footfalls(&mut self) -> Vec<Footfall> {
+        std::mem::take(&mut self.footfalls)
+    }
+
     /// Moves to a camera, with the keys as they are.
     pub fn place(&mut self, camera: &Camera, world: &World, terrain: &impl Terrain) {
         let placed = Self::new(camera, world, terrain);
         self.body = placed.body;
         self.camera = placed.camera;
+        self.gait = placed.gait;
         self.notices.extend(placed.notices);
     }
 
@@ -229,6 +245,11 @@ impl Player {
             self.notices.extend(event.map(Notice::Body));
             self.keys.pressed.clear();
             self.steps += 1;
+            let at_ns = step_start_ns(self.steps);
+            let footfall = self.gait.follow(&self.body, terrain, STEP_S, at_ns);
+            // A player whom nobody hears, such as a twin of the latency, keeps only a few.
+            let room = MOST_FOOTFALLS.saturating_sub(self.footfalls.len());
+            self.footfalls.extend(footfall.into_iter().take(room));
         }
     }
 

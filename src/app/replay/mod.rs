@@ -17,6 +17,7 @@ use super::{
     player::Player,
     record::{Playback, Record},
     run::Run,
+    sound::{Noises, Soundtrack},
     viewport::{Choice, Viewport},
 };
 use crate::{
@@ -37,6 +38,10 @@ pub struct Replay {
     messages: Messages,
     playback: Playback,
     latency: Latency,
+    noises: Noises,
+    /// What is heard, if that was asked for, and the samples of the last frame.
+    soundtrack: Option<Soundtrack>,
+    heard: Vec<[f32; 2]>,
     camera: Camera,
     seed: u32,
     frames_per_s: u32,
@@ -56,6 +61,8 @@ pub struct ReplayOptions<'a> {
     pub frames_per_s: u32,
     /// Width and height of all pictures in pixels; `None` for those of the record.
     pub size: Option<[u32; 2]>,
+    /// Whether [`Replay::heard`] is wanted.
+    pub sound: bool,
 }
 
 /// Where a run has come to.
@@ -113,6 +120,9 @@ impl Replay {
             end_ns: record.end_ns(),
             playback: Playback::new(record),
             latency: Latency::default(),
+            noises: Noises::default(),
+            soundtrack: options.sound.then(Soundtrack::new),
+            heard: Vec::new(),
             camera,
             seed: header.seed,
             frames_per_s: options.frames_per_s,
@@ -168,7 +178,25 @@ impl Replay {
         let ground = self.viewport.ground()?;
         self.latency.shown(&self.player, &ground);
         self.camera = self.player.view(&ground);
-        Ok(())
+        self.hear(to_ns)
+    }
+
+    fn hear(&mut self, now_ns: u64) -> Result<(), AppError> {
+        let Some(soundtrack) = &mut self.soundtrack else {
+            self.noises = Noises::default();
+            return Ok(());
+        };
+        let voxels_per_m = self.player.body().measures.scale;
+        self.viewport
+            .with_place(&self.camera, voxels_per_m, |place| {
+                self.heard = soundtrack.frame(place, &mut self.noises, now_ns);
+            })
+    }
+
+    /// The samples of the left and the right ear of the last frame, [`super::sound::wav::RATE_HZ`] in a second;
+    /// none unless the replay was made with sound.
+    pub fn heard(&self) -> &[[f32; 2]] {
+        &self.heard
     }
 
     fn advance(&mut self, to_ns: u64) -> Result<(), AppError> {
@@ -189,6 +217,7 @@ impl Replay {
             player: &mut self.player,
             hands: &mut self.hands,
             messages: &mut self.messages,
+            noises: &mut self.noises,
         }
     }
 

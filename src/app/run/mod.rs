@@ -3,6 +3,7 @@
 
 mod bits;
 mod clip;
+mod noises;
 mod strokes;
 
 use strokes::Turn;
@@ -16,6 +17,7 @@ use super::{
     messages::Messages,
     panel::Settings,
     player::Player,
+    sound::{Noises, Place},
     viewport::{Choice, Viewport},
 };
 use crate::{parameters::KEYS, world::Camera};
@@ -27,6 +29,7 @@ pub struct Run<'a> {
     pub player: &'a mut Player,
     pub hands: &'a mut Hands,
     pub messages: &'a mut Messages,
+    pub noises: &'a mut Noises,
 }
 
 /// What an input did that costs time, so that frame times from before say nothing any more.
@@ -132,6 +135,9 @@ impl Run<'_> {
         self.hands.bits.advance(to_ns, &ground, &measures);
         for notice in self.player.take_notices() {
             self.messages.toast(notice.text());
+        }
+        for footfall in self.player.take_footfalls() {
+            self.footfall(&footfall)?;
         }
         Ok(())
     }
@@ -262,6 +268,28 @@ impl Viewport {
         let origin = self.world().origin;
         let voxels = self.voxels()?;
         Ok(Ground { voxels, origin })
+    }
+
+    /// Lets `hear` know what surrounds a camera.
+    ///
+    /// # Errors
+    /// [`AppError`] when the voxels must be read back and the device is lost.
+    pub fn with_place(
+        &mut self,
+        camera: &Camera,
+        voxels_per_m: f64,
+        hear: impl FnOnce(&Place<'_>),
+    ) -> Result<(), AppError> {
+        let materials = self.world().materials.iter();
+        let sounds: Vec<_> = materials.map(|material| material.sound).collect();
+        let Ground { voxels, origin } = self.ground()?;
+        hear(&Place {
+            voxels,
+            sounds: &sounds,
+            ear: camera.position.as_dvec3() - origin.as_dvec3(),
+            voxels_per_m,
+        });
+        Ok(())
     }
 }
 

@@ -10,6 +10,7 @@ use crate::{
             brush::{Stroke, Stroked},
             lamps::{self, LampChange},
         },
+        sound::Kind,
         viewport::Viewport,
     },
     frame::FrameError,
@@ -112,6 +113,11 @@ impl Run<'_> {
 
     fn change_lamp(&mut self, change: LampChange) {
         self.viewport.put_lamp(change.voxel, change.after);
+        self.noise_of_lamp(match (change.before, change.after) {
+            (Some(_), Some(_)) => Kind::Switch,
+            (Some(_), None) => Kind::Dig,
+            (None, _) => Kind::Place,
+        });
         self.hands.history.push(Changes::of_lamp(change));
     }
 
@@ -128,6 +134,9 @@ impl Run<'_> {
             return false;
         }
         let edited = !changes.is_empty();
+        if edited {
+            self.noise_of(&changes);
+        }
         self.hands.history.push(changes);
         edited
     }

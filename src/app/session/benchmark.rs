@@ -121,6 +121,8 @@ impl Session {
             }
             Some(Phase::WarmUp | Phase::Counting) | None => {}
         }
+        let stands_still = self.benchmarks.running.is_some() || self.menu.is_some();
+        self.play.sound.set_paused(stands_still);
         match &self.benchmarks.running {
             Some(run) => {
                 self.camera = run.camera();

@@ -181,6 +181,7 @@ impl Session {
             KeyCode::F11 => self.toggle_full_screen(),
             // The user types a number into the panel.
             _ if is_typing => {}
+            KeyCode::KeyM => self.toggle_mute(),
             KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
             REPLACE => self.give(Input::Hold(Stroke::Replace)),
             KeyCode::KeyB => self.set_brush(Brush {
@@ -212,6 +213,15 @@ impl Session {
             Shape::Ball | Shape::Box => {
                 format!("Brush: {} ([ and ] change the size)", brush.text())
             }
+        });
+    }
+
+    fn toggle_mute(&mut self) {
+        let sound = &mut self.play.sound;
+        sound.set_muted(!sound.is_muted());
+        self.messages.toast(match sound.silence() {
+            Some(reason) => format!("No sound: {reason}"),
+            None => "Sound is on (M mutes it)".into(),
         });
     }
 

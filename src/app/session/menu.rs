@@ -11,6 +11,7 @@ use crate::{
         clock::WorldClock,
         input::Input,
         menu::{self, Action, Menu, Occasion},
+        player::Player,
         reload::Watch,
         saving::{self, SaveOptions, Saving},
         viewport::{Choice, Viewport, ViewportError},
@@ -260,7 +261,7 @@ impl Session {
         let first = viewport.world().cameras.first();
         let camera = start.camera.or(first.cloned());
         let camera = camera.unwrap_or_else(|| self.camera.clone());
-        let play = self.play.after(&camera, &mut viewport)?;
+        let player = Player::new(&camera, &viewport.world().clone(), &viewport.ground()?);
         self.end_run()?;
         for note in viewport.take_notes() {
             self.messages.toast_error(note);
@@ -271,7 +272,7 @@ impl Session {
         self.settings.inspection = Inspection::default();
         self.settings.clock = start.clock;
         self.viewport = viewport;
-        self.play = play;
+        self.play.begin_again(player, &self.viewport);
         let kept = self.kept()?;
         self.saving = Saving::begin(&start.saves, start.path, kept, &mut self.messages);
         self.camera = camera;

@@ -107,7 +107,7 @@ impl Session {
     /// [`AppError`] without a usable adapter, and when it cannot hold the world.
     pub fn open(event_loop: &ActiveEventLoop, options: &Options) -> Result<Self, AppError> {
         let [width, height] = options.size;
-        let attributes = Window::default_attributes()
+        let attributes = super::icon::identified(Window::default_attributes())
             .with_title(format!("grotto: {}", options.world.name))
             .with_inner_size(winit::dpi::PhysicalSize::new(width, height));
         let window = event_loop

@@ -16,9 +16,9 @@ use crate::app::{
     player::Player,
     record::{Header, Moment, Playback, RecordError, Recorder, crc32_of},
     run::Chosen,
+    sound::{Noises, Sound},
     viewport::Viewport,
 };
-use crate::world::Camera;
 
 /// Longest simulated time of a frame, so that a stall does not become a leap.
 const LONGEST_FRAME: Duration = Duration::from_millis(250);
@@ -27,6 +27,8 @@ const LONGEST_FRAME: Duration = Duration::from_millis(250);
 pub(super) struct Play {
     pub player: Player,
     pub hands: Hands,
+    pub sound: Sound,
+    noises: Noises,
     /// Inputs since the last frame.
     pending: Vec<Input>,
     /// What was chosen in the panel at the last frame.
@@ -55,34 +57,29 @@ impl Play {
             Recorder::create(path, &header)
         });
         Ok(Self {
+            player,
+            hands: Hands::new(viewport.world(), viewport.build()),
+            sound: Sound::open(),
+            noises: Noises::default(),
+            pending: Vec::new(),
+            chosen: Chosen::at_start(viewport),
             recorder: recorder.transpose()?,
             playback: options.replay.clone().map(Playback::new),
-            ..Self::of(player, viewport)
+            unrecorded: None,
         })
     }
 
-    /// A run of its own after this one, in a world that is entered from the menu.
-    ///
-    /// # Errors
-    /// [`AppError`] when the voxels cannot be read back.
-    pub fn after(&self, camera: &Camera, viewport: &mut Viewport) -> Result<Self, AppError> {
-        let world = viewport.world().clone();
-        let player = Player::new(camera, &world, &viewport.ground()?);
-        let mut play = Self::of(player, viewport);
-        play.hands = play.hands.with_copy_of(&self.hands);
-        Ok(play)
-    }
-
-    fn of(player: Player, viewport: &Viewport) -> Self {
-        Self {
-            player,
-            hands: Hands::new(viewport.world(), viewport.build()),
-            pending: Vec::new(),
-            chosen: Chosen::at_start(viewport),
-            recorder: None,
-            playback: None,
-            unrecorded: None,
-        }
+    /// Begins a run of its own, in a world that is entered from the menu. It is heard as the one before, and the copied
+    /// box is kept.
+    pub fn begin_again(&mut self, player: Player, viewport: &Viewport) {
+        self.player = player;
+        self.hands = Hands::new(viewport.world(), viewport.build()).with_copy_of(&self.hands);
+        self.noises = Noises::default();
+        self.pending.clear();
+        self.chosen = Chosen::at_start(viewport);
+        self.recorder = None;
+        self.playback = None;
+        self.unrecorded = None;
     }
 }
 
@@ -111,6 +108,7 @@ impl Session {
             player: &mut self.play.player,
             hands: &mut self.play.hands,
             messages: &mut self.messages,
+            noises: &mut self.play.noises,
         };
         let (mut remade, mut edited) = (false, false);
         for moment in moments {
@@ -128,6 +126,7 @@ impl Session {
         edited |= run.advance(to_ns)?.edited;
         self.camera = run.view()?;
         run.show_bits()?;
+        self.hear(to_ns)?;
         self.play.chosen = Chosen::of(&self.viewport, &self.settings);
         if remade {
             self.remade();
@@ -141,6 +140,15 @@ impl Session {
             self.messages.toast("The replay is over: go on from here");
         }
         Ok(())
+    }
+
+    /// Lets the frame that ends at a simulated time be heard.
+    fn hear(&mut self, now_ns: u64) -> Result<(), AppError> {
+        let voxels_per_m = self.play.player.body().measures.scale;
+        self.viewport
+            .with_place(&self.camera, voxels_per_m, |place| {
+                self.play.sound.hear(place, &mut self.play.noises, now_ns);
+            })
     }
 
     /// The voxel that a click would meet, and what is outlined on the screen: that voxel, what the brush covers, and the

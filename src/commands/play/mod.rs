@@ -14,7 +14,7 @@ use super::{
     Cli, Command, Failure,
     options::{
         InspectionOptions, OutputOptions, PictureOptions, RunOptions, Setup, assignment,
-        picture_size,
+        picture_size, world_file,
     },
     output, stop,
 };
@@ -47,6 +47,7 @@ const SIZE: [u32; 2] = [1280, 720];
 pub struct Arguments {
     /// World file, read again whenever it is edited, or a save to go on from [default: the title screen, or the record's
     /// world]
+    #[arg(value_parser = world_file())]
     world: Option<PathBuf>,
     /// Width and height of the window in pixels [default: 1280x720]; with --out of the pictures [default: those
     /// of the record]
@@ -101,6 +102,9 @@ pub struct Arguments {
     /// With --out: write every N-th frame only; 0 for none
     #[arg(long, value_name = "N", requires = "out", default_value_t = 1)]
     every: u64,
+    /// With --out: write what is heard into this file
+    #[arg(long, value_name = "FILE.wav", requires = "out")]
+    sound: Option<PathBuf>,
     /// Close the window after this many frames
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
@@ -217,10 +221,12 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
             inspection,
             frames_per_s: arguments.fps,
             size: arguments.size,
+            sound: arguments.sound.is_some(),
         };
         let film = replay::Film {
             folder: folder.clone(),
             every: arguments.every,
+            sound: arguments.sound,
         };
         return replay::run(replay, options, &film, &run);
     }

@@ -17,6 +17,7 @@ use crate::{
     app::{
         record::Record,
         replay::{LatencyFigures, Replay, ReplayOptions},
+        sound::wav::WavFile,
     },
     measure::{picture_file, whole_file},
     world::PlacedLamp,
@@ -31,6 +32,8 @@ pub struct Film {
     pub folder: PathBuf,
     /// Draw every N-th frame into a file; 0 for none.
     pub every: u64,
+    /// File for what is heard.
+    pub sound: Option<PathBuf>,
 }
 
 /// The `--json` of a replay.
@@ -83,6 +86,7 @@ pub fn run(
     run: &RunOptions,
 ) -> Result<(), Failure> {
     whole_file::create_folder(&film.folder)?;
+    let mut wav = film.sound.as_deref().map(WavFile::create).transpose()?;
     let stop = stop::at_ctrl_c(run);
     let gpu = output::open_gpu(run)?;
     let world = options.world.name.clone();
@@ -105,6 +109,9 @@ pub fn run(
         for error in replay.take_errors() {
             bar.suspend(|| output::note(run, &format!("frame {frame}: {error}")));
         }
+        if let Some(wav) = &mut wav {
+            wav.add(replay.heard())?;
+        }
         if film.every > 0 && frame.is_multiple_of(film.every) {
             picture_file::write_png(&picture_path(&film.folder, frame), &replay.picture()?)?;
             pictures += 1;
@@ -117,6 +124,9 @@ pub fn run(
         bar.inc(1);
     }
     bar.finish_and_clear();
+    if let Some(wav) = wav {
+        wav.finish()?;
+    }
     let state = replay.state()?;
     let figures = Figures {
         world,

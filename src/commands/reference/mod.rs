@@ -14,7 +14,7 @@ pub(super) use self::{
 };
 use super::{
     Failure, memory,
-    options::{PictureOptions, RunOptions, Setup},
+    options::{PictureOptions, RunOptions, Setup, world_file},
     output, render,
     shard::Shard,
     stop,
@@ -32,6 +32,7 @@ use crate::{
 #[derive(Args)]
 pub struct Arguments {
     /// World file (worlds/*.ron)
+    #[arg(value_parser = world_file())]
     world: PathBuf,
     /// The picture to write: .png (tone-mapped) or .exr (linear)
     #[arg(short, long, value_name = "FILE")]

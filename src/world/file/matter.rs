@@ -7,7 +7,7 @@ use super::leaf::Leaf;
 use super::resolve::Reader;
 use super::schema;
 use super::values::{Read, or};
-use crate::world::materials::Condition;
+use crate::world::materials::{Condition, MaterialSound};
 use crate::world::{Colour, Material, Pattern, Rule};
 
 /// Most materials: a voxel stores its material in a byte, and 0 is air.
@@ -31,14 +31,18 @@ impl Reader<'_> {
             }
             names.push(source.name(name, "material", &names)?);
             let a = colour(source, &material.a)?;
+            let name_text = names.last().expect("one was just pushed").clone();
+            let emission = or(&material.emission, Vec3::ZERO, |v| {
+                source.not_negative3(v, "emission")
+            })?;
+            let by_look = || MaterialSound::of_look(&name_text, &a, emission);
             self.materials.push(Material {
-                name: names.last().expect("one was just pushed").clone(),
                 b: or(&material.b, a.clone(), |b| colour(source, b))?,
-                a,
                 pattern: self.pattern(name, &material.pattern)?,
-                emission: or(&material.emission, Vec3::ZERO, |v| {
-                    source.not_negative3(v, "emission")
-                })?,
+                emission,
+                sound: material.sound.unwrap_or_else(by_look),
+                name: name_text,
+                a,
             });
         }
         if self.materials.is_empty() {
@@ -48,6 +52,7 @@ impl Reader<'_> {
                 b: Colour::Flat(Vec3::splat(0.5)),
                 pattern: Pattern::Plain,
                 emission: Vec3::ZERO,
+                sound: MaterialSound::Stone,
             });
         }
         Ok(())

@@ -16,7 +16,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
 use super::leaf::{Leaf, OneOrThree};
-use crate::world::sdf::WrittenSdf as Shape;
+use crate::world::{materials::MaterialSound, sdf::WrittenSdf as Shape};
 
 /// Three numbers: `(x, y, z)`, or `(r, g, b)` in linear Rec. 709.
 #[derive(Clone, Debug, Deserialize)]
@@ -154,7 +154,7 @@ pub enum Fractal {
     },
 }
 
-/// `(a: Flat(r, g, b), b: …, pattern: …, emission: (r, g, b))`
+/// `(a: Flat(r, g, b), b: …, pattern: …, emission: (r, g, b), sound: Stone)`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
@@ -166,6 +166,8 @@ pub struct Material {
     pub pattern: Pattern,
     /// Emitted radiance. Default (0, 0, 0).
     pub emission: Option<Vector>,
+    /// Default: by light, name and colour.
+    pub sound: Option<MaterialSound>,
 }
 
 /// A colour of a voxel; [`crate::world::Colour`] describes each form.

@@ -13,7 +13,7 @@ use super::resolve::Reader;
 use super::schema;
 use super::source_file::{self, siblings};
 use super::values::Read;
-use crate::world::{Colour, FeaturePart, Material, Pattern};
+use crate::world::{Colour, FeaturePart, Material, Pattern, materials::MaterialSound};
 
 /// Larger model files are refused unread.
 pub const MAX_BYTES: u64 = 64 << 20;
@@ -145,16 +145,21 @@ impl Reader<'_> {
         } else {
             0.0
         };
+        let material_name = format!("{name} {number}");
+        let flat = Colour::Flat(colour);
+        let emission = colour * strength;
         let material = Material {
-            name: format!("{name} {number}"),
-            a: Colour::Flat(colour),
-            b: Colour::Flat(colour),
+            sound: MaterialSound::of_look(&material_name, &flat, emission),
+            name: material_name,
+            a: flat.clone(),
+            b: flat,
             pattern: Pattern::Plain,
-            emission: colour * strength,
+            emission,
         };
         let looks_the_same = |known: &Material| {
             let Material {
                 name: _,
+                sound: _,
                 a,
                 b,
                 pattern,

@@ -9,12 +9,14 @@ pub mod colour;
 pub mod hash;
 mod pattern;
 pub mod set;
+mod sound;
 pub mod table;
 
 use glam::Vec3;
 
 use super::sdf::{NoiseId, Sdf};
 pub use set::MaterialSet;
+pub use sound::MaterialSound;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
@@ -24,6 +26,7 @@ pub struct Material {
     pub pattern: Pattern,
     /// Emitted radiance (linear RGB), the same in every direction.
     pub emission: Vec3,
+    pub sound: MaterialSound,
 }
 
 /// A colour that is constant over one voxel, and may depend on the voxel's position.

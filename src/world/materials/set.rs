@@ -119,7 +119,7 @@ fn face_uv(face: u8, position_ws: DVec3) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::Colour;
+    use crate::world::{Colour, MaterialSound};
 
     const STRIPES: Pattern = Pattern::Stripes {
         pitch: 0.25,
@@ -141,6 +141,7 @@ mod tests {
             b: Colour::Flat(Vec3::new(0.0, 1.0, 0.25)),
             pattern,
             emission: Vec3::new(0.0, 2.0, 0.0),
+            sound: MaterialSound::Glow,
         }
     }
 

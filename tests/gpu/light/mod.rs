@@ -6,7 +6,7 @@ use grotto::{
     lights::{LampShape, LampState, Lights, sky, table::LightsOfFrame},
     measure::tonemap,
     passes::scene::{GpuLights, GpuMaterials},
-    world::{Colour, Material, Pattern, Sky, materials::MaterialSet},
+    world::{Colour, Material, MaterialSound, Pattern, Sky, materials::MaterialSet},
 };
 
 use crate::support::gpu;
@@ -186,6 +186,7 @@ fn materials() -> Vec<Material> {
         b: Colour::Flat(Vec3::new(0.0, 0.7, 0.9)),
         pattern,
         emission: Vec3::ZERO,
+        sound: MaterialSound::Stone,
     };
     let (low, high) = (Vec3::new(0.9, 0.1, 0.2), Vec3::new(0.3, 0.8, 0.1));
     vec![

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::super::super::{
-    options::{RunOptions, picture_size, world_time},
+    options::{RunOptions, picture_size, world_file, world_time},
     shard::Shard,
 };
 
 #[derive(Args)]
 pub struct Arguments {
     /// World files [default: those of the suite]
-    #[arg(value_name = "WORLD")]
+    #[arg(value_name = "WORLD", value_parser = world_file())]
     pub worlds: Vec<PathBuf>,
     /// The folder for bench.json, rows.csv, frames.csv.gz and index.html, created if it does not exist
     #[arg(long, value_name = "DIR")]
