@@ -30,9 +30,10 @@ impl Session {
         self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
     }
 
-    /// Replaces the settings, and applies what differs.
-    pub(super) fn prefer(&mut self, next: Preferences) {
-        let before = std::mem::replace(&mut self.preferences, next);
+    /// Changes settings, and applies what differs.
+    pub(super) fn prefer(&mut self, change: impl FnOnce(&mut Preferences)) {
+        let before = self.preferences.clone();
+        change(&mut self.preferences);
         let now = &self.preferences;
         let settings = &mut self.settings;
         if now.picture_scale != before.picture_scale {
@@ -57,11 +58,7 @@ impl Session {
     }
 
     pub(super) fn toggle_full_screen(&mut self) {
-        let full_screen = !self.preferences.full_screen;
-        self.prefer(Preferences {
-            full_screen,
-            ..self.preferences.clone()
-        });
+        self.prefer(|preferences| preferences.full_screen = !preferences.full_screen);
     }
 
     fn fill_screen(&self) {
