@@ -79,7 +79,12 @@ mod tests {
     #[test]
     fn a_machine_without_gamepads_has_nothing_to_say() {
         if let Some(mut gamepads) = Gamepads::open() {
-            assert!(gamepads.pads.look(std::time::Duration::from_secs(1)).is_none());
+            assert!(
+                gamepads
+                    .pads
+                    .look(std::time::Duration::from_secs(1))
+                    .is_none()
+            );
             gamepads.events();
         }
     }

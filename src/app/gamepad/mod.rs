@@ -143,7 +143,11 @@ impl Pads {
         let buttons = std::mem::take(&mut self.pressed);
         let moves = std::mem::take(&mut self.moves);
         (self.left, self.right) = Default::default();
-        let held: BTreeSet<Action> = buttons.into_iter().filter_map(action).chain(moves).collect();
+        let held: BTreeSet<Action> = buttons
+            .into_iter()
+            .filter_map(action)
+            .chain(moves)
+            .collect();
         held.into_iter().map(Effect::End).collect()
     }
 
@@ -223,7 +227,10 @@ mod tests {
         let mut pads = Pads::default();
         let up = pads.take(0, tilt(Stick::Left, true, 0.9));
         assert_eq!(up, [Effect::Begin(Action::Forward)]);
-        assert!(pads.take(0, tilt(Stick::Left, false, 0.3)).is_empty(), "nearly ahead");
+        assert!(
+            pads.take(0, tilt(Stick::Left, false, 0.3)).is_empty(),
+            "nearly ahead"
+        );
         let aslant = pads.take(0, tilt(Stick::Left, false, 0.8));
         assert_eq!(aslant, [Effect::Begin(Action::Right)]);
         let down = pads.take(0, tilt(Stick::Left, true, -0.1));
@@ -238,7 +245,10 @@ mod tests {
         pads.take(0, tilt(Stick::Right, true, 1.0));
         let tenth = Duration::from_millis(100);
         let (right, down) = pads.look(tenth).expect("it is tilted");
-        assert!(right == 0.0 && (down + 200.0).abs() < 1e-3, "20° up: {down}");
+        assert!(
+            right == 0.0 && (down + 200.0).abs() < 1e-3,
+            "20° up: {down}"
+        );
         pads.take(0, tilt(Stick::Right, true, 0.6));
         let (_, half) = pads.look(tenth).expect("it is tilted");
         assert!((half + 50.0).abs() < 1e-3, "a quarter of the speed: {half}");
@@ -249,8 +259,14 @@ mod tests {
     fn buttons_do_what_keys_do() {
         let mut pads = Pads::default();
         for (button, action) in BUTTONS {
-            assert_eq!(pads.take(0, Event::Press(*button)), [Effect::Begin(*action)]);
-            assert_eq!(pads.take(0, Event::Release(*button)), [Effect::End(*action)]);
+            assert_eq!(
+                pads.take(0, Event::Press(*button)),
+                [Effect::Begin(*action)]
+            );
+            assert_eq!(
+                pads.take(0, Event::Release(*button)),
+                [Effect::End(*action)]
+            );
             assert!(pads.take(0, Event::Release(*button)).is_empty());
         }
         // Two buttons sneak.

@@ -27,7 +27,14 @@ impl Session {
         if may_fill && self.preferences.full_screen {
             self.fill_screen();
         }
-        self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
+        self.begin_with_field_of_view();
+    }
+
+    /// A run begins with the field of view of the world's camera.
+    pub(super) fn begin_with_field_of_view(&mut self) {
+        if let Some(own_deg) = self.preferences.field_of_view_deg {
+            self.give(Input::FieldOfView(Some(own_deg)));
+        }
     }
 
     /// Changes settings, and applies what differs.
