@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{clock::WorldClock, messages::Messages};
+use super::{clock::WorldClock, messages::Messages, texts::toasts};
 use crate::parameters::Parameters;
 use crate::world::{
     Overlay, file,
@@ -154,7 +154,7 @@ impl Saving {
         };
         let (path, is_asked) = (writer.path.clone(), writer.is_asked);
         match self.ended(writer) {
-            Ok(()) if is_asked => messages.toast(format!("saved {}", path.display())),
+            Ok(()) if is_asked => messages.toast(toasts::saved(&path)),
             Ok(()) => {}
             Err(error) => messages.toast_error(error.to_string()),
         }

@@ -1,5 +1,5 @@
-//! The English texts of the menu, in one place, so that they can be translated. The names of actions and what they do
-//! stand in their table, in `controls`.
+//! The English texts of the menu and of messages, in one place, so that they can be translated. The names of actions and
+//! what they do stand in their table, in `controls`.
 
 /// The column of buttons.
 pub mod column {
@@ -139,5 +139,37 @@ pub mod keys {
 
     pub fn cannot(chord: &str) -> String {
         format!("{chord} cannot be bound")
+    }
+}
+
+/// Messages over the picture. Names of actions in braces stand for their keys.
+pub mod toasts {
+    use std::path::Path;
+
+    pub const FIRST: &str =
+        "Click into the picture to look around; {help} shows the keys, {panel} the panel";
+    pub const ENTERED: &str = "{forward} {left} {back} {right} walk, the mouse looks, {dig} digs, {place} builds; \
+         Esc opens the menu, {help} shows all keys";
+    pub const REPLAY_OVER: &str = "The replay is over: go on from here";
+    pub const TRACED: &str = "Path-traced reference: time is paused ({pause_time} resumes it), {reference} returns to the probes";
+    pub const NO_BENCHMARK: &str =
+        "The benchmark measures light by probes: {reference} returns to them";
+    pub const EMPTY_BENCHMARK: &str = "Benchmark stopped before any frame counted";
+    pub const OTHER_SIZE: &str = "The picture has another size: the benchmark was stopped";
+    pub const GPU_LOST: &str =
+        "The GPU was lost and opened again; edits are kept, light is computed again";
+    pub const SHADERS: &str = "shaders compiled";
+    pub const NO_PROBES: &str = "no probes in the picture";
+
+    pub fn probes_by(colour: &str) -> String {
+        format!("probes by {colour}")
+    }
+
+    pub fn saved(path: &Path) -> String {
+        format!("saved {}", path.display())
+    }
+
+    pub fn unkept_settings(reason: &str) -> String {
+        format!("The settings cannot be kept. {reason}")
     }
 }

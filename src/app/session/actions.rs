@@ -1,7 +1,9 @@
 //! What the user's actions do: a key, a button of the mouse or of a gamepad begins one and ends it.
 
 use super::Session;
-use crate::app::{controls::Action, hands::brush::Stroke, input::Input, menu::Occasion};
+use crate::app::{
+    controls::Action, hands::brush::Stroke, input::Input, menu::Occasion, texts::toasts,
+};
 
 impl Session {
     /// An action begins.
@@ -63,9 +65,7 @@ impl Session {
         self.settings.choice.traced = traced;
         if traced {
             self.settings.clock.paused = true;
-            self.messages.hint(
-                "Path-traced reference: time is paused ({pause_time} resumes it), {reference} returns to the probes",
-            );
+            self.messages.hint(toasts::TRACED);
         }
     }
 }

@@ -13,6 +13,7 @@ use super::{
         benchmark::{Before, Benchmark, Course, Phase, Summary, Surroundings},
         controls::{Action, Press, Trigger},
         input::Input,
+        texts::toasts,
     },
     Session,
     input::ESCAPE,
@@ -29,8 +30,7 @@ impl Session {
     /// Starts a benchmark.
     pub(super) fn begin_benchmark(&mut self) {
         if self.viewport.choice().traced {
-            self.messages
-                .hint("The benchmark measures light by probes: {reference} returns to them");
+            self.messages.hint(toasts::NO_BENCHMARK);
             return;
         }
         let world = self.viewport.world().clone();
@@ -70,9 +70,7 @@ impl Session {
         let (before, summary) = benchmark.end(surroundings);
         match &summary {
             Some(summary) => tracing::info!("benchmark: {}", summary.text()),
-            None => self
-                .messages
-                .toast("Benchmark stopped before any frame counted"),
+            None => self.messages.toast(toasts::EMPTY_BENCHMARK),
         }
         self.benchmarks.summary = summary;
         self.give_back(before);

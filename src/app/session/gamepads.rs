@@ -30,7 +30,7 @@ impl Session {
             match effect {
                 Effect::Begin(action) => {
                     self.begin(action);
-                    if self.menu.is_none() && !self.panel_open {
+                    if self.menu.is_none() && !self.panel_open && !self.captured {
                         self.capture_mouse();
                     }
                 }

@@ -13,7 +13,7 @@ use crate::{
         menu::{self, Action, Menu, Occasion},
         reload::Watch,
         saving::{self, SaveOptions, Saving},
-        texts::saves as texts,
+        texts::{saves as texts, toasts},
         viewport::{Choice, Viewport, ViewportError},
     },
     measure::whole_file::FileError,
@@ -230,10 +230,7 @@ impl Session {
         self.show(world, start)?;
         self.world_watch = watch;
         self.close_menu();
-        self.messages.hint(
-            "{forward} {left} {back} {right} walk, the mouse looks, {dig} digs, {place} builds; \
-             Esc opens the menu, {help} shows all keys",
-        );
+        self.messages.hint(toasts::ENTERED);
         Ok(())
     }
 

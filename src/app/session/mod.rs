@@ -41,6 +41,7 @@ use super::{
     saving::{Saving, clock_of},
     screen::{self, Acquired, Screen},
     settings::{Preferences, Store},
+    texts::toasts,
     viewport::{Choice, Viewport},
     without_place,
 };
@@ -153,9 +154,7 @@ impl Session {
         }
         let mut viewport = build(&gpu, options, choice, &mut messages)?;
         if !options.title {
-            messages.hint(
-                "Click into the picture to look around; {help} shows the keys, {panel} the panel",
-            );
+            messages.hint(toasts::FIRST);
         }
         for note in viewport.take_notes() {
             messages.toast_error(note);
@@ -388,7 +387,7 @@ impl Session {
                 .and_then(|()| Ok(self.overlay.rebuild(&self.viewport.gpu)?));
             self.messages.shaders = reloaded.err().map(|error| error.to_string());
             if self.messages.shaders.is_none() {
-                self.messages.toast("shaders compiled");
+                self.messages.toast(toasts::SHADERS);
             }
             self.remade();
         }

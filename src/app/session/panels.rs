@@ -27,13 +27,13 @@ impl Session {
             fly_speed: self.play.player.fly_speed(),
             probes: self.probes,
         };
-        let mut preferences = self.preferences.clone();
+        let before = self.menu.is_some().then(|| self.preferences.clone());
         let mut action = None;
         let mut chosen = None;
         let output = context.run_ui(input, |ui| {
             if let Some(menu) = &mut self.menu {
                 let mut shown = Shown {
-                    preferences: &mut preferences,
+                    preferences: &mut self.preferences,
                     scale: self.settings.scale,
                     played: self.saving.written(),
                 };
@@ -49,9 +49,11 @@ impl Session {
                 }
                 aim::crosshair(ui, aimed.is_some());
             }
-            self.messages.show(ui, &preferences.keys);
+            self.messages.show(ui, &self.preferences.keys);
         });
-        self.prefer(|own| *own = preferences);
+        if let Some(before) = before {
+            self.apply_since(&before);
+        }
         match action {
             Some(Action::JumpTo(index)) => self.give(Input::Camera(index)),
             Some(Action::Screenshot) => self.screenshot_wanted = true,

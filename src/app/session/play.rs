@@ -14,6 +14,7 @@ use crate::app::{
     player::Player,
     record::{Header, Moment, Playback, RecordError, Recorder, crc32_of},
     run::Chosen,
+    texts::toasts,
     viewport::Viewport,
 };
 use crate::world::Camera;
@@ -134,7 +135,7 @@ impl Session {
         if self.play.playback.as_mut().is_some_and(Playback::is_over) {
             self.play.playback = None;
             self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
-            self.messages.toast("The replay is over: go on from here");
+            self.messages.toast(toasts::REPLAY_OVER);
         }
         Ok(())
     }

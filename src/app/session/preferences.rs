@@ -4,7 +4,7 @@ use winit::window::Fullscreen;
 
 use super::Session;
 use crate::{
-    app::{input::Input, settings::Preferences},
+    app::{input::Input, settings::Preferences, texts::toasts},
     gpu::Gpu,
 };
 
@@ -41,6 +41,11 @@ impl Session {
     pub(super) fn prefer(&mut self, change: impl FnOnce(&mut Preferences)) {
         let before = self.preferences.clone();
         change(&mut self.preferences);
+        self.apply_since(&before);
+    }
+
+    /// Applies what differs from the settings `before`.
+    pub(super) fn apply_since(&mut self, before: &Preferences) {
         let now = &self.preferences;
         let settings = &mut self.settings;
         if now.picture_scale != before.picture_scale {
@@ -82,7 +87,7 @@ impl Session {
         }
         context.set_zoom_factor(self.preferences.ui_scale);
         if let Err(error) = self.store.keep(&self.preferences) {
-            let told = format!("The settings cannot be kept. {error}");
+            let told = toasts::unkept_settings(&error.to_string());
             tracing::warn!("{told}");
             self.messages.toast_error(told);
         }
