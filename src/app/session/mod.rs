@@ -12,6 +12,7 @@ mod play;
 mod preferences;
 mod saves;
 mod screenshots;
+mod start;
 mod times;
 mod views;
 
@@ -29,7 +30,7 @@ use play::Play;
 
 use super::{
     AppError, Options,
-    clock::{FrameRate, WorldClock},
+    clock::FrameRate,
     controls::{Action, Trigger},
     hands::brush::Brush,
     input::Input,
@@ -38,7 +39,7 @@ use super::{
     pace::{Attention, Pace},
     panel::{PassMeans, Settings},
     reload::Watch,
-    saving::{Saving, clock_of},
+    saving::Saving,
     screen::{self, Acquired, Screen},
     settings::{Preferences, Store},
     texts::toasts,
@@ -46,8 +47,7 @@ use super::{
     without_place,
 };
 use crate::{
-    frame::FrameError,
-    gpu::{self, DeviceErrors, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
+    gpu::{self, DeviceErrors, Gpu, Recorder, ShaderChecks, Timing},
     parameters::Parameters,
     passes::view::overlay::Overlay,
     world::Camera,
@@ -152,7 +152,7 @@ impl Session {
             tracing::warn!("{note}");
             messages.toast_error(note);
         }
-        let mut viewport = build(&gpu, options, choice, &mut messages)?;
+        let mut viewport = start::build(&gpu, options, choice, &mut messages)?;
         if !options.title {
             messages.hint(toasts::FIRST);
         }
@@ -164,7 +164,7 @@ impl Session {
             inspection: options.inspection,
             scale,
             vsync: preferences.vsync,
-            clock: first_clock(options),
+            clock: start::first_clock(options),
             brush: Brush::default(),
         };
         let play = Play::begin(options, &mut viewport)?;
@@ -396,40 +396,4 @@ impl Session {
             self.give(Input::Reload);
         }
     }
-}
-
-/// World time at the start: that of the save, if the run continues one.
-fn first_clock(options: &Options) -> WorldClock {
-    let continued = options.saves.continued.as_ref();
-    let saved = continued.map(|(_, save)| clock_of(save));
-    let clock = saved.unwrap_or_default();
-    WorldClock {
-        paused: clock.paused || options.traced,
-        ..clock
-    }
-}
-
-/// The first viewport: with the shaders of a folder if they compile, else with those of the binary.
-fn build(
-    gpu: &Gpu,
-    options: &Options,
-    choice: Choice,
-    messages: &mut Messages,
-) -> Result<Viewport, FrameError> {
-    let new = |gpu: Gpu| {
-        let world = options.world.clone();
-        Viewport::new(gpu, &options.world_path, world, choice.clone())
-    };
-    if let Some(folder) = &options.shaders {
-        let shown = ShaderLibrary::from_folder(folder)
-            .map_err(FrameError::from)
-            .and_then(|shaders| new(gpu.with_shaders(shaders)));
-        match shown {
-            Err(FrameError::Gpu(error @ GpuError::Shader { .. })) => {
-                messages.shaders = Some(error.to_string());
-            }
-            shown => return shown,
-        }
-    }
-    new(gpu.clone())
 }

@@ -99,8 +99,9 @@ fn hidden(size: Vec2, mut page: impl FnMut(&mut Ui)) -> Vec<String> {
     assert!(stage.drawn.len() > 10, "the page is drawn");
     let screen = Rect::from_min_max(pos2(super::COLUMN, 0.0), size.to_pos2());
     let is_hidden = |drawn: &&Drawn| {
+        // Boxes have empty labels: theirs are beside them.
         let seen = drawn.clip.intersect(screen).expand(1.0);
-        !seen.contains_rect(drawn.rect)
+        !drawn.text.is_empty() && !seen.contains_rect(drawn.rect)
     };
     let hidden = stage.drawn.iter().filter(is_hidden);
     hidden
