@@ -20,6 +20,7 @@ use crate::{
 const SESSION: &str = r#"
 "$0" play "$@" &
 window=$(xdotool search --sync --onlyvisible --name grotto | head -n 1)
+xdotool windowfocus "$window"
 xdotool mousemove --window "$window" 20 20
 for key in $KEYS F2; do xdotool key "$key"; done
 for tenth in $(seq 900); do ls *.png > /dev/null 2>&1 && break; sleep 0.1; done

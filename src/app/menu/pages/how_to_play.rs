@@ -11,6 +11,8 @@ use crate::app::{
 /// Width of the keys beside what they do, as a share of the column.
 const KEYS: f32 = 0.36;
 const BETWEEN: f32 = 10.0;
+/// Height of the letters.
+const SIZE: f32 = 12.0;
 
 pub fn show(ui: &mut Ui, bindings: &Bindings) {
     ui.heading(texts::HEADING);
@@ -19,22 +21,22 @@ pub fn show(ui: &mut Ui, bindings: &Bindings) {
     let rows = controls::help(bindings);
     let (left, right) = rows.split_at(rows.len().div_ceil(2));
     ui.columns(2, |columns| {
-        for (ui, rows) in columns.iter_mut().zip([left, right]) {
-            column(ui, rows);
+        for (index, rows) in [left, right].into_iter().enumerate() {
+            column(&mut columns[index], index, rows);
         }
     });
 }
 
-fn column(ui: &mut Ui, rows: &[(String, &str)]) {
+fn column(ui: &mut Ui, index: usize, rows: &[(String, &str)]) {
     let width = ui.available_width() - BETWEEN;
-    Grid::new("keys")
+    Grid::new(("keys", index))
         .num_columns(2)
         .spacing([BETWEEN, 3.0])
         .show(ui, |ui| {
             for (keys, does) in rows {
                 for (text, share) in [
-                    (RichText::new(keys).strong().small(), KEYS),
-                    (RichText::new(*does).small(), 1.0 - KEYS),
+                    (RichText::new(keys).strong().size(SIZE), KEYS),
+                    (RichText::new(*does).size(SIZE), 1.0 - KEYS),
                 ] {
                     ui.scope(|ui| {
                         ui.set_width(share * width);

@@ -75,11 +75,11 @@ impl KeyPage {
         let rows = ACTIONS.len().div_ceil(columns);
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ui.columns(columns, |columns| {
-                for (ui, entries) in columns.iter_mut().zip(ACTIONS.chunks(rows)) {
-                    Grid::new("bindings")
+                for (index, entries) in ACTIONS.chunks(rows).enumerate() {
+                    Grid::new(("bindings", index))
                         .num_columns(2 + SLOTS)
                         .spacing([8.0, 3.0])
-                        .show(ui, |ui| {
+                        .show(&mut columns[index], |ui| {
                             for entry in entries {
                                 self.row(ui, entry, bindings);
                                 ui.end_row();
