@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! world ← lights, probes ← reference
-//! world, lights, probes, gpu ← passes ← frame ← commands, app
+//! world, lights, probes, gpu ← passes ← frame ← app ← commands
 //! ```
 //!
 //! `parameters` and `shared` (facts that shaders know too) are leaves that every module may import.

@@ -5,7 +5,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::hands::brush::{Brush, Stroke};
+use super::hands::{
+    Item,
+    brush::{Brush, Stroke},
+};
 
 /// A key that moves the player.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -35,8 +38,17 @@ pub enum Input {
     Look(f32, f32),
     /// The user's field of view (degrees); `None`: that of the world's cameras.
     FieldOfView(Option<f32>),
-    /// Notches of the mouse wheel, away from the user.
-    Wheel(f32),
+    /// Flight becomes faster by this many steps, or slower.
+    FlySpeed(f32),
+    /// The slot of the hotbar with this index is selected.
+    Slot(usize),
+    /// The slot that is so many slots to the right of the selected one is selected.
+    Scroll(i32),
+    /// An item goes into a slot of the hotbar.
+    Item {
+        slot: usize,
+        item: Item,
+    },
     /// A click, at what the crosshair points at.
     Stroke(Stroke),
     /// The button of a stroke goes down: the stroke is made, and made again while the button is held.

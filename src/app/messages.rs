@@ -101,10 +101,13 @@ const AROUND: egui::Vec2 = egui::vec2(48.0, 96.0);
 /// Widest and highest text of a diagnostic, in points.
 const DIAGNOSTIC: egui::Vec2 = egui::vec2(720.0, 420.0);
 
+/// From the lower edge of the window to the toasts, in points: the hotbar and the name of what is in the hand lie there.
+const ABOVE_HOTBAR: f32 = 96.0;
+
 fn toasts(ui: &Ui, toasts: &[Toast], keys: &Bindings) {
     let room = ui.ctx().content_rect().size() - AROUND;
     Area::new(Id::unique("toasts"))
-        .anchor(Align2::CENTER_BOTTOM, [0.0, -24.0])
+        .anchor(Align2::CENTER_BOTTOM, [0.0, -ABOVE_HOTBAR])
         .interactable(false)
         .show(ui.ctx(), |ui| {
             ui.set_max_width(room.x.clamp(1.0, DIAGNOSTIC.x));

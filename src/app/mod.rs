@@ -4,7 +4,9 @@
 //! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. `run`
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
 //! without a window, and `saving` writes saves. The other modules are their parts: `controls` holds the keys, `settings`
-//! what stays from run to run, `gamepad` hears what is no key, `texts` the words of the `menu`, `hands` dig and build, `panel` and `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
+//! what stays from run to run, `gamepad` hears what is no key, `texts` the words of the `menu`, `hands` dig and build,
+//! `inventory` shows what can be placed, `panel` and `widgets` choose, `screen` is the surface, `reload` watches files,
+//! `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
 mod benchmark;
@@ -16,6 +18,7 @@ mod controls;
 mod gamepad;
 mod hands;
 mod input;
+mod inventory;
 mod menu;
 mod messages;
 mod pace;

@@ -6,7 +6,8 @@ use egui::{Align, Color32, Grid, Layout, RichText, ScrollArea, Slider, Ui};
 
 use super::{
     clock::{FrameRate, WorldClock},
-    hands::brush::Brush,
+    hands::{Hotbar, Item, brush::Brush},
+    inventory,
     settings::PICTURE_SCALES,
     time_graph,
     viewport::{Choice, Viewport},
@@ -42,13 +43,16 @@ pub struct Facts<'a> {
     pub fly_speed: f64,
     /// Probes by state, once they have been counted.
     pub probes: Option<StateCounts>,
+    pub hotbar: &'a Hotbar,
 }
 
 /// What a user clicked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// Move to the world's camera of this index.
     JumpTo(usize),
+    /// Take this into the hand.
+    Hold(Item),
     Screenshot,
     Reload,
 }
@@ -117,8 +121,11 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
     scene(ui, facts, settings, &mut action);
     section(ui, "Time", true, |ui| time(ui, &mut settings.clock));
     section(ui, "Dig and build", true, |ui| {
-        let world = facts.viewport.world();
-        grid(ui, "brush", |ui| settings.brush.rows(ui, world));
+        grid(ui, "brush", |ui| {
+            let item = inventory::row(ui, facts.viewport.world(), facts.hotbar);
+            action = action.or(item.map(Action::Hold));
+            settings.brush.rows(ui);
+        });
     });
     section(ui, "GPU time of each pass", true, |ui| passes(ui, facts));
     parameters(ui, facts, settings);
@@ -223,8 +230,8 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, settings: &Settings) {
 /// Which part of the world is shown, and how.
 fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut Option<Action>) {
     let world = facts.viewport.world();
-    ui.label(RichText::new(&world.name).strong())
-        .on_hover_text(&world.title);
+    let name = RichText::new(&world.name).strong();
+    ui.label(name).on_hover_text(&world.title);
     grid(ui, "scene", |ui| {
         ui.label("jump to").on_hover_text("A camera of the world");
         let cameras: Vec<&str> = world.cameras.iter().map(|camera| &*camera.name).collect();
@@ -274,9 +281,7 @@ fn time(ui: &mut Ui, clock: &mut WorldClock) {
         ui.label("world time");
         ui.horizontal(|ui| {
             let label = if clock.paused { "resume" } else { "pause" };
-            if ui.button(label).clicked() {
-                clock.paused = !clock.paused;
-            }
+            clock.paused ^= ui.button(label).clicked();
             ui.monospace(format!("{:.1} s", clock.time_s));
         });
         ui.end_row();

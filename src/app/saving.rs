@@ -11,7 +11,7 @@ use std::{
 use super::{clock::WorldClock, messages::Messages, texts::toasts};
 use crate::parameters::Parameters;
 use crate::world::{
-    Overlay, file,
+    Overlay, PlacedLamp, file,
     save::{self, Folder, Head, Save, SaveError, State, VARIABLE, now_s},
 };
 
@@ -34,6 +34,14 @@ pub struct SaveOptions {
 pub struct Kept {
     pub state: State,
     pub overlay: Overlay,
+    pub lamps: Vec<PlacedLamp>,
+}
+
+impl Kept {
+    /// Whether the world is the same, wherever the player is.
+    fn has_same_world(&self, other: &Self) -> bool {
+        self.overlay == other.overlay && self.lamps == other.lamps
+    }
 }
 
 /// The parameters that a save kept. Those that are no longer known keep their defaults: notes of the world say so.
@@ -135,9 +143,9 @@ impl Saving {
         }
     }
 
-    /// Saves if voxels were changed since the last save.
+    /// Saves if voxels or lamps were changed since the last save.
     pub fn save_changes(&mut self, kept: Kept, messages: &mut Messages) {
-        let is_same = |known: &Kept| known.overlay == kept.overlay;
+        let is_same = |known: &Kept| known.has_same_world(&kept);
         if self.known.as_ref().is_some_and(is_same) {
             return;
         }
@@ -161,7 +169,7 @@ impl Saving {
     }
 
     /// The end of the run: saves what was changed since the last save. A run that was never saved and changed no voxel
-    /// leaves none. Returns the file that was written.
+    /// and no lamp leaves none. Returns the file that was written.
     ///
     /// # Errors
     /// [`SaveError`] when it cannot be written.
@@ -172,7 +180,7 @@ impl Saving {
         }
         let is_same = match (&self.known, &self.file) {
             (Some(known), Some(_)) => *known == kept,
-            (Some(known), None) => known.overlay == kept.overlay,
+            (Some(known), None) => known.has_same_world(&kept),
             (None, _) => false,
         };
         if !self.automatic || is_same {
@@ -226,7 +234,11 @@ impl Saving {
 
 /// Writes a save of the world as its file is now.
 fn write(path: &Path, world_file: &Path, kept: Kept) -> Result<(), SaveError> {
-    let Kept { state, overlay } = kept;
+    let Kept {
+        state,
+        overlay,
+        lamps,
+    } = kept;
     let mut save = Save {
         head: Head {
             world: String::new(),
@@ -236,10 +248,12 @@ fn write(path: &Path, world_file: &Path, kept: Kept) -> Result<(), SaveError> {
             world_crc32: file::fingerprint(world_file).unwrap_or(0),
             saved_s: now_s(),
             voxels: overlay.count(),
+            lamps: lamps.len(),
             grotto: env!("CARGO_PKG_VERSION").to_owned(),
         },
         state,
         overlay,
+        lamps,
     };
     save.belongs_to(world_file, path);
     save::write(path, &save)
@@ -273,6 +287,7 @@ mod tests {
                 origin: [0; 3],
             },
             overlay,
+            lamps: Vec::new(),
         }
     }
 

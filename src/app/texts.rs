@@ -41,8 +41,8 @@ pub mod saves {
     pub const DAMAGED: &str = "It cannot be read";
     pub const JUST_NOW: &str = "just now";
 
-    pub fn about(world: &str, voxels: u64) -> String {
-        format!("in {world}, {voxels} voxels changed")
+    pub fn about(world: &str, changes: &str) -> String {
+        format!("in {world}, {changes}")
     }
 
     pub fn delete(save: &str) -> String {
@@ -148,7 +148,7 @@ pub mod toasts {
 
     pub const FIRST: &str =
         "Click into the picture to look around; {help} shows the keys, {panel} the panel";
-    pub const ENTERED: &str = "{forward} {left} {back} {right} walk, the mouse looks, {dig} digs, {place} builds; \
+    pub const ENTERED: &str = "{forward} {left} {back} {right} walk, the mouse looks, {dig} digs, {place} builds, {inventory} has all materials and lamps; \
          Esc opens the menu, {help} shows all keys";
     pub const REPLAY_OVER: &str = "The replay is over: go on from here";
     pub const TRACED: &str = "Path-traced reference: time is paused ({pause_time} resumes it), {reference} returns to the probes";

@@ -11,7 +11,7 @@ use crate::{
     gpu::{Gpu, Recorder},
     lights::Lights,
     measure::picture::Picture,
-    parameters::{Parameters, ProbeParameters},
+    parameters::{Antialias, Parameters, ProbeParameters},
     passes::view::Shot,
     world::{
         Camera, LayoutSpec, View, World,
@@ -26,6 +26,7 @@ pub struct FrameLoop<'a> {
     layout: LayoutSpec,
     probes: ProbeParameters,
     shot: Shot,
+    antialias: Antialias,
     stop: Option<Arc<AtomicBool>>,
 }
 
@@ -46,6 +47,7 @@ impl<'a> FrameLoop<'a> {
             layout: layout.clone(),
             probes,
             shot,
+            antialias: Antialias::Off,
             stop: None,
         })
     }
@@ -58,14 +60,26 @@ impl<'a> FrameLoop<'a> {
     pub fn in_own_world(&self, world: &World) -> Result<Self, Failure> {
         let gpu = self.gpu;
         let stage = Stage::build(gpu, world)?;
+        let mut frame = Frame::new(gpu, stage, &self.layout, &self.probes, self.shot.size)?;
+        frame.antialias(gpu, self.antialias)?;
         Ok(Self {
             gpu,
-            frame: Frame::new(gpu, stage, &self.layout, &self.probes, self.shot.size)?,
+            frame,
             layout: self.layout.clone(),
             probes: self.probes.clone(),
             shot: self.shot.clone(),
+            antialias: self.antialias,
             stop: self.stop.clone(),
         })
+    }
+
+    /// Sets whether the next pictures are anti-aliased; at first they are not. Returns what was set before.
+    ///
+    /// # Errors
+    /// When the adapter cannot hold the history.
+    pub fn antialias(&mut self, wanted: Antialias) -> Result<Antialias, Failure> {
+        self.frame.antialias(self.gpu, wanted)?;
+        Ok(std::mem::replace(&mut self.antialias, wanted))
     }
 
     /// Starts no further frame once `stop` is set.
@@ -150,6 +164,14 @@ impl<'a> FrameLoop<'a> {
         Ok(())
     }
 
+    /// Averages jittered pictures of the last frame, if pictures are anti-aliased: see [`smooth`].
+    ///
+    /// # Errors
+    /// When the adapter fails.
+    pub fn smooth(&mut self) -> Result<(), Failure> {
+        smooth(self.gpu, &mut self.frame, &self.shot)
+    }
+
     /// Linear light of the last frame.
     ///
     /// # Errors
@@ -158,7 +180,8 @@ impl<'a> FrameLoop<'a> {
         Ok(self.frame.read_radiance(self.gpu)?)
     }
 
-    /// Linear light of the last frame in another view: nothing moves and no probe is updated in between.
+    /// Linear light of the last frame in another view, at the centres of pixels: nothing moves, and neither probes nor
+    /// the history of anti-aliasing change in between.
     ///
     /// # Errors
     /// When the adapter fails.
@@ -216,4 +239,24 @@ impl<'a> FrameLoop<'a> {
     pub fn hysteresis(&self) -> f32 {
         self.probes.hysteresis
     }
+}
+
+/// Anti-aliases the last frame's picture, if that is wanted of the frame: a mean of jittered pictures by the light of
+/// that frame.
+///
+/// # Errors
+/// When the adapter fails.
+pub fn smooth(gpu: &Gpu, frame: &mut Frame, shot: &Shot) -> Result<(), Failure> {
+    /// Jittered pictures in the mean.
+    const PICTURES: u32 = 32;
+    frame.restart_antialiasing();
+    for _ in 0..PICTURES {
+        let mut recorder = Recorder::new(gpu, None);
+        if !frame.smooth(gpu, &mut recorder, shot) {
+            break;
+        }
+        recorder.submit(gpu)?;
+        gpu.wait()?;
+    }
+    Ok(())
 }

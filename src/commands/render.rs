@@ -9,7 +9,9 @@ use std::{
 use clap::{Args, ValueEnum as _};
 
 use super::{
-    Failure, memory,
+    Failure,
+    frame_loop::smooth,
+    memory,
     options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup},
     output,
     record::{FrameTimes, ProbeCounts, Rays, Record, frame_spans, median_passes, mrays_per_s},
@@ -265,22 +267,6 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
         build: frame.stage.built.map(Into::into),
     };
     Ok((picture, record))
-}
-
-/// Anti-aliases the last frame's picture, if that is wanted: a mean of jittered pictures by the light of that frame.
-fn smooth(gpu: &Gpu, frame: &mut Frame, shot: &Shot) -> Result<(), Failure> {
-    /// Jittered pictures in the mean.
-    const PICTURES: u32 = 32;
-    frame.restart_antialiasing();
-    for _ in 0..PICTURES {
-        let mut recorder = Recorder::new(gpu, None);
-        if !frame.smooth(gpu, &mut recorder, shot) {
-            break;
-        }
-        recorder.submit(gpu)?;
-        gpu.wait()?;
-    }
-    Ok(())
 }
 
 /// Whether to store the displayed picture (PNG only). With probes drawn over it, light and data are side by

@@ -193,7 +193,7 @@ fn list(folder: &Folder, options: OutputOptions) -> Result<(), Failure> {
                 let at = UNIX_EPOCH + Duration::from_secs(head.saved_s.min(LATEST_S));
                 let at = humantime::format_rfc3339_seconds(at).to_string();
                 let at = at.replace('T', " ").replace('Z', " UTC");
-                format!("{at}  {}, {} voxels changed", head.world, head.voxels)
+                format!("{at}  {}, {}", head.world, head.changes())
             }
             Err(error) => error.to_string(),
         };

@@ -1,6 +1,7 @@
 //! The whole frame on one page, as data flow.
 //!
 //! ```text
+//! scene/lamp_lists (lamps that move, where there are many) ─ the lamps of each cell, for all that follows
 //! probes/classify (new probes, volumes that move, edits) ─ where probes are ─ probes/schedule ─ which are updated
 //!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
 //!     └ probes/seed (volumes that move) ─ what new probes show until their first update
@@ -135,7 +136,8 @@ impl Frame {
             ..probes.clone()
         };
         let inspected = self.passes.inspect.wanted;
-        let jittered = self.antialiasing.next(shot, &inspected, Some(lights));
+        let is_warming = self.frames < probes.warmup_frames;
+        let jittered = (self.antialiasing).next(shot, &inspected, Some(lights), is_warming);
         self.look(gpu, shot, jittered.as_ref());
         let emits = !self.stage.emitters.known.groups.is_empty();
         let (lights, gain) = self.gain.split(lights, emits);

@@ -71,7 +71,7 @@ impl ChunkArguments {
     /// `rows` is the [`table`] of first rows.
     pub(super) fn new(device: &wgpu::Device, rows: &wgpu::Buffer) -> Self {
         let words = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("slice_arguments"),
+            label: Some("chunk_arguments"),
             contents: bytemuck::cast_slice(&[0u32, 0, 1]),
             usage: wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
         });

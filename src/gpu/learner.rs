@@ -22,7 +22,7 @@ impl Learner {
             return None;
         }
         let stamps = device.create_query_set(&wgpu::QuerySetDescriptor {
-            label: Some("pace"),
+            label: Some("chunk_time"),
             ty: wgpu::QueryType::Timestamp,
             count: 2 * MOST_PASSES,
         });
@@ -71,11 +71,11 @@ impl Learner {
             })
         };
         let resolved = buffer(
-            "pace_resolved",
+            "chunk_time_resolved",
             wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
         );
         let read = buffer(
-            "pace_read",
+            "chunk_time_read",
             wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
         );
         encoder.resolve_query_set(&self.stamps, 0..count, &resolved, 0);

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::{LampShape, LampState, Lights};
 
-/// A lamp that moves this far (voxels) counts as a full change.
-const FAR_M: f64 = 4.0;
+/// A lamp that moves this far counts as a full change.
+const FAR_VOXELS: f64 = 4.0;
 /// So does a lamp that turns by this angle (radians).
 const WIDE_RAD: f64 = 0.5;
 
@@ -43,7 +43,7 @@ impl LampState {
         let way = match self.shape {
             LampShape::Directional => 0.0,
             LampShape::Point | LampShape::Spot { .. } => {
-                self.position_ws.distance(before.position_ws) / FAR_M
+                self.position_ws.distance(before.position_ws) / FAR_VOXELS
             }
         };
         // For small angles the chord is close to the angle.

@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::motion::{self, Moment};
-use crate::world::{Lamp, LampKind, LampPreset, Sun};
+use crate::world::{
+    Lamp, LampKind, LampPreset, PlacedLamp, Sun, World, materials::hash::hash_voxel,
+};
 
 /// Smaller distances count as this one, whatever the lamp's radius (voxels): keeps 1/d² finite.
 pub const MIN_RADIUS: f64 = 0.01;
@@ -95,6 +97,13 @@ impl LampState {
             intensity,
             radius: f64::from(lamp.radius).max(MIN_RADIUS),
         }
+    }
+
+    /// A lamp that a player has placed, as when it is on.
+    pub fn of_placed(lamp: &PlacedLamp, world: &World, time_s: f64) -> Self {
+        // Its flicker belongs to its place: other lamps that come and go do not change it.
+        let seed = motion::lamp_seed(world.seed, hash_voxel(lamp.voxel));
+        Self::at(&lamp.lamp(world.voxel_m), time_s, seed)
     }
 
     /// The sun as a directional lamp.

@@ -38,7 +38,7 @@ pub fn bytes(cells: UVec3) -> u64 {
     count * u64::from(LISTED) * size_of::<GpuLampSlot>() as u64
 }
 
-/// How bright each lamp counts in the lists, and when the lists must be made anew.
+/// How bright each lamp counts in the lists, and when the lists must be made again.
 #[derive(Clone, Debug, Default)]
 pub struct LampRanks {
     brightest: Vec<f32>,

@@ -25,7 +25,8 @@ use crate::world::{LampPreset, Sky, World};
 /// Everything that lights a world at one moment, except the emission of its voxels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lights {
-    /// The lamps of the preset, in the order of the file, then the sun if the world has one.
+    /// The lamps of the preset, in the order of the file, then the sun if the world has one, then those that a player
+    /// has placed and that are on: placing one moves no other.
     pub lamps: Vec<LampState>,
     pub sky: Sky,
 }
@@ -35,6 +36,8 @@ impl Lights {
     pub fn at(world: &World, preset: &LampPreset, time_s: f64) -> Self {
         let mut lamps = evaluate(preset, time_s, world.seed);
         lamps.extend(world.sun.as_ref().map(LampState::from_sun));
+        let placed = world.restored.lamps.iter().filter(|lamp| lamp.is_on);
+        lamps.extend(placed.map(|lamp| LampState::of_placed(lamp, world, time_s)));
         Self {
             lamps,
             sky: world.sky,

@@ -2,32 +2,32 @@
 
 use super::{LampState, Lights};
 
-/// Since when each lamp has stood as it stands.
+/// Since which frame each lamp has had its present place, direction and shape.
 #[derive(Clone, Debug, Default)]
 pub struct RestingLamps {
-    lamps: Vec<(LampState, u32)>,
+    /// `None` before the first frame.
+    lamps: Option<Vec<(LampState, u32)>>,
 }
 
 impl RestingLamps {
     /// Forgets all lamps: frames are numbered from the start again.
     pub fn forget(&mut self) {
-        self.lamps.clear();
+        self.lamps = None;
     }
 
     /// For each lamp the first frame of its present place, direction and shape, whatever its power; 0 for the lamps of
     /// the first call. `frame` is the number of the next frame, at least 1.
     pub fn follow(&mut self, lights: &Lights, frame: u32) -> Vec<u32> {
-        let is_first = self.lamps.is_empty();
-        let mut known = std::mem::take(&mut self.lamps).into_iter();
-        for lamp in &lights.lamps {
-            let since = match known.next() {
-                Some((before, since)) if is_same_place(lamp, &before) => since,
-                _ if is_first => 0,
-                _ => frame,
-            };
-            self.lamps.push((*lamp, since));
-        }
-        self.lamps.iter().map(|(_, since)| *since).collect()
+        let first = if self.lamps.is_none() { 0 } else { frame };
+        let mut known = self.lamps.take().unwrap_or_default().into_iter();
+        let since = |lamp: &LampState| match known.next() {
+            Some((before, since)) if is_same_place(lamp, &before) => since,
+            _ => first,
+        };
+        let since: Vec<u32> = lights.lamps.iter().map(since).collect();
+        let lamps = lights.lamps.iter().copied();
+        self.lamps = Some(lamps.zip(since.iter().copied()).collect());
+        since
     }
 }
 
@@ -79,6 +79,9 @@ mod tests {
         rest.follow(&lights(&[(0.0, 1.0)]), 1);
         assert_eq!(rest.follow(&lights(&[(0.0, 1.0), (2.0, 1.0)]), 7), [0, 7]);
         assert_eq!(rest.follow(&lights(&[(2.0, 1.0)]), 8), [8]);
+        // The first lamp of a world that was dark comes late, too.
+        assert_eq!(rest.follow(&lights(&[]), 9), [0; 0]);
+        assert_eq!(rest.follow(&lights(&[(2.0, 1.0)]), 12), [12]);
         rest.forget();
         assert_eq!(rest.follow(&lights(&[(3.0, 1.0)]), 1), [0]);
     }

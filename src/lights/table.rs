@@ -7,13 +7,13 @@ use glam::{DVec3, UVec3, Vec3};
 
 use super::lamp::MIN_SPOT_EDGE;
 use super::{LampShape, LampState, Lights};
-use crate::world::scenery::MAX_LAMPS;
+use crate::world::{placed::MOST_PLACED, scenery::MAX_LAMPS};
 
 crate::shared! {
     in lights;
 
-    /// Lamps in the buffer: those of the largest preset, and the sun.
-    pub const CAPACITY as LAMPS: usize = MAX_LAMPS + 1;
+    /// Lamps in the buffer: those of the largest preset, the sun, and those that players place.
+    pub const CAPACITY as LAMPS: usize = MAX_LAMPS + 1 + MOST_PLACED;
 
     /// Lamps that a face can know about, whether it sees them. Worlds with no more lamps have no lists.
     pub const KNOWN_LAMPS as KNOWN_LAMPS: u32 = 64;
@@ -25,7 +25,7 @@ crate::shared! {
     /// `GpuLampSlot::lamp` of a slot without a lamp.
     pub const NO_LAMP as NO_LAMP: u32 = u32::MAX;
 
-    /// One lamp: `Lamp` in `shaders/scene/lights.wesl`. The spot's edge is folded into a ramp,
+    /// One lamp. The spot's edge is folded into a ramp,
     /// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are not spots.
     pub struct GpuLamp as Lamp {
         pub position_ws: [f32; 3],
@@ -57,7 +57,7 @@ crate::shared! {
         pub since: u32,
     }
 
-    /// `Sky` in `shaders/scene/lights.wesl`.
+    /// Radiance of the sky (linear RGB).
     pub struct GpuSky as Sky {
         pub zenith: [f32; 3],
         pub _pad0: f32,
@@ -125,7 +125,7 @@ impl Lights {
     pub fn to_bytes(&self, of_frame: &LightsOfFrame, cells: UVec3, shift: u32) -> Vec<u8> {
         assert!(
             self.lamps.len() <= CAPACITY,
-            "a checked world has at most {MAX_LAMPS} lamps and a sun"
+            "a checked world has at most {MAX_LAMPS} lamps, a sun, and {MOST_PLACED} placed lamps"
         );
         let since = (of_frame.still_since.iter().copied()).chain(iter::repeat(u32::MAX / 2));
         let brightest = (of_frame.brightest.iter().copied().map(Some)).chain(iter::repeat(None));

@@ -31,7 +31,7 @@ pub struct EditSphere {
     pub frame: u32,
 }
 
-/// Recent changes.
+/// A box (grid space) within which voxels have changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EditBox {
     pub low_gs: Vec3,

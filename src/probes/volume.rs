@@ -12,7 +12,7 @@ use crate::world::{LayoutSpec, voxels::Voxels};
 
 /// Maximum number of probes of one volume.
 pub const MAX_SLOTS: u32 = MAX_PROBES;
-/// Maximum number of levels of one volume; `shaders/probes/field.wesl` has room for as many.
+/// Maximum number of levels of one volume; the shaders have room for as many.
 pub const MAX_LEVELS: u32 = if MAX_CASCADES > MAX_DEPTH {
     MAX_CASCADES
 } else {

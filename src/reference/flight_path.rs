@@ -55,7 +55,7 @@ impl Path {
             let direction = way.normalize();
             if free(world, voxels, pair[0].position, direction) + CLEARANCE < way.length() {
                 return Err(NoWay(format!(
-                    "stone is in the way from camera `{from}` to `{to}` of {}; name cameras that see each \
+                    "solid voxels are in the way from camera `{from}` to `{to}` of {}; name cameras that see each \
                      other",
                     world.name
                 )));

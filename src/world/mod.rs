@@ -13,6 +13,7 @@ pub mod generate;
 pub mod materials;
 pub mod new_cave;
 pub mod noise;
+pub mod placed;
 pub mod rules;
 pub mod save;
 pub mod scenery;
@@ -28,6 +29,7 @@ pub use camera::CameraBasis;
 pub use features::FeaturePart;
 pub use materials::{Colour, Material, Pattern, Rule};
 pub use noise::NoiseField;
+pub use placed::PlacedLamp;
 pub use scenery::{
     Camera, Lamp, LampKind, LampPreset, LayoutSpec, Motion, PLAYER_HEIGHT_M, ResponseSpec, Sky,
     Sun, Wall,
@@ -72,21 +74,37 @@ pub struct World {
     /// Never empty.
     pub layouts: Vec<LayoutSpec>,
     pub response: ResponseSpec,
-    /// What a save changed about it; nothing for a world file.
+    /// What was changed about it; nothing for a world file.
     pub restored: Restored,
 }
 
-/// What a save adds to its world.
+/// What a save, or the player of a window, adds to its world.
 #[derive(Clone, Default)]
 pub struct Restored {
     pub overlay: Overlay,
+    /// In the order in which they were placed; no two share a voxel.
+    pub lamps: Vec<PlacedLamp>,
     /// What a person should know about it, such as changes that no longer fit.
     pub notes: Vec<String>,
+}
+
+impl Restored {
+    /// Takes the lamps that lie in a world of this origin and size, and notes how many do not.
+    pub fn take_lamps(&mut self, lamps: &[PlacedLamp], origin: IVec3, size: UVec3) {
+        let within = |lamp: &&PlacedLamp| lamp.is_within(origin, size);
+        self.lamps = lamps.iter().filter(within).copied().collect();
+        let lost = lamps.len() - self.lamps.len();
+        if lost > 0 {
+            let note =
+                format!("{lost} placed lamps are left out, for they lie outside of the world");
+            self.notes.push(note);
+        }
+    }
 }
 
 /// Without the notes: worlds are told apart by their debug texts, and notes change no picture.
 impl fmt::Debug for Restored {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.overlay.fmt(f)
+        (&self.overlay, &self.lamps).fmt(f)
     }
 }

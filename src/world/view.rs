@@ -61,7 +61,7 @@ impl View {
         matches!(self, Full | Indirect | Irradiance | TexturesOff)
     }
 
-    /// What the view of depth shows of a surface so many voxels away.
+    /// What the view of depth shows of a surface at a distance of N voxels.
     pub fn depth_shown(distance: f32) -> f32 {
         (-distance / DEPTH_HALF).exp2()
     }

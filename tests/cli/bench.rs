@@ -99,7 +99,7 @@ fn bench_flight_flies_jumps_and_says_what_is_in_the_way() {
     refused(
         &mut flight(&["inside", "outside"]),
         2,
-        &["stone is in the way", "`inside`", "`outside`"],
+        &["solid voxels are in the way", "`inside`", "`outside`"],
     );
     refused(flight(&["inside"]).args(["--speed", "0"]), 2, &["above 0"]);
 }

@@ -7,6 +7,7 @@ mod bench;
 mod bench_reports;
 mod bench_speed;
 mod info;
+mod lamps;
 mod measuring;
 mod reference;
 mod refusals;

@@ -18,10 +18,10 @@ const MS: u64 = 1_000_000;
 const ON_TOP: [f32; 3] = [0.0, 14.625, 0.0];
 
 /// A header for a run in this world, from a place above its rock.
-fn header(world: &Path, position: [f32; 3]) -> Value {
+pub fn header(world: &Path, position: [f32; 3]) -> Value {
     let bytes = fs::read(root().join(world)).expect("a world");
     json!({
-        "grotto_record": 1,
+        "grotto_record": 2,
         "world": world,
         "world_crc32": crc32fast::hash(&bytes),
         "seed": 3,
@@ -44,12 +44,9 @@ fn moments() -> Vec<Value> {
         at(210, json!([{"press": "up"}, {"release": "up"}])),
         at(
             300,
-            json!([{"press": "run"}, {"wheel": 3.0}, {"look": [120.0, 300.0]}]),
+            json!([{"press": "run"}, {"fly_speed": 3.0}, {"look": [120.0, 300.0]}]),
         ),
-        at(
-            500,
-            json!([{"stroke": "dig"}, {"brush": {"material": 1, "radius": 2.5}}]),
-        ),
+        at(500, json!([{"stroke": "dig"}, {"brush": {"radius": 2.5}}])),
         at(
             600,
             json!([{"stroke": "dig"}, {"release": "run"}, {"press": "fly"}]),
@@ -72,7 +69,7 @@ fn moments() -> Vec<Value> {
     ]
 }
 
-fn written(folder: &Path, header: &Value, moments: &[Value]) -> PathBuf {
+pub fn written(folder: &Path, header: &Value, moments: &[Value]) -> PathBuf {
     let path = folder.join("run.record");
     let lines = std::iter::once(header).chain(moments);
     let text: String = lines.map(|line| format!("{line}\n")).collect();
@@ -81,7 +78,7 @@ fn written(folder: &Path, header: &Value, moments: &[Value]) -> PathBuf {
 }
 
 /// The figures of a replay at this frame rate, and the number of its pictures.
-fn replayed(record: &Path, fps: &str, every: &str) -> (Value, usize) {
+pub fn replayed(record: &Path, fps: &str, every: &str) -> (Value, usize) {
     let out = folder();
     let mut command = grotto();
     command.args(["play", "--json", "--quiet", "--fps", fps, "--every", every]);
@@ -236,7 +233,7 @@ fn bad_records_and_flags_are_refused_with_their_place() {
     };
     let end = &moments()[11..];
     refuse(
-        &with("grotto_record", json!(2)),
+        &with("grotto_record", json!(3)),
         end,
         &[],
         &["run.record:1: ", "version 2"],

@@ -25,7 +25,7 @@ fn write(path: &Path, overlay: Overlay) {
     save::write(path, &save_of(path, overlay)).expect("writable");
 }
 
-fn save_of(path: &Path, overlay: Overlay) -> Save {
+pub fn save_of(path: &Path, overlay: Overlay) -> Save {
     let world_file = root().join(MINIMAL);
     let world = file::load(&world_file, &Overrides::default()).expect("it loads");
     let mut save = Save {
@@ -36,6 +36,7 @@ fn save_of(path: &Path, overlay: Overlay) -> Save {
             world_crc32: file::fingerprint(&world_file).expect("it loads"),
             saved_s: 1_790_000_000,
             voxels: overlay.count(),
+            lamps: 0,
             grotto: "0.1.0".into(),
         },
         state: State {
@@ -52,13 +53,14 @@ fn save_of(path: &Path, overlay: Overlay) -> Save {
             origin: world.origin.to_array(),
         },
         overlay,
+        lamps: Vec::new(),
     };
     save.belongs_to(&world_file, path);
     save
 }
 
 /// A tower of stone, and nothing where the ball was.
-fn tower() -> Overlay {
+pub fn tower() -> Overlay {
     let mut overlay = Overlay::default();
     for y in 8..26 {
         for (x, z) in [(40, 40), (41, 40), (40, 41), (41, 41)] {

@@ -177,7 +177,7 @@ fn a_run_is_recorded_and_played_again() {
         text(&recorded.stderr)
     );
     let lines = fs::read_to_string(record).expect("it has its name");
-    assert!(lines.starts_with("{\"grotto_record\":1,"), "{lines}");
+    assert!(lines.starts_with("{\"grotto_record\":2,"), "{lines}");
     assert!(lines.trim_end().ends_with("\"end\":true}"), "{lines}");
     let replayed = play(&[&small[..], &["--replay", record]].concat());
     assert_eq!(

@@ -39,7 +39,9 @@ impl Table {
         )
         .expect("compiles");
         let words = vec![0u32; FACINGS * BUCKETS as usize * WORDS];
-        let table = gpu.storage_buffer_of("marked_table", &words).expect("fits");
+        let table = gpu
+            .storage_buffer_of("face_table_atomic", &words)
+            .expect("fits");
         Self { gpu, kernel, table }
     }
 
@@ -59,7 +61,7 @@ impl Table {
             &self.gpu,
             &[
                 ("face_info", info.as_entire_binding()),
-                ("marked_table", self.table.as_entire_binding()),
+                ("face_table_atomic", self.table.as_entire_binding()),
                 ("seen", seen.as_entire_binding()),
                 ("entries", out.as_entire_binding()),
             ],
@@ -78,7 +80,7 @@ impl Table {
 const PLACES: &str = "
 import package::generated::surface_cache::ENTRY_WORDS;
 import package::surface_cache::table::{face_info, NO_ENTRY};
-import package::surface_cache::places::{marked_table, place_for, LISTED_WORD, LIT_WORD, SEEN_WORD};
+import package::surface_cache::places::{face_table_atomic, place_for, LISTED_WORD, LIT_WORD, SEEN_WORD};
 @group(3) @binding(8) var<storage, read> seen: array<vec2u>;
 @group(3) @binding(9) var<storage, read_write> entries: array<u32>;
 @compute @workgroup_size(1)
@@ -88,12 +90,12 @@ fn main() {
         entries[number] = entry;
         if entry != NO_ENTRY {
             // A face that is new in its entry has no light yet.
-            if atomicLoad(&marked_table[entry * ENTRY_WORDS + LIT_WORD]) != 0u {
+            if atomicLoad(&face_table_atomic[entry * ENTRY_WORDS + LIT_WORD]) != 0u {
                 entries[number] |= 0x80000000u;
             }
-            atomicStore(&marked_table[entry * ENTRY_WORDS + LISTED_WORD], face_info.frame);
-            atomicStore(&marked_table[entry * ENTRY_WORDS + SEEN_WORD], face_info.frame);
-            atomicStore(&marked_table[entry * ENTRY_WORDS + LIT_WORD], face_info.frame);
+            atomicStore(&face_table_atomic[entry * ENTRY_WORDS + LISTED_WORD], face_info.frame);
+            atomicStore(&face_table_atomic[entry * ENTRY_WORDS + SEEN_WORD], face_info.frame);
+            atomicStore(&face_table_atomic[entry * ENTRY_WORDS + LIT_WORD], face_info.frame);
         }
     }
 }

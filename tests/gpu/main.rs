@@ -19,6 +19,7 @@ mod light;
 mod many_lamps;
 mod marching;
 mod octree;
+mod placed_lamps;
 mod probe_views;
 mod probes;
 mod tonemap;

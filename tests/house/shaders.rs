@@ -122,7 +122,7 @@ fn planted_imports_of_shaders_are_found() {
         ),
         (
             "shaders/probes/trace.wesl",
-            "import package::surface_cache::query::light_of_face;",
+            "import package::surface_cache::query::query_cache;",
         ),
         (
             "shaders/surface_cache/trace.wesl",
@@ -143,7 +143,7 @@ fn planted_imports_of_shaders_are_found() {
     for (path, text) in [
         (
             "shaders/view/shade.wesl",
-            "import package::surface_cache::query::light_of_face;",
+            "import package::surface_cache::query::query_cache;",
         ),
         (
             "shaders/probes/trace.wesl",

@@ -30,6 +30,11 @@ pub enum Action {
     Pick,
     Undo,
     Redo,
+    /// What is in the hand, by the index of its slot.
+    Slot(u8),
+    Inventory,
+    FlyFaster,
+    FlySlower,
     /// Jump to a camera of the world, by its index.
     Camera(u8),
     PauseTime,
@@ -74,6 +79,8 @@ const fn entry(
 }
 
 const WALK: &str = "walk, or fly";
+const SLOT: &str = "what is in the hand";
+const SPEED: &str = "speed of flight";
 const CAMERAS: &str = "jump to a camera of the world";
 
 /// Every action.
@@ -89,19 +96,32 @@ pub const ACTIONS: &[Entry] = &[
     entry(Action::Fly, "fly", "fly, walk", "fly, or walk again (or jump twice)", &[key(KeyCode::KeyK)]),
     entry(Action::NoClip, "no_clip", "pass through voxels", "pass through voxels, or not", &[key(KeyCode::KeyH)]),
     entry(Action::Dig, "dig", "dig", "dig (held: on and on)", &[button(MouseButton::Left)]),
-    entry(Action::Place, "place", "place", "place a voxel (held: on and on)", &[button(MouseButton::Right)]),
-    entry(Action::Pick, "pick", "take the material", "take the material", &[button(MouseButton::Middle)]),
+    entry(Action::Place, "place", "place", "place what is in the hand; switch a lamp", &[button(MouseButton::Right)]),
+    entry(Action::Pick, "pick", "take into the hand", "take what you look at into the hand", &[button(MouseButton::Middle)]),
     entry(Action::Undo, "undo", "undo", "undo the last stroke", &[ctrl(KeyCode::KeyZ)]),
     entry(Action::Redo, "redo", "redo", "redo it", &[ctrl(KeyCode::KeyY), ctrl_shift(KeyCode::KeyZ)]),
-    entry(Action::Camera(0), "camera_1", "camera 1", CAMERAS, &[key(KeyCode::Digit1)]),
-    entry(Action::Camera(1), "camera_2", "camera 2", CAMERAS, &[key(KeyCode::Digit2)]),
-    entry(Action::Camera(2), "camera_3", "camera 3", CAMERAS, &[key(KeyCode::Digit3)]),
-    entry(Action::Camera(3), "camera_4", "camera 4", CAMERAS, &[key(KeyCode::Digit4)]),
-    entry(Action::Camera(4), "camera_5", "camera 5", CAMERAS, &[key(KeyCode::Digit5)]),
-    entry(Action::Camera(5), "camera_6", "camera 6", CAMERAS, &[key(KeyCode::Digit6)]),
-    entry(Action::Camera(6), "camera_7", "camera 7", CAMERAS, &[key(KeyCode::Digit7)]),
-    entry(Action::Camera(7), "camera_8", "camera 8", CAMERAS, &[key(KeyCode::Digit8)]),
-    entry(Action::Camera(8), "camera_9", "camera 9", CAMERAS, &[key(KeyCode::Digit9)]),
+    entry(Action::Slot(0), "slot_1", "slot 1", SLOT, &[key(KeyCode::Digit1)]),
+    entry(Action::Slot(1), "slot_2", "slot 2", SLOT, &[key(KeyCode::Digit2)]),
+    entry(Action::Slot(2), "slot_3", "slot 3", SLOT, &[key(KeyCode::Digit3)]),
+    entry(Action::Slot(3), "slot_4", "slot 4", SLOT, &[key(KeyCode::Digit4)]),
+    entry(Action::Slot(4), "slot_5", "slot 5", SLOT, &[key(KeyCode::Digit5)]),
+    entry(Action::Slot(5), "slot_6", "slot 6", SLOT, &[key(KeyCode::Digit6)]),
+    entry(Action::Slot(6), "slot_7", "slot 7", SLOT, &[key(KeyCode::Digit7)]),
+    entry(Action::Slot(7), "slot_8", "slot 8", SLOT, &[key(KeyCode::Digit8)]),
+    entry(Action::Slot(8), "slot_9", "slot 9", SLOT, &[key(KeyCode::Digit9)]),
+    entry(Action::Slot(9), "slot_10", "slot 10", SLOT, &[key(KeyCode::Digit0)]),
+    entry(Action::Inventory, "inventory", "inventory", "the inventory: all materials and lamps", &[key(KeyCode::KeyE)]),
+    entry(Action::FlyFaster, "fly_faster", "fly faster", SPEED, &[key(KeyCode::PageUp)]),
+    entry(Action::FlySlower, "fly_slower", "fly slower", SPEED, &[key(KeyCode::PageDown)]),
+    entry(Action::Camera(0), "camera_1", "camera 1", CAMERAS, &[alt(KeyCode::Digit1)]),
+    entry(Action::Camera(1), "camera_2", "camera 2", CAMERAS, &[alt(KeyCode::Digit2)]),
+    entry(Action::Camera(2), "camera_3", "camera 3", CAMERAS, &[alt(KeyCode::Digit3)]),
+    entry(Action::Camera(3), "camera_4", "camera 4", CAMERAS, &[alt(KeyCode::Digit4)]),
+    entry(Action::Camera(4), "camera_5", "camera 5", CAMERAS, &[alt(KeyCode::Digit5)]),
+    entry(Action::Camera(5), "camera_6", "camera 6", CAMERAS, &[alt(KeyCode::Digit6)]),
+    entry(Action::Camera(6), "camera_7", "camera 7", CAMERAS, &[alt(KeyCode::Digit7)]),
+    entry(Action::Camera(7), "camera_8", "camera 8", CAMERAS, &[alt(KeyCode::Digit8)]),
+    entry(Action::Camera(8), "camera_9", "camera 9", CAMERAS, &[alt(KeyCode::Digit9)]),
     entry(Action::PauseTime, "pause_time", "pause time", "pause time, or let it run", &[key(KeyCode::KeyP)]),
     entry(Action::Save, "save", "save", "save; also every minute, and at the end", &[ctrl(KeyCode::KeyS)]),
     entry(Action::Help, "help", "help", "how to play, and a pause", &[key(KeyCode::F1)]),
@@ -117,7 +137,7 @@ pub const ACTIONS: &[Entry] = &[
 /// What has no key to choose: input, and what it does.
 pub const FIXED: &[(&str, &str)] = &[
     ("Mouse", "look around, after a click into the picture"),
-    ("Wheel", "speed of flight"),
+    ("Wheel", "what is in the hand"),
     ("Esc", "the menu, and a pause"),
 ];
 
@@ -127,6 +147,16 @@ const fn key(code: KeyCode) -> Chord {
 
 const fn button(button: MouseButton) -> Chord {
     Chord::plain(Trigger::Mouse(button))
+}
+
+const fn alt(code: KeyCode) -> Chord {
+    Chord {
+        modifiers: Modifiers {
+            alt: true,
+            ..Modifiers::NONE
+        },
+        trigger: Trigger::Key(code),
+    }
 }
 
 const fn ctrl(code: KeyCode) -> Chord {
@@ -231,7 +261,7 @@ mod tests {
             row.map(|row| row.0.clone()).expect("a row")
         };
         assert_eq!(of(WALK), "W A S D");
-        assert_eq!(of(CAMERAS), "1 … 9");
+        assert_eq!(of(CAMERAS), "Alt+1 … Alt+9");
         assert_eq!(of("redo it"), "Ctrl+Y, Ctrl+Shift+Z");
         assert_eq!(of("the menu, and a pause"), "Esc");
     }

@@ -1,11 +1,11 @@
 //! What the crosshair points at.
 
 use egui::{Color32, LayerId, Order, Stroke as Line, Ui};
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 
 use crate::{
     reference::march::{FACE_NORMALS, Outcome, Ray, march},
-    world::{Camera, voxels::Voxels},
+    world::{Camera, PlacedLamp, voxels::Voxels},
 };
 
 /// From the crosshair's middle to its ends (egui's points).
@@ -29,14 +29,14 @@ impl Default for Reach {
     }
 }
 
-/// A solid voxel under the crosshair.
+/// A solid voxel, or that of a lamp, under the crosshair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Target {
     /// Grid space.
     pub voxel: IVec3,
     /// Index into [`FACE_NORMALS`]; `None` where the camera is inside of the voxel.
     pub face: Option<u8>,
-    /// 1-based index into the world's materials.
+    /// 1-based index into the world's materials; 0 for a lamp's voxel.
     pub material: u8,
 }
 
@@ -49,26 +49,51 @@ impl Target {
 }
 
 impl Reach {
-    /// The first voxel that a stroke where `camera` looks would meet, in a world with this origin.
-    pub fn aim(&self, voxels: &Voxels, origin: IVec3, camera: &Camera) -> Option<Target> {
+    /// The first voxel that a stroke where `camera` looks would meet, in a world with this origin: a solid one, or that
+    /// of a lamp, unless the camera is in it.
+    pub fn aim(
+        &self,
+        voxels: &Voxels,
+        lamps: &[PlacedLamp],
+        origin: IVec3,
+        camera: &Camera,
+    ) -> Option<Target> {
         let basis = camera.basis(1.0);
         let ray = Ray {
             max_distance: self.distance,
             ..Ray::new(basis.origin - origin.as_dvec3(), basis.forward.normalize())
         };
-        match march(voxels, &ray) {
-            Outcome::Hit(hit) => Some(Target {
-                voxel: hit.voxel,
-                face: Some(hit.face),
-                material: hit.material,
-            }),
-            Outcome::Inside(material) => Some(Target {
-                voxel: ray.start,
-                face: None,
-                material,
-            }),
-            Outcome::Miss => None,
-        }
+        let (solid, reach) = match march(voxels, &ray) {
+            Outcome::Hit(hit) => {
+                let target = Target {
+                    voxel: hit.voxel,
+                    face: Some(hit.face),
+                    material: hit.material,
+                };
+                (Some(target), hit.distance)
+            }
+            Outcome::Inside(material) => {
+                let target = Target {
+                    voxel: ray.start,
+                    face: None,
+                    material,
+                };
+                (Some(target), 0.0)
+            }
+            Outcome::Miss => (None, self.distance),
+        };
+        let met = lamps.iter().filter_map(|lamp| {
+            let voxel = lamp.voxel - origin;
+            let (distance, face) = entry(&ray, voxel)?;
+            let target = Target {
+                voxel,
+                face: Some(face),
+                material: 0,
+            };
+            (distance < reach).then_some((distance, target))
+        });
+        let nearest = met.min_by(|(a, _), (b, _)| a.total_cmp(b));
+        nearest.map(|(_, target)| target).or(solid)
     }
 
     /// The voxels that stay free (grid space, both ends inclusive): those of the body, or of the camera.
@@ -77,6 +102,21 @@ impl Reach {
         let (low, high) = self.body.unwrap_or((eye, eye));
         (low - origin, high - origin)
     }
+}
+
+/// Where a ray from outside enters a voxel: the distance, and the face. By slabs (Kay & Kajiya 1986).
+fn entry(ray: &Ray, voxel: IVec3) -> Option<(f64, u8)> {
+    let low = voxel.as_dvec3();
+    let inverse = 1.0 / ray.direction;
+    let (a, b) = (
+        (low - ray.origin) * inverse,
+        (low + DVec3::ONE - ray.origin) * inverse,
+    );
+    let (enters, leaves) = (a.min(b), a.max(b));
+    let (first, last) = (enters.max_element(), leaves.min_element());
+    let axis = enters.max_position();
+    let face = 2 * axis as u8 + u8::from(ray.direction[axis] < 0.0);
+    (first > 0.0 && first <= last).then_some((first, face))
 }
 
 /// Draws a cross where strokes go: light on dark backgrounds, dark on light ones, and faint where they reach
@@ -93,5 +133,67 @@ pub fn crosshair(ui: &Ui, reaches: bool) {
         let down = centre.y - ends..=centre.y + ends;
         painter.hline(across, centre.y, Line::new(width, colour));
         painter.vline(centre.x, down, Line::new(width, colour));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec3, Vec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::world::placed::tests::lamp;
+
+    const ORIGIN: IVec3 = IVec3::new(-8, 3, -8);
+
+    fn camera(position: Vec3, yaw_deg: f32, pitch_deg: f32) -> Camera {
+        Camera {
+            name: "test".into(),
+            position,
+            yaw_deg,
+            pitch_deg,
+            fov_deg: 70.0,
+        }
+    }
+
+    proptest! {
+        /// A lamp is met where a solid voxel in its place would be, at the same face.
+        #[test]
+        fn a_lamp_is_met_as_a_voxel_is(
+            at in ((0..16i32, 0..16i32, 0..16i32), (0.0..16.0f32, 0.0..16.0f32, 0.0..16.0f32)),
+            angles in (-180.0..180.0f32, -90.0..90.0f32),
+            wall in 0..16i32,
+        ) {
+            let voxel = IVec3::from(at.0);
+            let eye = Vec3::from(at.1);
+            prop_assume!(eye.floor().as_ivec3() != voxel && eye.floor().as_ivec3().x != wall && voxel.x != wall);
+            let camera = camera(eye + ORIGIN.as_vec3(), angles.0, angles.1);
+            let mut voxels = Voxels::empty(UVec3::splat(16));
+            voxels.fill_box(IVec3::new(wall, 0, 0), IVec3::new(wall, 15, 15), 1);
+            let lamps = [lamp(voxel + ORIGIN)];
+            let met = Reach::default().aim(&voxels, &lamps, ORIGIN, &camera);
+            voxels.set(voxel, 2);
+            let solid = Reach::default().aim(&voxels, &[], ORIGIN, &camera);
+            let is_lamp = |target: &Target| target.voxel == voxel;
+            prop_assert_eq!(met.filter(is_lamp).map(|met| met.material), solid.filter(is_lamp).map(|_| 0));
+            prop_assert_eq!(met.map(|met| (met.voxel, met.face)), solid.map(|met| (met.voxel, met.face)));
+        }
+    }
+
+    #[test]
+    fn a_lamp_around_the_eye_or_beyond_reach_is_not_met() {
+        let voxels = Voxels::empty(UVec3::splat(16));
+        let lamps = [lamp(ORIGIN + 3), lamp(ORIGIN + IVec3::new(3, 3, 10))];
+        let camera = camera((ORIGIN + 3).as_vec3() + 0.5, 180.0, 0.0);
+        let aim = |distance| {
+            let reach = Reach {
+                distance,
+                ..Reach::default()
+            };
+            reach.aim(&voxels, &lamps, ORIGIN, &camera)
+        };
+        assert_eq!(aim(6.4), None);
+        let met = aim(6.6).expect("the other lamp");
+        assert_eq!((met.voxel.z, met.face), (10, Some(4)));
     }
 }

@@ -4,7 +4,11 @@ use std::collections::VecDeque;
 
 use glam::IVec3;
 
-use crate::world::voxels::{Edit, Voxels};
+use super::lamps::LampChange;
+use crate::world::{
+    PlacedLamp,
+    voxels::{Edit, Voxels},
+};
 
 /// Memory that the strokes which can be undone or redone may take (bytes); the oldest are forgotten first. A
 /// stroke of one voxel takes less than 100, a ball of radius 24 about 20 thousand.
@@ -20,14 +24,15 @@ struct Run {
     new: u8,
 }
 
-/// The voxels that one stroke changed.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// The voxels that one stroke changed, or the lamp.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     /// In ascending order, disjoint.
     runs: Vec<Run>,
     /// All changes lie between these voxels (grid space, both ends inclusive).
     low: IVec3,
     high: IVec3,
+    lamp: Option<Box<LampChange>>,
 }
 
 /// Which side of a change is wanted.
@@ -86,17 +91,36 @@ impl Changes {
             runs,
             low: least,
             high: most,
+            lamp: None,
         };
         (edit, changes)
     }
 
+    /// Those of a stroke that placed, dug or switched a lamp.
+    pub fn of_lamp(change: LampChange) -> Self {
+        Self {
+            lamp: Some(Box::new(change)),
+            ..Self::default()
+        }
+    }
+
     pub fn is_empty(&self) -> bool {
-        self.runs.is_empty()
+        self.runs.is_empty() && self.lamp.is_none()
+    }
+
+    /// The voxel (world space) of the lamp that was changed, and the lamp before or after the stroke.
+    pub fn lamp(&self, side: Side) -> Option<(IVec3, Option<PlacedLamp>)> {
+        let change = self.lamp.as_deref()?;
+        let lamp = match side {
+            Side::Before => change.before,
+            Side::After => change.after,
+        };
+        Some((change.voxel, lamp))
     }
 
     /// Gives the voxels the materials that they had before the stroke, or after it.
     pub fn put(&self, voxels: &mut Voxels, side: Side) -> Edit {
-        if self.is_empty() {
+        if self.runs.is_empty() {
             return Edit::default();
         }
         let size = voxels.size().as_ivec3();
@@ -113,7 +137,8 @@ impl Changes {
     }
 
     fn bytes(&self) -> usize {
-        size_of::<Self>() + self.runs.capacity() * size_of::<Run>()
+        let lamp = self.lamp.as_ref().map_or(0, |_| size_of::<LampChange>());
+        size_of::<Self>() + self.runs.capacity() * size_of::<Run>() + lamp
     }
 }
 
@@ -193,6 +218,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::world::placed::tests::lamp;
 
     const SIZE: i32 = 20;
 
@@ -269,6 +295,37 @@ mod tests {
         assert_eq!(history.redo(|_| Ok::<_, ()>(())), Ok(false));
         let kept: usize = history.done.iter().map(Changes::bytes).sum();
         assert_eq!((history.done.len(), history.bytes), (3, kept));
+    }
+
+    #[test]
+    fn a_stroke_with_a_lamp_is_undone_between_those_with_voxels() {
+        let mut voxels = Voxels::empty(UVec3::splat(SIZE as u32));
+        let mut history = History::default();
+        let lamp = lamp(IVec3::ONE);
+        let change = LampChange {
+            voxel: lamp.voxel,
+            before: None,
+            after: Some(lamp),
+        };
+        history.push(boxed(&mut voxels, IVec3::ONE, 2, 1));
+        history.push(Changes::of_lamp(change));
+        let mut undone = Vec::new();
+        for _ in 0..2 {
+            let note = |changes: &Changes| -> Result<(), ()> {
+                undone.push(changes.lamp(Side::Before));
+                assert_eq!(
+                    changes.put(&mut voxels, Side::Before) == Edit::default(),
+                    changes.lamp.is_some()
+                );
+                Ok(())
+            };
+            assert_eq!(history.undo(note), Ok(true));
+        }
+        assert_eq!(undone, [Some((lamp.voxel, None)), None]);
+        assert_eq!(
+            Changes::of_lamp(change).lamp(Side::After),
+            Some((lamp.voxel, Some(lamp)))
+        );
     }
 
     #[test]

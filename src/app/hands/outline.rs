@@ -178,7 +178,7 @@ mod tests {
     }
 
     fn outline(voxels: &Voxels, camera: &Camera) -> Vec<Segment> {
-        let target = Reach::default().aim(voxels, ORIGIN, camera);
+        let target = Reach::default().aim(voxels, &[], ORIGIN, camera);
         let target = target.expect("it meets something");
         of_target(voxels, ORIGIN, &camera.basis(1.5), &target)
     }

@@ -197,7 +197,7 @@ impl Player {
                 self.field_of_view_deg = own_deg
                     .map(|deg| deg.clamp(*FIELDS_OF_VIEW_DEG.start(), *FIELDS_OF_VIEW_DEG.end()));
             }
-            Input::Wheel(notches) => {
+            Input::FlySpeed(notches) => {
                 let speed = self.fly_speed * SPEED_PER_NOTCH.powf(f64::from(notches));
                 self.fly_speed = speed.clamp(*FLY_SPEEDS.start(), *FLY_SPEEDS.end());
             }

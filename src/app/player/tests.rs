@@ -84,7 +84,7 @@ fn any_input() -> impl Strategy<Value = Input> {
         4 => key.clone().prop_map(Input::Press),
         3 => key.prop_map(Input::Release),
         3 => (-300.0f32..300.0, -100.0f32..100.0).prop_map(|(x, y)| Input::Look(x, y)),
-        1 => (-3.0f32..3.0).prop_map(Input::Wheel),
+        1 => (-3.0f32..3.0).prop_map(Input::FlySpeed),
         1 => Just(Input::Focus(false)),
     ]
 }
@@ -204,7 +204,7 @@ fn looking_turns_right_and_down_and_stops_at_the_poles() {
 #[test]
 fn speeds_of_flight_stay_in_range() {
     let speed = |notches: &[f32]| {
-        let inputs: Vec<_> = notches.iter().map(|n| (0, Input::Wheel(*n))).collect();
+        let inputs: Vec<_> = notches.iter().map(|n| (0, Input::FlySpeed(*n))).collect();
         played(&inputs, frames(60, 20 * MS)).0.fly_speed
     };
     assert!((speed(&[3.0, -3.0]) - 4.0).abs() < 1e-9);

@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// Version of the format. Records of another version are refused: a run would not be the same.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What a run begins with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,14 @@ use std::{
 use serde::Deserialize;
 
 use super::{Header, Moment, Record, RecordError, VERSION, write::part_of};
-use crate::{app::input::Input, measure::whole_file::FileError, parameters::Parameters};
+use crate::{
+    app::{
+        hands::{Item, hotbar::SLOTS},
+        input::Input,
+    },
+    measure::whole_file::FileError,
+    parameters::Parameters,
+};
 
 /// Longer records are refused (bytes): some days of play.
 const LARGEST: u64 = 1 << 30;
@@ -17,6 +24,8 @@ const LARGEST: u64 = 1 << 30;
 const LONGEST_GAP_NS: u64 = 2_000_000_000;
 /// Largest edge of a picture (pixels).
 const LARGEST_EDGE: u32 = 16_384;
+/// Most slots that a wheel is turned by in one input.
+const MOST_SCROLLED: u32 = 1 << 20;
 /// World time lies within ± this many seconds.
 const LATEST_S: f64 = 1e9;
 /// Largest change of an angle or a speed in one input, far beyond what a hand does.
@@ -192,7 +201,16 @@ fn check_size(size: [u32; 2]) -> Result<(), String> {
 fn check(input: &Input) -> Result<(), String> {
     let fits = match input {
         Input::Look(right, down) => right.abs() <= FARTHEST_PX && down.abs() <= FARTHEST_PX,
-        Input::Wheel(notches) => notches.abs() <= FARTHEST_PX,
+        Input::FlySpeed(notches) => notches.abs() <= FARTHEST_PX,
+        Input::Slot(slot) => *slot < SLOTS,
+        Input::Scroll(slots) => slots.unsigned_abs() <= MOST_SCROLLED,
+        Input::Item { slot, item } => {
+            let fault = match item {
+                Item::Lamp(block) => block.fault(),
+                Item::Material(_) => None,
+            };
+            *slot < SLOTS && fault.is_none()
+        }
         Input::Clock { rate, time_s, .. } => {
             (0.0..=FASTEST).contains(rate) && time_s.abs() <= LATEST_S
         }
@@ -221,7 +239,7 @@ mod tests {
             record::Recorder,
             viewport::Choice,
         },
-        world::Camera,
+        world::{Camera, placed::LampBlock},
     };
 
     fn header() -> Header {
@@ -255,12 +273,22 @@ mod tests {
             Input::Press(Key::Forward),
             Input::Release(Key::NoClip),
             Input::Look(0.1, -33.7),
-            Input::Wheel(1.0),
+            Input::FlySpeed(1.0),
             Input::Stroke(Stroke::Dig),
-            Input::Brush(Brush {
-                material: 3,
-                radius: 1.7,
-            }),
+            Input::Brush(Brush { radius: 1.7 }),
+            Input::Slot(9),
+            Input::Scroll(-3),
+            Input::Item {
+                slot: 4,
+                item: Item::Material(3),
+            },
+            Input::Item {
+                slot: 0,
+                item: Item::Lamp(LampBlock {
+                    power: 1234.5,
+                    ..LampBlock::default()
+                }),
+            },
             Input::Camera(2),
             Input::Clock {
                 paused: true,
@@ -326,7 +354,7 @@ mod tests {
         };
         for (from, to, parts) in [
             (
-                "\"grotto_record\":1",
+                "\"grotto_record\":2",
                 "\"grotto_record\":9",
                 [":1: ", "version 9"],
             ),
@@ -385,7 +413,7 @@ mod tests {
             b"\n",
             b"\xff\xfe\n",
             b"PNG\n",
-            b"{\"grotto_record\":1}\n",
+            b"{\"grotto_record\":2}\n",
             b"[]",
         ] {
             let message = refused(nonsense);

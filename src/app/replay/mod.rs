@@ -24,7 +24,7 @@ use crate::{
     measure::picture::Picture,
     parameters::Parameters,
     passes::view::Inspection,
-    world::{Camera, World},
+    world::{Camera, PlacedLamp, World},
 };
 
 /// A record while it is played.
@@ -69,6 +69,8 @@ pub struct State {
     pub camera: Camera,
     /// CRC-32 of all voxels.
     pub voxels_crc32: u32,
+    /// In the order of placing.
+    pub lamps: Vec<PlacedLamp>,
     pub latency: LatencyFigures,
 }
 
@@ -100,12 +102,13 @@ impl Replay {
         let camera = header.camera();
         let world = viewport.world().clone();
         let player = Player::new(&camera, &world, &viewport.ground()?);
+        let hands = Hands::new(&world, viewport.build());
         Ok(Self {
             viewport,
             device_errors,
             settings,
             player,
-            hands: Hands::default(),
+            hands,
             messages: Messages::default(),
             end_ns: record.end_ns(),
             playback: Playback::new(record),
@@ -216,6 +219,7 @@ impl Replay {
             time_s: self.player.now_ns() as f64 * 1e-9,
             camera: self.camera.clone(),
             voxels_crc32: self.viewport.voxels()?.crc32(),
+            lamps: self.viewport.placed_lamps().to_vec(),
             latency: self.latency.figures(),
         })
     }

@@ -1,7 +1,7 @@
 //! User input to the window: keys and mouse steer the camera or go to the panel.
 
 use winit::{
-    event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent},
+    event::{ElementState, KeyEvent, MouseButton, WindowEvent},
     keyboard::{KeyCode, PhysicalKey},
     window::CursorGrabMode,
 };
@@ -28,7 +28,7 @@ impl Session {
 
     /// Handles any event except requests to close or to draw.
     pub fn event(&mut self, event: &WindowEvent) {
-        if self.benchmark_takes(event) || self.menu_takes(event) {
+        if self.benchmark_takes(event) || self.menu_takes(event) || self.inventory_takes(event) {
             return;
         }
         // The panel ignores input that steers the camera, but it must receive releases.
@@ -70,11 +70,7 @@ impl Session {
             }
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::MouseWheel { delta, .. } if self.captured || !self.over_panel() => {
-                let notches = match delta {
-                    MouseScrollDelta::LineDelta(_, lines) => *lines,
-                    MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / 40.0,
-                };
-                self.give(Input::Wheel(notches));
+                self.scroll(delta);
             }
             _ => {}
         }

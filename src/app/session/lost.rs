@@ -42,6 +42,7 @@ impl Session {
         if let Some(menu) = &mut self.menu {
             menu.forget_textures();
         }
+        self.items.forget_textures();
         self.viewport.move_to(gpu)?;
         self.messages.toast(toasts::GPU_LOST);
         self.remade();

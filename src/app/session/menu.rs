@@ -209,7 +209,7 @@ impl Session {
         };
         self.preferences
             .apply_to(&mut parameters, &self.set_at_start);
-        // The digits jump to the world's own cameras.
+        // Alt and the digits jump to the world's own cameras.
         world
             .cameras
             .retain(|camera| save.is_none() || camera.name != save::VIEW);

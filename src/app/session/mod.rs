@@ -5,6 +5,7 @@ mod benchmark;
 #[cfg(feature = "gamepad")]
 mod gamepads;
 mod input;
+mod inventory;
 mod lost;
 mod menu;
 mod panels;
@@ -16,12 +17,7 @@ mod start;
 mod times;
 mod views;
 
-use std::{
-    collections::HashMap,
-    path::PathBuf,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{collections::HashMap, path::PathBuf, sync::Arc, time::Instant};
 
 use winit::{event_loop::ActiveEventLoop, window::Window};
 
@@ -34,9 +30,10 @@ use super::{
     controls::{Action, Trigger},
     hands::brush::Brush,
     input::Input,
+    inventory::Items,
     menu::{Folders, Menu, Occasion},
     messages::Messages,
-    pace::{Attention, Pace},
+    pace::Pace,
     panel::{PassMeans, Settings},
     reload::Watch,
     saving::Saving,
@@ -70,6 +67,8 @@ pub struct Session {
     panel_open: bool,
     /// While it is open, it takes all input.
     menu: Option<Menu>,
+    /// While the inventory is open, it takes keys and clicks.
+    items: Items,
     folders: Folders,
     /// With which every world is entered.
     parameters_at_start: Parameters,
@@ -164,7 +163,7 @@ impl Session {
             inspection: options.inspection,
             scale,
             vsync: preferences.vsync,
-            clock: start::first_clock(options),
+            clock: saves::first_clock(options),
             brush: Brush::default(),
         };
         let play = Play::begin(options, &mut viewport)?;
@@ -185,6 +184,7 @@ impl Session {
             lose_device_at: options.lose_device_at,
             panel_open: false,
             menu: None,
+            items: Items::default(),
             folders: Folders::of_user(),
             parameters_at_start: parameters,
             set_at_start: options.set.clone(),
@@ -237,17 +237,6 @@ impl Session {
     /// When to request the next frame, if the last was requested at `requested`; `None` where it is urgent.
     pub fn next_frame(&self, requested: Instant) -> Option<Instant> {
         self.pace.next(self.interval(), requested)
-    }
-
-    /// The least time between the beginnings of two frames.
-    fn interval(&self) -> Option<Duration> {
-        let attention = Attention {
-            focused: self.focused,
-            hidden: self.hidden,
-            measured: self.counted || self.benchmarks.running.is_some(),
-        };
-        let drawing = self.drawn.saturating_duration_since(self.last_frame);
-        attention.interval(&self.preferences, drawing)
     }
 
     /// Frames shown so far.

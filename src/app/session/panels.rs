@@ -26,10 +26,12 @@ impl Session {
             camera: &self.camera,
             fly_speed: self.play.player.fly_speed(),
             probes: self.probes,
+            hotbar: &self.play.hands.hotbar,
         };
         let before = self.menu.is_some().then(|| self.preferences.clone());
         let mut action = None;
         let mut chosen = None;
+        let mut items = Vec::new();
         let output = context.run_ui(input, |ui| {
             if let Some(menu) = &mut self.menu {
                 let mut shown = Shown {
@@ -43,6 +45,9 @@ impl Session {
             } else if self.panel_open && self.benchmarks.running.is_none() {
                 action = panel::show(ui, &facts, &mut self.settings).or(action);
             }
+            if self.menu.is_none() && self.benchmarks.running.is_none() {
+                items = self.items.show(ui, facts.viewport.world(), facts.hotbar);
+            }
             if self.captured {
                 if let Some((_, edges)) = &aimed {
                     outline::draw(ui, edges);
@@ -54,8 +59,15 @@ impl Session {
         if let Some(before) = before {
             self.apply_since(&before);
         }
+        for input in items {
+            self.give(input);
+        }
         match action {
             Some(Action::JumpTo(index)) => self.give(Input::Camera(index)),
+            Some(Action::Hold(item)) => {
+                let slot = self.play.hands.hotbar.selected();
+                self.give(Input::Item { slot, item });
+            }
             Some(Action::Screenshot) => self.screenshot_wanted = true,
             Some(Action::Reload) => self.reload(true, true),
             None => {}

@@ -73,7 +73,7 @@ impl Play {
     fn of(player: Player, viewport: &Viewport) -> Self {
         Self {
             player,
-            hands: Hands::default(),
+            hands: Hands::new(viewport.world(), viewport.build()),
             pending: Vec::new(),
             chosen: Chosen::at_start(viewport),
             recorder: None,
@@ -144,8 +144,8 @@ impl Session {
     pub(super) fn aim(&mut self) -> Option<(Target, Vec<Segment>)> {
         let reach = Reach::of(self.play.player.body());
         let [width, height] = self.viewport.frame().size().map(f64::from);
+        let target = self.viewport.aim(&reach, &self.camera).ok()??;
         let ground = self.viewport.ground().ok()?;
-        let target = reach.aim(ground.voxels, ground.origin, &self.camera)?;
         let basis = self.camera.basis(width / height);
         let edges = outline::of_target(ground.voxels, ground.origin, &basis, &target);
         Some((target, edges))

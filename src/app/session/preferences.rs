@@ -1,10 +1,12 @@
 //! Applies the settings that stay from run to run, and keeps them when they change.
 
+use std::time::Duration;
+
 use winit::window::Fullscreen;
 
 use super::Session;
 use crate::{
-    app::{input::Input, settings::Preferences, texts::toasts},
+    app::{input::Input, pace::Attention, settings::Preferences, texts::toasts},
     gpu::Gpu,
 };
 
@@ -77,6 +79,17 @@ impl Session {
         let full = self.preferences.full_screen;
         let mode = full.then_some(Fullscreen::Borderless(None));
         self.window.set_fullscreen(mode);
+    }
+
+    /// The least time between the beginnings of two frames.
+    pub(super) fn interval(&self) -> Option<Duration> {
+        let attention = Attention {
+            focused: self.focused,
+            hidden: self.hidden,
+            measured: self.counted || self.benchmarks.running.is_some(),
+        };
+        let drawing = self.drawn.saturating_duration_since(self.last_frame);
+        attention.interval(&self.preferences, drawing)
     }
 
     /// Keeps the settings if they changed, but not while a slider moves: its place must not move under the mouse either.

@@ -2,9 +2,15 @@
 
 use std::{path::PathBuf, time::Instant};
 
-use super::{super::saving::Kept, Session};
+use super::{
+    super::saving::{Kept, clock_of},
+    Session,
+};
 use crate::{
-    app::{AppError, clock::WorldClock, player::Player, record::assignments, viewport::Viewport},
+    app::{
+        AppError, Options, clock::WorldClock, player::Player, record::assignments,
+        viewport::Viewport,
+    },
     world::save::State,
 };
 
@@ -71,5 +77,20 @@ pub(super) fn kept(
             .collect(),
         origin: world.origin.to_array(),
     };
-    Ok(Kept { state, overlay })
+    Ok(Kept {
+        state,
+        overlay,
+        lamps: viewport.placed_lamps().to_vec(),
+    })
+}
+
+/// World time at the start: that of the save, if the run continues one.
+pub(super) fn first_clock(options: &Options) -> WorldClock {
+    let continued = options.saves.continued.as_ref();
+    let saved = continued.map(|(_, save)| clock_of(save));
+    let clock = saved.unwrap_or_default();
+    WorldClock {
+        paused: clock.paused || options.traced,
+        ..clock
+    }
 }

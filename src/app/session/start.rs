@@ -1,27 +1,14 @@
-//! What a window begins with: the clock, and the world on the GPU.
+//! What a window begins with: the world on the GPU.
 
 use crate::{
     app::{
         Options,
-        clock::WorldClock,
         messages::Messages,
-        saving::clock_of,
         viewport::{Choice, Viewport},
     },
     frame::FrameError,
     gpu::{Gpu, GpuError, ShaderLibrary},
 };
-
-/// World time at the start: that of the save, if the run continues one.
-pub(super) fn first_clock(options: &Options) -> WorldClock {
-    let continued = options.saves.continued.as_ref();
-    let saved = continued.map(|(_, save)| clock_of(save));
-    let clock = saved.unwrap_or_default();
-    WorldClock {
-        paused: clock.paused || options.traced,
-        ..clock
-    }
-}
 
 /// The first viewport: with the shaders of a folder if they compile, else with those of the binary.
 pub(super) fn build(

@@ -15,7 +15,7 @@ use crate::{
     parameters::{Parameters, Remake},
     passes::view::{Inspection, Shot},
     world::{
-        self, Camera, LampPreset, LayoutSpec, World,
+        self, Camera, LayoutSpec, World,
         file::Overrides,
         voxels::{Edit, Originals, Voxels},
     },
@@ -69,7 +69,7 @@ pub struct Viewport {
     /// The voxels as on the GPU, read back at the first need. They remember what edited cells contained when
     /// this world was built.
     voxels: Option<Voxels>,
-    /// How often voxels were built anew, without edits.
+    /// How often voxels were built again, without edits.
     build: u32,
     /// What cells contained whose last edit did not fit, while there are no voxels.
     originals: Originals,
@@ -255,12 +255,21 @@ impl Viewport {
     /// # Errors
     /// [`FrameError`] when the device is lost.
     pub fn voxels(&mut self) -> Result<&Voxels, FrameError> {
+        Ok(self.voxels_and_world()?.0)
+    }
+
+    /// The voxels as on the GPU, and the world that they are of.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the device is lost.
+    pub fn voxels_and_world(&mut self) -> Result<(&Voxels, &World), FrameError> {
         if self.voxels.is_none() {
             let mut voxels = self.frame.stage.read_back(&self.gpu)?;
             voxels.remember(std::mem::take(&mut self.originals));
             self.voxels = Some(voxels);
         }
-        Ok(self.voxels.as_ref().expect("they are read"))
+        let voxels = self.voxels.as_ref().expect("they are read");
+        Ok((voxels, &self.world))
     }
 
     /// Changes voxels, on the CPU and on the GPU. They stay changed when the world is built again.
@@ -360,20 +369,6 @@ impl Viewport {
             None => self.frame.read_display(&self.gpu),
         }
     }
-
-    /// The lamps of the chosen preset, up to the number that the parameters allow.
-    fn lamps(&self) -> LampPreset {
-        let parameters = &self.choice.parameters.lights;
-        let presets = &self.world.lamp_presets;
-        let chosen = presets
-            .iter()
-            .find(|preset| preset.name == parameters.preset);
-        let mut lamps = chosen
-            .unwrap_or_else(|| presets.first().expect("a world has a lamp preset"))
-            .clone();
-        lamps.lamps.truncate(parameters.max_lamps as usize);
-        lamps
-    }
 }
 
 /// The choice, with everything that this world lacks replaced.
@@ -401,7 +396,10 @@ mod tests {
     use glam::IVec3;
 
     use super::*;
-    use crate::gpu::{DeviceErrors, GpuError, ShaderChecks};
+    use crate::{
+        gpu::{DeviceErrors, GpuError, ShaderChecks},
+        world::{PlacedLamp, placed::tests::lamp},
+    };
 
     fn shown() -> Viewport {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
@@ -478,6 +476,44 @@ mod tests {
                 .edit(|voxels, _| voxels.set(at, 1))
                 .expect("it fits");
         }
+    }
+
+    #[test]
+    fn placed_lamps_outlast_presets_rebuilds_and_the_loss_of_the_device() {
+        let mut viewport = shown();
+        let at = |x| lamp(IVec3::new(x, 12, 3));
+        // Lamps of two sides of the world's edge at x = 32.
+        for lamp in [at(2), at(31), at(40)] {
+            viewport.put_lamp(lamp.voxel, Some(lamp));
+        }
+        let off = PlacedLamp {
+            is_on: false,
+            ..at(2)
+        };
+        viewport.put_lamp(off.voxel, Some(off));
+        let lit = |viewport: &Viewport| {
+            let lights = Lights::at(&viewport.world, &viewport.lamps(), 0.0);
+            // Without the sun.
+            lights.lamps.len() - 1
+        };
+        assert_eq!(lit(&viewport), 2, "one is off");
+        let resized = Choice {
+            size: [9, 7],
+            ..viewport.choice.clone()
+        };
+        viewport.apply(resized).expect("it fits");
+        viewport.reload_world().expect("it is as it was");
+        assert_eq!(viewport.placed_lamps(), [off, at(31)]);
+        let notes = viewport.take_notes();
+        assert!(notes[0].contains("1 placed lamps"), "{notes:?}");
+        let device_errors = DeviceErrors::watch(&viewport.gpu);
+        viewport.gpu.device.destroy();
+        assert!(viewport.read_display().is_err() && device_errors.is_lost());
+        let gpu = viewport.gpu.reopened(None).expect("the adapter");
+        viewport.move_to(gpu).expect("it fits");
+        assert_eq!((viewport.placed_lamps().len(), lit(&viewport)), (2, 1));
+        viewport.put_lamp(off.voxel, None);
+        assert_eq!(viewport.placed_lamps(), [at(31)]);
     }
 
     #[test]

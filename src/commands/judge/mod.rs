@@ -25,10 +25,20 @@ use self::{
     truth::Against,
 };
 use super::{
-    EXIT_FAULT, Failure, dynamics::WATCHED_FRAMES, memory, options::RunOptions, output,
-    settings::Varied, shard::Shard, stop, test_case::TestCaseOptions,
+    EXIT_FAULT, Failure,
+    dynamics::{TURN_DEG, WATCHED_FRAMES},
+    memory,
+    options::RunOptions,
+    output,
+    settings::Varied,
+    shard::Shard,
+    stop,
+    test_case::TestCaseOptions,
 };
-use crate::measure::{picture_file, selection::Selection};
+use crate::{
+    measure::{picture_file, selection::Selection},
+    parameters::{Antialias, Parameters},
+};
 
 /// Judge DDGI against path-traced references: error, energy, leaks, stability, response
 ///
@@ -42,8 +52,8 @@ use crate::measure::{picture_file, selection::Selection};
 /// over RGB, over 50 frames of the tone-mapped scene at rest. Response counts frames until the indirect light
 /// has made 90 % and 99 % of its change, after a lamp is switched on, off, or moved, and after a wall is opened
 /// and closed. The world names the lamp and the wall; the defaults are the first lamp and a hole in front of
-/// the camera. With --motion, rows are also judged while lamps and camera move. Without WORLD all worlds of the
-/// folder worlds/ are judged.
+/// the camera. With --motion, rows are also judged while lamps and camera move; with --displayed, edges count
+/// too. Without WORLD all worlds of the folder worlds/ are judged.
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -82,6 +92,12 @@ pub struct Arguments {
     response_frames: u32,
     #[command(flatten)]
     motion: MotionOptions,
+    /// Judge what players see: frames are anti-aliased, and so are the references
+    ///
+    /// Without it all pictures are taken at the centres of pixels, and edges are the same on both sides. With
+    /// --motion the camera turns at 120 degrees per second in place of 90.
+    #[arg(long)]
+    displayed: bool,
     /// Where references are stored [default: the user's cache folder]
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     cache: Option<PathBuf>,
@@ -104,6 +120,31 @@ fn camera_mask(text: &str) -> Result<(String, PathBuf), String> {
 
 pub(super) const COMMAND: &str = "judge";
 
+/// Speed of a camera that turns while edges are judged: a player who looks around (degrees per second).
+const DISPLAYED_TURN_DEG: f32 = 120.0;
+
+impl Arguments {
+    /// Speed of a camera that turns (degrees per second).
+    fn turn_deg(&self) -> f32 {
+        match self.displayed {
+            true => DISPLAYED_TURN_DEG,
+            false => TURN_DEG,
+        }
+    }
+
+    /// # Errors
+    /// Where the parameters contradict `--displayed`.
+    fn check_displayed(&self, parameters: &Parameters) -> Result<(), Failure> {
+        if self.displayed && parameters.picture.antialias == Antialias::Off {
+            return Err(Failure::bad_input(
+                "--displayed judges anti-aliased pictures, and picture.antialias=off asks for none; leave one of \
+                 them out",
+            ));
+        }
+        Ok(())
+    }
+}
+
 /// Folder of the worlds that are judged if none is named.
 const WORLDS: &str = "worlds";
 
@@ -113,7 +154,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let varied: Vec<&'static str> = arguments.subjects.vary.iter().map(Varied::name).collect();
     arguments.subjects.settings(run)?;
     arguments.motion.check_worlds(&paths)?;
-    arguments.motion.plan(&run.parameters()?)?;
+    let parameters = run.parameters()?;
+    arguments.motion.plan(&parameters)?;
+    arguments.check_displayed(&parameters)?;
     // Memory for light, display and figures of DDGI and reference, and for FLIP, per pixel.
     let [width, height] = arguments.subjects.size.map(u64::from);
     let per_pixel = 400 + arguments.motion.bytes_per_pixel();

@@ -37,6 +37,8 @@ struct Stored {
     /// Width and height in pixels of the judged pictures.
     size: [u32; 2],
     spp: u32,
+    /// Whether pictures and references are anti-aliased.
+    displayed: bool,
     /// Width in pixels of the pictures in the page.
     page_pictures: u32,
     varied: Vec<String>,
@@ -127,6 +129,7 @@ pub fn file(
         ("--skip-response", arguments.skip_response.to_string()),
         ("--response-frames", arguments.response_frames.to_string()),
         ("--motion", arguments.motion.fact()),
+        ("--displayed", arguments.displayed.to_string()),
     ];
     let head = Head {
         command: COMMAND.to_owned(),
@@ -154,6 +157,7 @@ pub fn write(judge: &Judge<'_>, file: PartFile, worlds: usize) -> Result<(), Fai
         adapter: judge.gpu.summary.clone(),
         size: judge.arguments.subjects.size,
         spp: judge.arguments.spp,
+        displayed: judge.arguments.displayed,
         page_pictures: judge.arguments.page_pictures,
         varied: judge.varied.iter().map(|&key| key.to_owned()).collect(),
         worlds,
@@ -252,6 +256,7 @@ pub fn merge(parts: &[Part], out: &Path) -> Result<Result<(), Failure>, Failure>
             adapter: &all.adapter,
             size: all.size,
             spp: all.spp,
+            displayed: all.displayed,
             complete: true,
             rows: &rows,
             by_setting: summary::by_setting(&rows),

@@ -23,6 +23,8 @@ pub struct Report<'a> {
     pub size: [u32; 2],
     /// Paths per pixel of the references.
     pub spp: u32,
+    /// Whether pictures and references are anti-aliased, as players see them.
+    pub displayed: bool,
     /// Whether all rows are present: false while rows are left, and when the run was stopped.
     pub complete: bool,
     pub rows: &'a [Row],
@@ -92,9 +94,11 @@ impl Report<'_> {
         } = self.adapter;
         let [width, height] = self.size;
         format!(
-            "grotto {} on {name} ({kind}, {backend}, {driver}), {width} × {height} pixels; references of {} \
+            "grotto {} on {name} ({kind}, {backend}, {driver}), {width} × {height} pixels{}; references of {} \
              paths a pixel.",
-            self.version, self.spp
+            self.version,
+            if self.displayed { ", anti-aliased" } else { "" },
+            self.spp
         )
     }
 

@@ -20,6 +20,7 @@ use crate::{
         selection::Selection,
         stability::Stability,
     },
+    parameters::Antialias,
     world::{Camera, View},
 };
 
@@ -190,14 +191,18 @@ pub fn judge(
         .transpose()?;
     frame_loop.look(names.camera, View::Indirect);
     frame_loop.advance(lights, 1, after)?;
+    frame_loop.smooth()?;
     let indirect = Shown::from_linear(frame_loop.radiance()?, exposure_ev);
     let (rays, hysteresis) = (frame_loop.rays(), frame_loop.hysteresis());
     let probe_bytes = frame_loop.probe_bytes();
     let response = match plan.watched {
         Some(watched) => {
             let frames = [plan.frames, watched];
+            // They are about light, not about edges.
+            let antialias = frame_loop.antialias(Antialias::Off)?;
             let all = dynamics::responses(frame_loop, names.case, names.camera, frames, after)?;
             frame_loop.resize(size)?;
+            frame_loop.antialias(antialias)?;
             Some(all)
         }
         None => None,
@@ -224,6 +229,7 @@ pub fn direct_alone(
     let exposure_ev = frame_loop.shot().exposure_ev;
     frame_loop.look(names.camera, View::Direct);
     frame_loop.advance(&names.case.lights, 1, &|| {})?;
+    frame_loop.smooth()?;
     let direct = frame_loop.radiance()?;
     let dark = Picture::new(direct.width, direct.height);
     let [full, indirect] = [direct, dark].map(|light| Shown::from_linear(light, exposure_ev));

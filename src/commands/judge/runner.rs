@@ -85,6 +85,7 @@ impl Judge<'_> {
             adapter: &self.gpu.summary,
             size: self.arguments.subjects.size,
             spp: self.arguments.spp,
+            displayed: self.arguments.displayed,
             complete,
             rows: &self.rows,
             by_setting: summary::by_setting(&self.rows),
@@ -185,6 +186,9 @@ impl Judge<'_> {
             case.shot(&case.cameras[0]),
         )?;
         frame_loop.stop_at(self.stop);
+        if arguments.displayed {
+            frame_loop.antialias(case.parameters.picture.antialias)?;
+        }
         let mut tracer = Tracer {
             world: &case.world,
             run,
@@ -239,6 +243,7 @@ impl Judge<'_> {
                             names: &names,
                             plan,
                             settling: arguments.subjects.frames,
+                            turn_deg: arguments.turn_deg(),
                             film: self.film(&case, camera),
                             tracer: &mut tracer,
                             targets: &mut targets,
@@ -263,6 +268,7 @@ impl Judge<'_> {
             spp: self.arguments.spp,
             seed: self.arguments.subjects.seed,
             textures: case.parameters.textures.enabled,
+            antialias: self.arguments.displayed,
         }
     }
 

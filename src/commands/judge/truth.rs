@@ -49,6 +49,8 @@ pub struct Film<'a> {
     pub seed: u32,
     /// Whether textures are visible; else every texture is replaced by its mean.
     pub textures: bool,
+    /// Whether samples are spread over their pixels; else all go through the pixels' centres.
+    pub antialias: bool,
 }
 
 /// The path tracer of one world, and the cache of its references.
@@ -109,6 +111,7 @@ impl<'a> Tracer<'a> {
             spp,
             seed,
             textures,
+            antialias,
         } = film;
         let basis = camera.basis(f64::from(size[0]) / f64::from(size[1]));
         let tracer = match self.against {
@@ -119,9 +122,10 @@ impl<'a> Tracer<'a> {
             [] => String::new(),
             edits => format!(" {edits:?}"),
         };
+        let antialiased = if *antialias { " anti-aliased" } else { "" };
         Ok(Key {
             content: format!(
-                "{tracer} {} {basis:?} {size:?} {spp} {seed} {textures}{edits}",
+                "{tracer} {} {basis:?} {size:?} {spp} {seed} {textures}{edits}{antialiased}",
                 content(self.world, lights)
             ),
             version: self.version()?,
@@ -157,7 +161,7 @@ impl<'a> Tracer<'a> {
                     spp: film.spp,
                     seed: film.seed,
                     textures: film.textures,
-                    antialias: false,
+                    antialias: film.antialias,
                 };
                 let gpu = self.gpu;
                 let stop = self.stop;
@@ -198,7 +202,7 @@ impl<'a> Tracer<'a> {
             samples: film.spp,
             seed: u64::from(film.seed),
             view,
-            antialias: false,
+            antialias: film.antialias,
             max_bounces: u32::MAX,
         };
         reference::render_scene(&scene, &options, progress, cancel)

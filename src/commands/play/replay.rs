@@ -19,6 +19,7 @@ use crate::{
         replay::{LatencyFigures, Replay, ReplayOptions},
     },
     measure::{picture_file, whole_file},
+    world::PlacedLamp,
 };
 
 /// Measurements of memory over a replay.
@@ -45,6 +46,8 @@ struct Figures {
     pitch_deg: f32,
     /// CRC-32 of all voxels, in hexadecimal digits.
     voxels_crc32: String,
+    /// In the order of placing.
+    lamps: Vec<PlacedLamp>,
     latency: LatencyFigures,
     process_bytes: Growth,
     adapter_bytes: Growth,
@@ -125,6 +128,7 @@ pub fn run(
         yaw_deg: state.camera.yaw_deg,
         pitch_deg: state.camera.pitch_deg,
         voxels_crc32: format!("{:08x}", state.voxels_crc32),
+        lamps: state.lamps,
         latency: state.latency,
         process_bytes: Growth::of(&process_bytes),
         adapter_bytes: Growth::of(&adapter_bytes),
@@ -135,7 +139,7 @@ pub fn run(
     let [x, y, z] = figures.eye;
     output::print(&format!(
         "{} frames, {} steps, {:.2} s; {} pictures\n\
-         eye {x} {y} {z}, yaw {}°, pitch {}°, voxels {}\n\
+         eye {x} {y} {z}, yaw {}°, pitch {}°, voxels {}, {} placed lamps\n\
          {} inputs seen {:.2} frames late on average, at most {}; {} lost; {} without effect at once\n\
          memory {:.1} MB at first, {:.1} MB at the end, {:.1} MB of steady growth\n",
         figures.frames,
@@ -145,6 +149,7 @@ pub fn run(
         figures.yaw_deg,
         figures.pitch_deg,
         figures.voxels_crc32,
+        figures.lamps.len(),
         figures.latency.inputs,
         figures.latency.mean_frames,
         figures.latency.most_frames,

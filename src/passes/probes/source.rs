@@ -8,6 +8,20 @@ use crate::{
     probes::MOVE_REACH,
 };
 
+crate::shared! {
+    in probes;
+
+    /// The weights of a gather under `probes.method=source`, each with all before it. 0 are grotto's own.
+    const TRILINEAR as SOURCE_TRILINEAR: u32 = 1;
+    const DIRECTION as SOURCE_DIRECTION: u32 = 2;
+    const VISIBILITY as SOURCE_VISIBILITY: u32 = 3;
+    const PERCEPTION as SOURCE_PERCEPTION: u32 = 4;
+    const ADJUSTED as SOURCE_ADJUSTED: u32 = 5;
+
+    /// Farthest that a probe walks along an axis, in spacings.
+    use MOVE_REACH => MOVE_REACH: f32;
+}
+
 /// Additional data of a field whose algorithm is not grotto's own.
 pub struct Source {
     weights: SourceWeights,
@@ -49,13 +63,13 @@ impl Source {
 
     /// Constant `SOURCE_WEIGHTS` of kernels that gather.
     pub fn weights(&self) -> f64 {
-        match self.weights {
-            SourceWeights::Trilinear => 1.0,
-            SourceWeights::Direction => 2.0,
-            SourceWeights::Visibility => 3.0,
-            SourceWeights::Perception => 4.0,
-            SourceWeights::Adjusted => 5.0,
-        }
+        f64::from(match self.weights {
+            SourceWeights::Trilinear => TRILINEAR,
+            SourceWeights::Direction => DIRECTION,
+            SourceWeights::Visibility => VISIBILITY,
+            SourceWeights::Perception => PERCEPTION,
+            SourceWeights::Adjusted => ADJUSTED,
+        })
     }
 
     /// Constant `REJECT_LONGER` of pass `probes/blend`.

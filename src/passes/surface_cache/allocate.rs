@@ -11,7 +11,7 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangl
 const REQUEST_GROUPS: u32 = REQUEST_ROOM / REQUESTS_A_GROUP;
 
 pub struct SurfaceAllocate {
-    mark: (Kernel, Bindings),
+    seen: (Kernel, Bindings),
     requested: [(Kernel, Bindings); 3],
     arguments: (Kernel, Bindings),
     groups: [u32; 2],
@@ -43,15 +43,15 @@ impl SurfaceAllocate {
             let bindings = kernel.bind(gpu, &all);
             Ok((kernel, bindings))
         };
-        let mark = entry("mark")?;
+        let seen = entry("allocate_seen")?;
         // One thread per four pixels.
-        let [columns, rows] = mark.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
+        let [columns, rows] = seen.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
         Ok(Self {
-            mark,
+            seen,
             requested: [
                 entry("claim_requested")?,
                 entry("take_requested")?,
-                entry("mark_requested")?,
+                entry("allocate_requested")?,
             ],
             arguments: entry("arguments")?,
             groups: rectangle(columns * rows),
@@ -60,7 +60,7 @@ impl SurfaceAllocate {
 
     /// After pass `view/camera_rays`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let (kernel, bindings) = &self.mark;
+        let (kernel, bindings) = &self.seen;
         recorder.run(kernel, bindings, self.groups);
     }
 

@@ -218,19 +218,19 @@ impl SurfaceCache {
     }
 
     /// All that the passes that light faces read and write.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
         let of = wgpu::Buffer::as_entire_binding;
         [
             ("face_info", of(&self.info)),
+            // One buffer: read, read and written by many threads at once, and written by the owner of an entry.
             ("face_table", of(&self.table)),
-            ("marked_table", of(&self.table)),
+            ("face_table_atomic", of(&self.table)),
             ("face_table_out", of(&self.table)),
             ("face_counts", of(&self.counts)),
             ("face_list_out", of(&self.list)),
             ("face_list", of(&self.list)),
             ("face_batches_out", of(&self.batches)),
             ("face_batches", of(&self.batches)),
-            ("known_faces", of(&self.histories)),
             ("face_histories", of(&self.histories)),
             ("face_dispatch", of(&self.dispatch)),
             // Pass `surface_cache/trace` writes these.

@@ -60,8 +60,8 @@ crate::shared! {
         /// Factor by which the intervals between batches of a face are stretched, so that the batches of a frame
         /// fit their buffer; 0: not yet known.
         pub(super) stretch: u32 => "atomic<u32>",
-        /// Frames from batch to batch of a face that has settled.
-        pub(super) calm: u32 => "atomic<u32>",
+        /// Frames from batch to batch of faces that take turns.
+        pub(super) turn_interval: u32 => "atomic<u32>",
     }
 
     /// Workgroups for the listed faces.

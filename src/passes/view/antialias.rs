@@ -5,7 +5,7 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 crate::shared! {
     in view;
 
-    /// What the last picture was seen by, and how much of it is kept.
+    /// The last picture's camera, and how much of that picture is kept.
     pub struct GpuHistory as History {
         /// The last camera, without jitter, as in the frame's view.
         pub position_ws: [f32; 3],
@@ -22,13 +22,13 @@ crate::shared! {
         pub moved: u32,
         /// First voxel (grid space) of the box that was edited since the last picture.
         pub edited_first: [u32; 3],
-        pub unused: u32,
+        pub _pad0: u32,
         /// Last voxel of that box; before the first one where nothing was edited.
         pub edited_last: [u32; 3],
-        pub unused_too: u32,
+        pub _pad1: u32,
         /// Where this frame's rays go through their pixels: pixels from the centre.
         pub jitter: [f32; 2],
-        pub _pad: [u32; 2],
+        pub _pad2: [u32; 2],
     }
 
     /// Alpha of a picture is this plus the number of frames in it: the tone mapper must not take a number for one of

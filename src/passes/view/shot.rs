@@ -37,10 +37,6 @@ crate::shared! {
     }
 }
 
-/// Width over which a jittered ray averages textures, in pixels: a bias of −1 level of detail, as is usual for temporal
-/// anti-aliasing (Karis 2014).
-const JITTERED_TEXTURE_PIXELS: f32 = 0.5;
-
 /// What one frame shows: from which camera, at what time, in which view.
 #[derive(Clone, Debug)]
 pub struct Shot {
@@ -83,14 +79,14 @@ impl Shot {
 
     /// The same, with rays that go through their pixels at `jitter` (pixels from the centre). Jitter averages textures
     /// too, so each ray averages less of them.
-    pub fn to_gpu_jittered(&self, jitter: [f64; 2]) -> GpuShot {
+    pub fn to_gpu_jittered(&self, jitter: [f64; 2], texture_pixels: f32) -> GpuShot {
         let [width, height] = self.size.map(f64::from);
         let basis = self.camera.basis(width / height);
         let forward = basis.forward + basis.right * (2.0 * jitter[0] / width)
             - basis.up * (2.0 * jitter[1] / height);
         GpuShot {
             forward_ws: forward.as_vec3().to_array(),
-            texture_pixels: JITTERED_TEXTURE_PIXELS,
+            texture_pixels,
             ..self.to_gpu()
         }
     }

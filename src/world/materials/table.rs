@@ -4,7 +4,6 @@
 //! constant colour takes four words, and other colours have more among the details. Albedos keep all
 //! bits, because an error grows with every bounce.
 
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use super::{Colour, MaterialSet};
@@ -22,21 +21,20 @@ crate::shared! {
     const KIND_HASH as COLOUR_HASH: u32 = 1;
     const KIND_DITHER_X as COLOUR_DITHER_X: u32 = 2;
     const KIND_BANDS as COLOUR_BANDS: u32 = 3;
-}
 
-/// `Material` in `shaders/scene/materials.wesl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuMaterial {
-    /// A packed [`Colour`]: red, green and blue of its lower end as f32, then a word with the kind in
-    /// two bits and above them an index into the details.
-    pub a: [u32; 4],
-    pub b: [u32; 4],
-    pub emission: [f32; 3],
-    pub mask_mean: f32,
-    /// Layer of the texture array | blocks along a tile's edge << 16, or [`NO_TEXTURE`].
-    pub texture: u32,
-    pub _pad: [u32; 3],
+    /// A material; albedo = mix(a, b, mask).
+    pub struct GpuMaterial as Material {
+        /// A packed colour: red, green and blue of its lower end as f32, then a word with the kind in
+        /// two bits and above them an index into the details.
+        pub a: [u32; 4],
+        pub b: [u32; 4],
+        /// Radiance (linear RGB).
+        pub emission: [f32; 3],
+        pub mask_mean: f32,
+        /// Layer of `block_masks` | blocks along a tile's edge << 16, or NO_TEXTURE.
+        pub texture: u32,
+        pub _pad: [u32; 3],
+    }
 }
 
 /// The parts of a colour that do not fit into its packed form. Hash: its upper end (r, g, b, 0).

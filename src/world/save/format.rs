@@ -15,7 +15,7 @@ use serde::de::DeserializeOwned;
 
 use super::{Head, Save, State};
 use crate::world::{
-    Overlay,
+    Overlay, PlacedLamp, placed,
     voxels::{BRICK_VOXELS, CELL, MASK_WORDS},
 };
 
@@ -35,6 +35,9 @@ const STATE: [u8; 4] = *b"Stat";
 /// Changed voxels: number of cells (u32). Each has its place (three u16, in cells), a mask of 512 bits, and a material
 /// for each bit that is set. Sorted by z, y, x.
 const EDITS: [u8; 4] = *b"Edit";
+
+/// Placed lamps, as JSON. A save without lamps lacks the section, so that a grotto which knows none can open it.
+const LAMPS: [u8; 4] = *b"Lamp";
 
 /// Longest edge of a grid in cells: a world has at most 4096 voxels on an axis.
 const MOST_CELLS: u32 = 4096 / CELL;
@@ -131,6 +134,9 @@ pub fn encode(save: &Save) -> Vec<u8> {
     // Maps of strings and numbers: JSON can hold them all.
     section(STATE, &serde_json::to_vec(&save.state).unwrap_or_default());
     section(EDITS, &edits(&save.overlay));
+    if !save.lamps.is_empty() {
+        section(LAMPS, &serde_json::to_vec(&save.lamps).unwrap_or_default());
+    }
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(4));
     // Writing to a Vec cannot fail.
     let _ = encoder.write_all(&content);
@@ -176,7 +182,7 @@ pub fn decode(bytes: &[u8]) -> Result<Save, Fault> {
     if content.len() as u64 != start.content {
         return Err(damaged("its content has another length than it says"));
     }
-    let (mut state, mut overlay) = (None, None);
+    let (mut state, mut overlay, mut lamps) = (None, None, Vec::new());
     let mut rest = Cursor(&content);
     while !rest.0.is_empty() {
         let name = rest.array::<4>()?;
@@ -185,6 +191,7 @@ pub fn decode(bytes: &[u8]) -> Result<Save, Fault> {
         match name {
             STATE => state = Some(json::<State>("state", bytes)?),
             EDITS => overlay = Some(overlay_of(bytes)?),
+            LAMPS => lamps = lamps_of(bytes)?,
             [b'a'..=b'z', ..] => {}
             _ => {
                 return Err(Fault::Newer {
@@ -200,6 +207,7 @@ pub fn decode(bytes: &[u8]) -> Result<Save, Fault> {
         head,
         state,
         overlay: overlay.ok_or_else(|| damaged("it has no changes, not even none"))?,
+        lamps,
     })
 }
 
@@ -222,6 +230,14 @@ fn check(state: &State) -> Result<(), Fault> {
     match fits {
         true => Ok(()),
         false => Err(damaged("its state is impossible")),
+    }
+}
+
+fn lamps_of(bytes: &[u8]) -> Result<Vec<PlacedLamp>, Fault> {
+    let lamps: Vec<PlacedLamp> = json("lamps", bytes)?;
+    match placed::fault(&lamps) {
+        Some(fault) => Err(damaged(fault)),
+        None => Ok(lamps),
     }
 }
 
@@ -313,6 +329,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::{super::sample::save_of, *};
+    use crate::world::placed::tests::{lamp, lamps};
 
     fn overlays() -> impl Strategy<Value = Overlay> {
         let voxel = (0..4096u32, 0..300u32, 0..40u32, 0..=255u8);
@@ -325,19 +342,31 @@ mod tests {
         })
     }
 
+    fn with_lamps(overlay: Overlay, lamps: Vec<PlacedLamp>) -> Save {
+        Save {
+            lamps,
+            ..save_of(overlay)
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
         #[test]
-        fn what_is_written_is_read(overlay in overlays()) {
-            let save = save_of(overlay);
+        fn what_is_written_is_read(overlay in overlays(), lamps in lamps()) {
+            let save = with_lamps(overlay, lamps);
             let read = decode(&encode(&save));
             prop_assert!(read == Ok(save));
         }
 
         /// Any bit may flip, any end may be missing or added: the bytes are refused, and nothing panics.
         #[test]
-        fn damage_is_noticed(overlay in overlays(), at in any::<prop::sample::Index>(), bit in 0..8u8) {
-            let bytes = encode(&save_of(overlay));
+        fn damage_is_noticed(
+            overlay in overlays(),
+            lamps in lamps(),
+            at in any::<prop::sample::Index>(),
+            bit in 0..8u8,
+        ) {
+            let bytes = encode(&with_lamps(overlay, lamps));
             let mut flipped = bytes.clone();
             flipped[at.index(bytes.len())] ^= 1 << bit;
             prop_assert!(matches!(decode(&flipped), Err(Fault::Damaged(_))));
@@ -350,6 +379,7 @@ mod tests {
         #[test]
         fn nonsense_is_refused(bytes in proptest::collection::vec(any::<u8>(), 0..700)) {
             let _ = overlay_of(&bytes);
+            prop_assert!(lamps_of(&bytes).is_err());
             prop_assert!(decode(&bytes).is_err());
         }
     }
@@ -396,8 +426,25 @@ mod tests {
             decode(&made(VERSION, &[(b"note", b"?")])).is_ok(),
             "it may be skipped"
         );
-        assert_eq!(decode(&made(VERSION, &[(b"Lamp", b"")])), newer(VERSION));
+        assert_eq!(decode(&made(VERSION, &[(b"Else", b"")])), newer(VERSION));
         assert_eq!(decode(&made(9, &[])), newer(9));
+    }
+
+    #[test]
+    fn lamps_that_cannot_be_are_damage_and_saves_without_lamps_are_as_before() {
+        let lamp = lamp(glam::IVec3::ONE);
+        let with = |lamps: &[PlacedLamp]| {
+            let section = serde_json::to_vec(lamps).expect("JSON");
+            decode(&made(VERSION, &[(&LAMPS, &section)]))
+        };
+        assert_eq!(with(&[lamp]).map(|save| save.lamps), Ok(vec![lamp]));
+        assert!(matches!(with(&[lamp, lamp]), Err(Fault::Damaged(_))));
+        let mut dark = lamp;
+        dark.block.power = -1.0;
+        assert!(matches!(with(&[dark]), Err(Fault::Damaged(_))));
+        let plain = encode(&save_of(Overlay::default()));
+        assert!(decode(&plain).is_ok_and(|save| save.lamps.is_empty()));
+        assert!(encode(&with_lamps(Overlay::default(), vec![lamp])).len() > plain.len());
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub use folder::{Folder, Listed, VARIABLE, now_s};
 pub(super) use restore::load;
 pub use restore::{VIEW, world_file};
 
-use super::Overlay;
+use super::{Overlay, PlacedLamp};
 
 /// Extension of the files.
 pub const EXTENSION: &str = "grotto";
@@ -37,6 +37,8 @@ pub struct Save {
     pub state: State,
     /// Voxels that differ from those of the world file, in the grid space of [`State::origin`].
     pub overlay: Overlay,
+    /// In the order of placing.
+    pub lamps: Vec<PlacedLamp>,
 }
 
 /// What lists of saves show: it is read without the rest.
@@ -55,6 +57,9 @@ pub struct Head {
     pub saved_s: u64,
     /// Number of changed voxels.
     pub voxels: u64,
+    /// Number of placed lamps.
+    #[serde(default)]
+    pub lamps: usize,
     /// The version of grotto that wrote it.
     pub grotto: String,
 }
@@ -132,6 +137,18 @@ pub enum SaveError {
     BadName(String),
     #[error("there is a save `{0}` already; choose another name, or delete it first")]
     Taken(String),
+}
+
+impl Head {
+    /// For a person: how much was changed.
+    pub fn changes(&self) -> String {
+        let lamps = match self.lamps {
+            0 => String::new(),
+            1 => ", 1 lamp".to_owned(),
+            lamps => format!(", {lamps} lamps"),
+        };
+        format!("{} voxels changed{lamps}", self.voxels)
+    }
 }
 
 impl Save {

@@ -92,6 +92,8 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<World, Report> {
     }
     world.restored.overlay = overlay;
     world.restored.notes = notes;
+    let (origin, size) = (world.origin, world.size);
+    world.restored.take_lamps(&save.lamps, origin, size);
     Ok(world)
 }
 

@@ -13,6 +13,7 @@ pub fn save_of(overlay: Overlay) -> Save {
             world_crc32: 0xdead_beef,
             saved_s: 1_790_000_000,
             voxels: overlay.count(),
+            lamps: 0,
             grotto: "0.1.0".into(),
         },
         state: State {
@@ -29,5 +30,6 @@ pub fn save_of(overlay: Overlay) -> Save {
             origin: [-3, 0, 7],
         },
         overlay,
+        lamps: Vec::new(),
     }
 }

@@ -2,6 +2,7 @@
 //! `grotto bench` about stability and response. These tests also check the measured light.
 
 mod compare;
+mod displayed;
 mod dynamics;
 mod judge;
 mod motion;

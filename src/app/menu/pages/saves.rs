@@ -79,7 +79,7 @@ impl SavesPage {
             });
         });
         match &save.head {
-            Ok(head) => ui.label(texts::about(&head.world, head.voxels)),
+            Ok(head) => ui.label(texts::about(&head.world, &head.changes())),
             Err(error) => ui.label(error.to_string()),
         };
         let mut begun = None;

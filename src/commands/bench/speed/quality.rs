@@ -94,6 +94,7 @@ impl Judging<'_> {
             spp: self.spp,
             seed: rig.seed,
             textures: spec.parameters.textures.enabled,
+            antialias: false,
         };
         let truth = tracer.truth(&film, &rig.frame.stage)?;
         Ok(Target::new(truth, spec.parameters.picture.exposure_ev))

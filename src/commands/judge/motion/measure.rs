@@ -65,6 +65,8 @@ pub struct Judging<'a, 't> {
     pub plan: &'a Plan,
     /// Frames before anything moves.
     pub settling: u32,
+    /// Speed of a camera that turns (degrees per second).
+    pub turn_deg: f32,
     /// The camera's picture, before anything has moved.
     pub film: Film<'a>,
     pub tracer: &'a mut Tracer<'t>,
@@ -164,7 +166,13 @@ impl Judging<'_, '_> {
     ) -> Result<Vec<(Now, Moment)>, Failure> {
         let (case, camera) = (self.names.case, self.names.camera);
         let voxels = frame_loop.voxels()?;
-        let sweep = Sweep::new(&case.world, &voxels, camera, &self.plan.moments);
+        let sweep = Sweep::new(
+            &case.world,
+            &voxels,
+            camera,
+            &self.plan.moments,
+            self.turn_deg,
+        );
         let mut digging = Digging::new(&case.world, &voxels, camera);
         self.settle(frame_loop, &case.lights, case.time_s(), bar)?;
         let is_still = !moves.lamps && !moves.camera && !moves.edits;

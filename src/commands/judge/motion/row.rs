@@ -26,7 +26,7 @@ pub struct Moment {
     pub time_s: f64,
     /// All light: DDGI over the reference of this moment.
     pub full: Comparison,
-    /// Bounced light alone.
+    /// Bounced light alone, which is taken at the centres of pixels also with `--displayed`.
     pub indirect: Comparison,
     /// Mean FLIP of all light after as many frames of a world that stands still as at this moment.
     pub rest_flip: f64,

@@ -2,27 +2,35 @@
 
 use std::f64::consts::TAU;
 
-use super::super::super::dynamics::{FLIGHT_SPEED, RATE, TURN_DEG};
+use super::super::super::dynamics::{FLIGHT_SPEED, RATE};
 use crate::{
     reference::flight_path::Path,
     world::{Camera, World, voxels::Voxels},
 };
 
 /// Between two judged moments the camera flies ahead and back, and turns to the left, to the right and back. It
-/// flies at [`FLIGHT_SPEED`] where there is room, and arrives turning at [`TURN_DEG`].
+/// flies at [`FLIGHT_SPEED`] where there is room, and arrives turning at full speed.
 pub struct Sweep {
     camera: Camera,
     /// `None` before a wall: then the camera only turns.
     path: Option<Path>,
     /// Voxels per second.
     speed: f32,
+    /// Degrees per second, at most.
+    turn_deg: f32,
     /// Frames in which the camera is at its place, ascending, from 0.
     home: Vec<u32>,
 }
 
 impl Sweep {
     /// `moments`: frames of the judged moments, ascending.
-    pub fn new(world: &World, voxels: &Voxels, camera: &Camera, moments: &[u32]) -> Self {
+    pub fn new(
+        world: &World,
+        voxels: &Voxels,
+        camera: &Camera,
+        moments: &[u32],
+        turn_deg: f32,
+    ) -> Self {
         let home: Vec<u32> = std::iter::once(0).chain(moments.iter().copied()).collect();
         let longest = home.windows(2).map(|pair| pair[1] - pair[0]).max();
         let speed = FLIGHT_SPEED / world.voxel_m;
@@ -32,6 +40,7 @@ impl Sweep {
             camera: camera.clone(),
             path: Path::new(world, voxels, cameras, reach).ok(),
             speed,
+            turn_deg,
             home,
         }
     }
@@ -48,7 +57,7 @@ impl Sweep {
         }
         let share = f64::from(frame - from) / f64::from(to - from);
         let length_s = seconds(to - from);
-        let turned = f64::from(TURN_DEG) * length_s / TAU * (TAU * share).sin();
+        let turned = f64::from(self.turn_deg) * length_s / TAU * (TAU * share).sin();
         let out_and_back = 1.0 - (1.0 - 2.0 * share).abs();
         let position = self.path.as_ref().map(|path| {
             let reach = path.length().min(self.speed * length_s as f32 / 2.0);
@@ -79,7 +88,7 @@ mod tests {
         let world = file::parse(&text, "test", None, &Default::default()).expect("a sound world");
         let voxels = generate::generate(&world);
         let camera = world.cameras[0].clone();
-        let sweep = Sweep::new(&world, &voxels, &camera, moments);
+        let sweep = Sweep::new(&world, &voxels, &camera, moments, 90.0);
         (camera, sweep)
     }
 

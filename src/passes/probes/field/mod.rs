@@ -218,7 +218,7 @@ impl ProbeField {
     /// Writes the uniform and rotates the rays for a frame. Must be called once before each submission that updates
     /// the probes: the writes take effect at the start of the submission.
     ///
-    /// Parameters for which [`crate::parameters::Remake`] requires a new field (rays, texels, sharpness) keep the
+    /// Parameters for which [`crate::parameters::Remake`] requires a new field (rays, texels) keep the
     /// values with which this field was made.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
         let parameters = &*parameters.effective();

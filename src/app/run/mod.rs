@@ -1,22 +1,22 @@
 //! A run of a world: applies inputs to the player, the clock, the brush and the voxels. The window and a replay
 //! both play through it.
 
+mod strokes;
+
+use strokes::Turn;
+
 use super::{
     AppError,
     body::{Body, Ground, Mode},
     clock::WorldClock,
-    hands::{
-        Changes, Hands, Side,
-        aim::Reach,
-        brush::{Brush, Stroke},
-    },
+    hands::{Hands, aim::Reach, brush::Brush},
     input::Input,
     messages::Messages,
     panel::Settings,
     player::Player,
     viewport::{Choice, Viewport},
 };
-use crate::{frame::FrameError, parameters::KEYS, world::Camera};
+use crate::{parameters::KEYS, world::Camera};
 
 /// What a run changes.
 pub struct Run<'a> {
@@ -44,15 +44,22 @@ impl Run<'_> {
     pub fn take(&mut self, input: &Input) -> Result<Done, AppError> {
         let mut done = Done::default();
         match input {
-            Input::Stroke(stroke) => done.edited = self.stroke(*stroke)?,
+            Input::Stroke(stroke) => done.edited = self.stroke(*stroke, Turn::First)?,
             Input::Hold(stroke) => {
-                done.edited = self.stroke(*stroke)?;
+                done.edited = self.stroke(*stroke, Turn::First)?;
                 self.hands.held.begin(*stroke, self.player.now_ns());
             }
             Input::LetGo(stroke) => self.hands.held.end(*stroke),
             Input::Undo => done.edited = self.undo(),
             Input::Redo => done.edited = self.redo(),
             Input::Brush(brush) => self.settings.brush = *brush,
+            Input::Slot(slot) => self.hands.hotbar.select(*slot),
+            Input::Scroll(slots) => self.hands.hotbar.scroll(*slots),
+            Input::Item { slot, item } => {
+                if item.name(self.viewport.world()).is_some() {
+                    self.hands.hotbar.put(*slot, *item);
+                }
+            }
             Input::Camera(index) => self.jump_to(*index)?,
             Input::Clock {
                 paused,
@@ -106,7 +113,7 @@ impl Run<'_> {
         while let Some(due_ns) = self.hands.held.due_ns(to_ns) {
             self.simulate(due_ns)?;
             if let Some(stroke) = self.hands.held.take_due(due_ns) {
-                done.edited |= self.stroke(stroke)?;
+                done.edited |= self.stroke(stroke, Turn::Repeated)?;
             }
         }
         self.simulate(to_ns)?;
@@ -121,58 +128,6 @@ impl Run<'_> {
             self.messages.hint(notice.text());
         }
         Ok(())
-    }
-
-    /// Makes a stroke where the player looks. Returns whether voxels changed.
-    fn stroke(&mut self, stroke: Stroke) -> Result<bool, AppError> {
-        let camera = self.view()?;
-        let reach = Reach::of(self.player.body());
-        let brush = &mut self.settings.brush;
-        let mut changes = Changes::default();
-        let edited = self.viewport.edit(|voxels, world| {
-            let stroked = brush.stroke(voxels, world, &camera, stroke, &reach);
-            changes = stroked.changes;
-            stroked.edit
-        });
-        self.hands.follow(self.viewport.build());
-        if let Err(error) = edited {
-            self.messages.toast_error(error.to_string());
-            return Ok(false);
-        }
-        let edited = !changes.is_empty();
-        self.hands.history.push(changes);
-        Ok(edited)
-    }
-
-    /// Returns whether voxels changed.
-    fn undo(&mut self) -> bool {
-        self.hands.follow(self.viewport.build());
-        let viewport = &mut *self.viewport;
-        let undone = self
-            .hands
-            .history
-            .undo(|changes| viewport.edit(|voxels, _| changes.put(voxels, Side::Before)));
-        self.went(undone, "There is nothing to undo")
-    }
-
-    /// Returns whether voxels changed.
-    fn redo(&mut self) -> bool {
-        self.hands.follow(self.viewport.build());
-        let viewport = &mut *self.viewport;
-        let redone = self
-            .hands
-            .history
-            .redo(|changes| viewport.edit(|voxels, _| changes.put(voxels, Side::After)));
-        self.went(redone, "There is nothing to redo")
-    }
-
-    fn went(&mut self, done: Result<bool, FrameError>, nothing: &str) -> bool {
-        match done {
-            Ok(true) => return true,
-            Ok(false) => self.messages.toast(nothing),
-            Err(error) => self.messages.toast_error(error.to_string()),
-        }
-        false
     }
 
     /// What the player sees now.
@@ -195,6 +150,7 @@ impl Run<'_> {
         // What cannot be shown is reverted.
         self.settings.choice = self.viewport.choice().clone();
         self.player.resize(self.viewport.world());
+        self.follow_build();
         self.tell_notes();
         remade
     }
@@ -216,6 +172,7 @@ impl Run<'_> {
         };
         self.settings.choice = self.viewport.choice().clone();
         self.player.resize(self.viewport.world());
+        self.follow_build();
         self.tell_notes();
     }
 
@@ -291,7 +248,7 @@ impl Chosen {
     }
 }
 
-/// The ground that the player of a viewport stands on.
+/// The world of a viewport for the player who is in it.
 impl Viewport {
     /// # Errors
     /// [`AppError`] when the voxels must be read back and the device is lost.

@@ -1,0 +1,176 @@
+//! What a stroke does: it digs, places and picks voxels and lamps, and can be undone.
+
+use super::Run;
+use crate::{
+    app::{
+        AppError,
+        hands::{
+            Changes, Item, Side,
+            aim::{Reach, Target},
+            brush::{Stroke, Stroked},
+            lamps::{self, LampChange},
+        },
+        viewport::Viewport,
+    },
+    frame::FrameError,
+    world::{Camera, World, voxels::Voxels},
+};
+
+/// Whether a stroke is the first of its button, or one of those while it is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Turn {
+    First,
+    Repeated,
+}
+
+impl Run<'_> {
+    /// Makes a stroke where the player looks. Returns whether voxels changed.
+    pub(super) fn stroke(&mut self, stroke: Stroke, turn: Turn) -> Result<bool, AppError> {
+        let camera = self.view()?;
+        let reach = Reach::of(self.player.body());
+        self.follow_build();
+        let Some(target) = self.viewport.aim(&reach, &camera)? else {
+            return Ok(false);
+        };
+        let world = self.viewport.world();
+        let lamp = lamps::met(world, &target).copied();
+        match (stroke, lamp) {
+            (Stroke::Pick, Some(lamp)) => self.hands.hotbar.pick(Item::Lamp(lamp.block)),
+            (Stroke::Pick, None) => self.hands.hotbar.pick(Item::Material(target.material)),
+            (Stroke::Dig, Some(lamp)) => self.change_lamp(lamps::dug(&lamp)),
+            (Stroke::Dig, None) => {
+                let brush = self.settings.brush;
+                return Ok(self.edit(|voxels, _| brush.dig(voxels, target.voxel)));
+            }
+            // One press hangs or switches one lamp.
+            (Stroke::Place, Some(lamp)) if turn == Turn::First => {
+                self.change_lamp(lamps::switched(&lamp));
+            }
+            (Stroke::Place, Some(_)) => {}
+            (Stroke::Place, None) => return self.place(&target, &camera, &reach, turn),
+        }
+        Ok(false)
+    }
+
+    /// Places what is in the hand. Returns whether voxels changed.
+    fn place(
+        &mut self,
+        target: &Target,
+        camera: &Camera,
+        reach: &Reach,
+        turn: Turn,
+    ) -> Result<bool, AppError> {
+        match self.hands.hotbar.item() {
+            Some(Item::Material(material)) => {
+                let Some(at) = target.before() else {
+                    return Ok(false);
+                };
+                let brush = self.settings.brush;
+                Ok(self.edit(|voxels, world| {
+                    let (low, high) = reach.kept(world.origin, camera);
+                    let hung = lamps::occupied(world);
+                    brush.place(voxels, at, material, |voxel| {
+                        let is_of_body = voxel.cmpge(low).all() && voxel.cmple(high).all();
+                        is_of_body || hung.contains(&voxel)
+                    })
+                }))
+            }
+            Some(Item::Lamp(block)) if turn == Turn::First => {
+                let eye = camera.position.floor().as_ivec3();
+                let (voxels, world) = self.viewport.voxels_and_world()?;
+                match lamps::hung(block, voxels, world, target, eye) {
+                    Ok(change) => self.change_lamp(change),
+                    Err(reason) => self.messages.toast(reason),
+                }
+                Ok(false)
+            }
+            Some(Item::Lamp(_)) => Ok(false),
+            None => {
+                self.messages
+                    .toast("This slot is empty: E has everything that can be placed");
+                Ok(false)
+            }
+        }
+    }
+
+    fn change_lamp(&mut self, change: LampChange) {
+        self.viewport.put_lamp(change.voxel, change.after);
+        self.hands.history.push(Changes::of_lamp(change));
+    }
+
+    /// Changes voxels by a stroke. Returns whether there were any to change.
+    fn edit(&mut self, stroke: impl FnOnce(&mut Voxels, &World) -> Stroked) -> bool {
+        let mut changes = Changes::default();
+        let edited = self.viewport.edit(|voxels, world| {
+            let stroked = stroke(voxels, world);
+            changes = stroked.changes;
+            stroked.edit
+        });
+        if let Err(error) = edited {
+            self.messages.toast_error(error.to_string());
+            return false;
+        }
+        let edited = !changes.is_empty();
+        self.hands.history.push(changes);
+        edited
+    }
+
+    /// Returns whether anything changed.
+    pub(super) fn undo(&mut self) -> bool {
+        self.follow_build();
+        let viewport = &mut *self.viewport;
+        let undone = self
+            .hands
+            .history
+            .undo(|changes| viewport.put(changes, Side::Before));
+        self.went(undone, "There is nothing to undo")
+    }
+
+    /// Returns whether anything changed.
+    pub(super) fn redo(&mut self) -> bool {
+        self.follow_build();
+        let viewport = &mut *self.viewport;
+        let redone = self
+            .hands
+            .history
+            .redo(|changes| viewport.put(changes, Side::After));
+        self.went(redone, "There is nothing to redo")
+    }
+
+    pub(super) fn follow_build(&mut self) {
+        let build = self.viewport.build();
+        self.hands.follow(self.viewport.world(), build);
+    }
+
+    fn went(&mut self, done: Result<bool, FrameError>, nothing: &str) -> bool {
+        match done {
+            Ok(true) => return true,
+            Ok(false) => self.messages.toast(nothing),
+            Err(error) => self.messages.toast_error(error.to_string()),
+        }
+        false
+    }
+}
+
+impl Viewport {
+    /// What a stroke where `camera` looks would meet.
+    ///
+    /// # Errors
+    /// [`AppError`] when the voxels must be read back and the device is lost.
+    pub fn aim(&mut self, reach: &Reach, camera: &Camera) -> Result<Option<Target>, AppError> {
+        let (voxels, world) = self.voxels_and_world()?;
+        Ok(reach.aim(voxels, &world.restored.lamps, world.origin, camera))
+    }
+
+    /// Gives everything that a stroke changed what it was before, or after.
+    ///
+    /// # Errors
+    /// [`FrameError`] when the adapter cannot hold it; then nothing changes.
+    pub fn put(&mut self, changes: &Changes, side: Side) -> Result<(), FrameError> {
+        self.edit(|voxels, _| changes.put(voxels, side))?;
+        if let Some((voxel, lamp)) = changes.lamp(side) {
+            self.put_lamp(voxel, lamp);
+        }
+        Ok(())
+    }
+}
