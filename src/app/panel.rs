@@ -6,9 +6,10 @@ use egui::{Align, Color32, Grid, Layout, RichText, ScrollArea, Slider, Ui};
 
 use super::{
     clock::{FrameRate, WorldClock},
-    controls,
     hands::{Hotbar, Item, brush::Brush},
-    inventory, time_graph,
+    inventory,
+    settings::PICTURE_SCALES,
+    time_graph,
     viewport::{Choice, Viewport},
     views, widgets,
 };
@@ -76,9 +77,6 @@ impl PassMeans {
     }
 }
 
-/// Edge lengths of the picture, relative to the window's, that the panel offers.
-pub const SCALES: std::ops::RangeInclusive<f32> = 0.1..=1.0;
-
 const WIDTH: f32 = 320.0;
 const WARNING: Color32 = Color32::from_rgb(255, 190, 80);
 
@@ -131,15 +129,6 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) -> Option<A
     });
     section(ui, "GPU time of each pass", true, |ui| passes(ui, facts));
     parameters(ui, facts, settings);
-    section(ui, "Keys", false, |ui| {
-        grid(ui, "keys help", |ui| {
-            for (key, does) in controls::HELP {
-                ui.strong(*key);
-                ui.label(*does);
-                ui.end_row();
-            }
-        });
-    });
     ui.separator();
     ui.horizontal(|ui| {
         if ui.button("Screenshot").clicked() {
@@ -271,7 +260,7 @@ fn scene(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings, action: &mut O
             "Edge length of the picture relative to the window's; time grows with its square",
         );
         ui.add(
-            Slider::new(&mut settings.scale, SCALES)
+            Slider::new(&mut settings.scale, PICTURE_SCALES)
                 .custom_formatter(|scale, _| format!("{:.0} %", 100.0 * scale))
                 .custom_parser(|text| {
                     let percent: f64 = text.trim_end_matches('%').trim().parse().ok()?;

@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{clock::WorldClock, messages::Messages};
+use super::{clock::WorldClock, messages::Messages, texts::toasts};
 use crate::parameters::Parameters;
 use crate::world::{
     Overlay, PlacedLamp, file,
@@ -117,6 +117,11 @@ impl Saving {
         }
     }
 
+    /// The save that this run writes, once it has one.
+    pub fn written(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
     /// Whether it is time for an automatic save; the next one is due an interval later.
     pub fn is_due(&mut self, now: Instant) -> bool {
         let is_due = self.automatic && self.writer.is_none() && now >= self.next;
@@ -157,7 +162,7 @@ impl Saving {
         };
         let (path, is_asked) = (writer.path.clone(), writer.is_asked);
         match self.ended(writer) {
-            Ok(()) if is_asked => messages.toast(format!("saved {}", path.display())),
+            Ok(()) if is_asked => messages.toast(toasts::saved(&path)),
             Ok(()) => {}
             Err(error) => messages.toast_error(error.to_string()),
         }

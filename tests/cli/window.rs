@@ -34,6 +34,8 @@ fn on_a_display() -> Command {
         .args(["--auto-servernum", "--server-args=-screen 0 640x480x24"])
         .arg(grotto().get_program())
         .env("RUST_LOG", "grotto=info")
+        // Nobody has settings here.
+        .env("GROTTO_CONFIG", "/nowhere/at/all")
         .env_remove("WAYLAND_DISPLAY");
     command
 }

@@ -19,6 +19,7 @@ pub use gait::{Contact, Footfall};
 use super::{
     body::{Body, Event, Intent, Measures, Mode, Terrain},
     input::{Input, Key},
+    settings::FIELDS_OF_VIEW_DEG,
 };
 use crate::world::{Camera, World};
 
@@ -51,6 +52,7 @@ pub enum Notice {
 }
 
 impl Notice {
+    /// Names of actions in braces stand for their keys.
     pub fn text(self) -> &'static str {
         match self {
             Self::Body(Event::Returned) => {
@@ -58,11 +60,11 @@ impl Notice {
             }
             Self::Body(Event::Freed) => "Voxels closed around you: you were moved out of them",
             Self::Body(Event::Stuck) => {
-                "Voxels closed around you and there is no room nearby: dig, or press H to pass through"
+                "Voxels closed around you and there is no room nearby: dig, or press {no_clip} to pass through"
             }
-            Self::Moves(Mode::Walk) => "Walking: Space jumps, Shift sneaks, K flies",
-            Self::Moves(Mode::Fly) => "Flying: Space rises, Shift sinks, K walks",
-            Self::Moves(Mode::NoClip) => "Passing through voxels: H ends it",
+            Self::Moves(Mode::Walk) => "Walking: {up} jumps, {down} sneaks, {fly} flies",
+            Self::Moves(Mode::Fly) => "Flying: {up} rises, {down} sinks, {fly} walks",
+            Self::Moves(Mode::NoClip) => "Passing through voxels: {no_clip} ends it",
             Self::NoRoom => "There is no room here: fly out of the voxels first",
         }
     }
@@ -72,6 +74,8 @@ impl Notice {
 pub struct Player {
     body: Body,
     camera: Camera,
+    /// The user's own, in place of the camera's.
+    field_of_view_deg: Option<f32>,
     keys: Keys,
     /// Voxels per second.
     fly_speed: f64,
@@ -135,6 +139,7 @@ impl Player {
             fly_speed: measures.walk,
             body,
             camera: camera.clone(),
+            field_of_view_deg: None,
             keys: Keys::default(),
             now_ns: 0,
             steps: 0,
@@ -202,6 +207,12 @@ impl Player {
             Input::Release(key) => self.keys.release(key),
             Input::Focus(false) => self.keys = Keys::default(),
             Input::Look(right, down) => self.look(right, down),
+            Input::FieldOfView(own_deg) => {
+                // A record can hold any number.
+                let own_deg = own_deg.filter(|deg| deg.is_finite());
+                self.field_of_view_deg = own_deg
+                    .map(|deg| deg.clamp(*FIELDS_OF_VIEW_DEG.start(), *FIELDS_OF_VIEW_DEG.end()));
+            }
             Input::FlySpeed(notches) => {
                 let speed = self.fly_speed * SPEED_PER_NOTCH.powf(f64::from(notches));
                 self.fly_speed = speed.clamp(*FLY_SPEEDS.start(), *FLY_SPEEDS.end());
@@ -263,6 +274,7 @@ impl Player {
         }
         Camera {
             position: body.eye(terrain).as_vec3(),
+            fov_deg: self.field_of_view_deg.unwrap_or(self.camera.fov_deg),
             ..self.camera.clone()
         }
     }

@@ -10,6 +10,7 @@ use crate::app::{
         clipboard::{Clip, Copied, MOST_EDGE, Pasted, size_text},
         lamps,
     },
+    texts::toasts,
 };
 
 impl Run<'_> {
@@ -31,9 +32,9 @@ impl Run<'_> {
             }
             Clip::Air => {
                 clipboard.with_air = !clipboard.with_air;
-                self.messages.toast(match clipboard.with_air {
-                    true => "Pasting air too: it digs what lies there (N)",
-                    false => "Pasting without air: what lies there stays (N)",
+                self.messages.hint(match clipboard.with_air {
+                    true => toasts::WITH_AIR,
+                    false => toasts::WITHOUT_AIR,
                 });
             }
             Clip::Cancel => {
@@ -63,10 +64,7 @@ impl Run<'_> {
         let Some(corner) = clipboard.corner else {
             let corner = target.voxel + origin;
             clipboard.corner = Some(corner);
-            self.messages.toast(format!(
-                "A corner at {}: C again copies the box to the opposite corner",
-                place_text(corner)
-            ));
+            self.messages.hint(toasts::corner(&place_text(corner)));
             return Ok(());
         };
         let corner = corner - origin;
@@ -80,11 +78,10 @@ impl Run<'_> {
             return Ok(());
         }
         let copied = Copied::of(self.viewport.voxels()?, &materials, low, high);
-        self.messages.toast(format!(
-            "Copied {} voxels from {}, {} of them solid: V pastes them, R turns them",
-            size_text(size),
-            place_text(low + origin),
-            copied.solid()
+        self.messages.hint(toasts::copied(
+            &size_text(size),
+            &place_text(low + origin),
+            copied.solid(),
         ));
         let clipboard = &mut self.hands.clipboard;
         clipboard.corner = None;
@@ -98,8 +95,7 @@ impl Run<'_> {
         clipboard.corner = None;
         let with_air = clipboard.with_air;
         let Some(copied) = clipboard.copied.clone() else {
-            self.messages
-                .toast("Nothing is copied yet: C marks the corners of a box");
+            self.messages.hint(toasts::NO_COPY);
             return Ok(false);
         };
         if !std::mem::replace(&mut clipboard.is_out, true) {

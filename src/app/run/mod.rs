@@ -134,7 +134,7 @@ impl Run<'_> {
         let measures = self.player.body().measures;
         self.hands.bits.advance(to_ns, &ground, &measures);
         for notice in self.player.take_notices() {
-            self.messages.toast(notice.text());
+            self.messages.hint(notice.text());
         }
         for footfall in self.player.take_footfalls() {
             self.footfall(&footfall)?;

@@ -11,6 +11,7 @@ use crate::{
             lamps::{self, LampChange},
         },
         sound::Kind,
+        texts::toasts,
         viewport::Viewport,
     },
     frame::FrameError,
@@ -93,8 +94,7 @@ impl Run<'_> {
             }
             Some(Item::Lamp(_)) => Ok(false),
             None => {
-                self.messages
-                    .toast("This slot is empty: E has everything that can be placed");
+                self.messages.hint(toasts::EMPTY_SLOT);
                 Ok(false)
             }
         }

@@ -1,12 +1,9 @@
 //! The inventory and the hotbar of the window: the input that goes to them.
 
-use winit::{
-    event::{ElementState, MouseScrollDelta, WindowEvent},
-    keyboard::{KeyCode, PhysicalKey},
-};
+use winit::event::{ElementState, MouseScrollDelta, WindowEvent};
 
-use super::{Session, input::slot_of};
-use crate::app::input::Input;
+use super::{Session, input::ESCAPE};
+use crate::app::{controls::Action, input::Input};
 
 /// Pixels of a touch pad that count as a notch of a wheel.
 const PIXELS_PER_NOTCH: f32 = 40.0;
@@ -15,6 +12,7 @@ impl Session {
     /// Opens the inventory. The mouse is free, and keys that are down are released.
     pub(super) fn open_inventory(&mut self) {
         self.release_mouse();
+        self.down.clear();
         self.give(Input::Focus(false));
         self.items.open(&self.play.hands.hotbar);
     }
@@ -29,12 +27,9 @@ impl Session {
         if !self.items.is_open() {
             return false;
         }
-        let key = match event {
+        let press = match event {
             WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
-                match event.physical_key {
-                    PhysicalKey::Code(code) if !event.repeat => Some(code),
-                    _ => None,
-                }
+                self.press(event).filter(|_| !event.repeat)
             }
             WindowEvent::MouseWheel { .. } => None,
             WindowEvent::MouseInput { state, .. } if *state == ElementState::Pressed => None,
@@ -42,18 +37,22 @@ impl Session {
         };
         let _ = self.egui.on_window_event(&self.window, event);
         let is_typing = self.egui.egui_ctx().egui_wants_keyboard_input();
-        match key {
-            Some(KeyCode::Escape) => self.close_inventory(),
-            Some(_) if is_typing => {}
-            Some(KeyCode::KeyE) => self.close_inventory(),
-            Some(KeyCode::F2) => self.screenshot_wanted = true,
-            Some(KeyCode::F11) => self.toggle_full_screen(),
-            Some(code) => {
-                if let Some(slot) = slot_of(code) {
-                    self.give(Input::Slot(slot));
-                }
+        let Some(press) = press else {
+            return true;
+        };
+        if press.trigger == ESCAPE {
+            self.close_inventory();
+            return true;
+        }
+        if is_typing && !press.trigger.is_function_key() {
+            return true;
+        }
+        match self.preferences.keys.pressed(press) {
+            Some(Action::Inventory) => self.close_inventory(),
+            Some(action @ (Action::Screenshot | Action::FullScreen | Action::Slot(_))) => {
+                self.begin(action);
             }
-            None => {}
+            _ => {}
         }
         true
     }

@@ -9,6 +9,7 @@ use crate::{
     app::{
         AppError,
         screen::{self, Screen},
+        texts::toasts,
     },
     gpu::{DeviceErrors, Gpu, Timing},
     passes::view::overlay::Overlay,
@@ -43,8 +44,7 @@ impl Session {
         }
         self.items.forget_textures();
         self.viewport.move_to(gpu)?;
-        self.messages
-            .toast("The GPU was lost and opened again; edits are kept, light is computed again");
+        self.messages.toast(toasts::GPU_LOST);
         self.remade();
         Ok(())
     }

@@ -1,22 +1,23 @@
 //! An open window: what it shows, and its loop of frames.
 
+mod actions;
 mod benchmark;
+#[cfg(feature = "gamepad")]
+mod gamepads;
 mod input;
 mod inventory;
 mod lost;
 mod menu;
 mod panels;
 mod play;
+mod preferences;
 mod saves;
 mod screenshots;
+mod start;
 mod times;
 mod views;
 
-use std::{
-    path::PathBuf,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{collections::HashMap, path::PathBuf, sync::Arc, time::Instant};
 
 use winit::{event_loop::ActiveEventLoop, window::Window};
 
@@ -26,29 +27,29 @@ use play::Play;
 use super::{
     AppError, Options,
     clock::FrameRate,
+    controls::{Action, Trigger},
     hands::brush::Brush,
     input::Input,
     inventory::Items,
     menu::{Folders, Menu, Occasion},
     messages::Messages,
-    pace::Attention,
+    pace::Pace,
     panel::{PassMeans, Settings},
     reload::Watch,
     saving::Saving,
     screen::{self, Acquired, Screen},
+    settings::{Preferences, Store},
+    texts::toasts,
     viewport::{Choice, Viewport},
     without_place,
 };
 use crate::{
-    frame::FrameError,
-    gpu::{self, DeviceErrors, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
+    gpu::{self, DeviceErrors, Gpu, Recorder, ShaderChecks, Timing},
     parameters::Parameters,
     passes::view::overlay::Overlay,
     world::Camera,
 };
 
-/// Edge length of the picture relative to the window's on a software adapter.
-const SOFTWARE_SCALE: f32 = 0.35;
 /// Frames between two counts of the probes: reading the counts back stalls.
 const FRAMES_TO_COUNT: u32 = 64;
 /// Frames between two timings of single passes: in all other frames passes may run concurrently.
@@ -71,9 +72,19 @@ pub struct Session {
     folders: Folders,
     /// With which every world is entered.
     parameters_at_start: Parameters,
+    /// Those of them that the command line set.
+    set_at_start: Vec<String>,
     messages: Messages,
     camera: Camera,
     play: Play,
+    preferences: Preferences,
+    store: Store,
+    /// Whether the window has the size of the settings, which then follow it.
+    keeps_size: bool,
+    /// The actions of the keys and buttons that are down.
+    down: HashMap<Trigger, Action>,
+    #[cfg(feature = "gamepad")]
+    gamepads: Option<super::gamepad::Gamepads>,
     captured: bool,
     modifiers: winit::keyboard::ModifiersState,
     rate: FrameRate,
@@ -82,6 +93,7 @@ pub struct Session {
     /// When the last frame began, and when it was drawn.
     last_frame: Instant,
     drawn: Instant,
+    pace: Pace,
     presented: u32,
     hidden: bool,
     /// Whether other windows cover the whole window, where the system reports it.
@@ -106,7 +118,9 @@ impl Session {
     /// # Errors
     /// [`AppError`] without a usable adapter, and when it cannot hold the world.
     pub fn open(event_loop: &ActiveEventLoop, options: &Options) -> Result<Self, AppError> {
-        let [width, height] = options.size;
+        let (store, notes) = Store::of_user();
+        let preferences = store.kept().clone();
+        let [width, height] = options.size.unwrap_or(preferences.window_size);
         let attributes = super::icon::identified(Window::default_attributes())
             .with_title(format!("grotto: {}", options.world.name))
             .with_inner_size(winit::dpi::PhysicalSize::new(width, height));
@@ -120,22 +134,26 @@ impl Session {
         let gpu = Gpu::open_with(instance, adapter, Some(&surface), ShaderChecks::default())?;
         let device_errors = DeviceErrors::watch(&gpu);
         let screen = Screen::new(&gpu, window.clone(), surface)?;
-        let scale = if gpu.summary.is_software() {
-            SOFTWARE_SCALE
-        } else {
-            1.0
-        };
+        let scale = preferences::scale(&preferences, &gpu);
+        let mut parameters = options.parameters.clone();
+        // A replay has the parameters of its record.
+        if options.replay.is_none() {
+            preferences.apply_to(&mut parameters, &options.set);
+        }
         let choice = Choice {
-            parameters: options.parameters.clone(),
+            parameters: parameters.clone(),
             layout: options.layout.clone(),
             size: views::scaled(screen.size(), scale),
             traced: options.traced,
         };
         let mut messages = Messages::default();
-        let mut viewport = build(&gpu, options, choice, &mut messages)?;
+        for note in notes {
+            tracing::warn!("{note}");
+            messages.toast_error(note);
+        }
+        let mut viewport = start::build(&gpu, options, choice, &mut messages)?;
         if !options.title {
-            messages
-                .toast("Click into the picture to look around; F1 shows the keys, Tab the panel");
+            messages.hint(toasts::FIRST);
         }
         for note in viewport.take_notes() {
             messages.toast_error(note);
@@ -144,7 +162,7 @@ impl Session {
             choice: viewport.choice().clone(),
             inspection: options.inspection,
             scale,
-            vsync: true,
+            vsync: preferences.vsync,
             clock: saves::first_clock(options),
             brush: Brush::default(),
         };
@@ -168,9 +186,16 @@ impl Session {
             menu: None,
             items: Items::default(),
             folders: Folders::of_user(),
-            parameters_at_start: options.parameters.clone(),
+            parameters_at_start: parameters,
+            set_at_start: options.set.clone(),
             messages,
             camera: options.camera.clone(),
+            preferences,
+            store,
+            keeps_size: options.size.is_none(),
+            down: HashMap::new(),
+            #[cfg(feature = "gamepad")]
+            gamepads: super::gamepad::Gamepads::open(),
             captured: false,
             modifiers: Default::default(),
             rate: FrameRate::default(),
@@ -178,6 +203,7 @@ impl Session {
             probes: None,
             last_frame: Instant::now(),
             drawn: Instant::now(),
+            pace: Pace::new(Instant::now()),
             presented: 0,
             hidden: false,
             occluded: false,
@@ -193,6 +219,7 @@ impl Session {
             benchmarks: Benchmarks::default(),
             seed: options.seed,
         };
+        session.begin_with_preferences(options.size.is_none());
         if options.title {
             session.open_menu(Occasion::Title);
         }
@@ -207,19 +234,9 @@ impl Session {
         self.window.request_redraw();
     }
 
-    /// How long to wait after the last frame; `None` where the next one is urgent.
-    pub fn pause(&self) -> Option<Duration> {
-        let attention = Attention {
-            focused: self.focused,
-            hidden: self.hidden,
-            measured: self.counted || self.benchmarks.running.is_some(),
-        };
-        attention.pause(self.drawn.saturating_duration_since(self.last_frame))
-    }
-
-    /// When the last frame was drawn.
-    pub fn drawn(&self) -> Instant {
-        self.drawn
+    /// When to request the next frame, if the last was requested at `requested`; `None` where it is urgent.
+    pub fn next_frame(&self, requested: Instant) -> Option<Instant> {
+        self.pace.next(self.interval(), requested)
     }
 
     /// Frames shown so far.
@@ -248,7 +265,10 @@ impl Session {
     fn draw_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let now = Instant::now();
         let elapsed = now.saturating_duration_since(self.last_frame);
+        self.pace.begin(now, self.interval());
         self.last_frame = now;
+        #[cfg(feature = "gamepad")]
+        self.hear_gamepads(elapsed);
         self.steer(now, elapsed)?;
         let is_benchmark = self.benchmarks.running.is_some();
         if !self.hidden {
@@ -258,6 +278,7 @@ impl Session {
             self.save_now_and_then(now);
             self.follow_files(now);
         }
+        self.keep_settings();
         self.screen.set_vsync(self.settings.vsync && !is_benchmark);
         self.apply_settings();
         self.inspect_probes();
@@ -355,7 +376,7 @@ impl Session {
                 .and_then(|()| Ok(self.overlay.rebuild(&self.viewport.gpu)?));
             self.messages.shaders = reloaded.err().map(|error| error.to_string());
             if self.messages.shaders.is_none() {
-                self.messages.toast("shaders compiled");
+                self.messages.toast(toasts::SHADERS);
             }
             self.remade();
         }
@@ -364,29 +385,4 @@ impl Session {
             self.give(Input::Reload);
         }
     }
-}
-
-/// The first viewport: with the shaders of a folder if they compile, else with those of the binary.
-fn build(
-    gpu: &Gpu,
-    options: &Options,
-    choice: Choice,
-    messages: &mut Messages,
-) -> Result<Viewport, FrameError> {
-    let new = |gpu: Gpu| {
-        let world = options.world.clone();
-        Viewport::new(gpu, &options.world_path, world, choice.clone())
-    };
-    if let Some(folder) = &options.shaders {
-        let shown = ShaderLibrary::from_folder(folder)
-            .map_err(FrameError::from)
-            .and_then(|shaders| new(gpu.with_shaders(shaders)));
-        match shown {
-            Err(FrameError::Gpu(error @ GpuError::Shader { .. })) => {
-                messages.shaders = Some(error.to_string());
-            }
-            shown => return shown,
-        }
-    }
-    new(gpu.clone())
 }

@@ -7,6 +7,7 @@ use crate::{
     app::{
         hands::{aim, outline},
         input::Input,
+        menu::Shown,
         panel::{self, Action, Facts},
     },
     passes::view::overlay::PanelShapes,
@@ -28,12 +29,18 @@ impl Session {
             probes: self.probes,
             hotbar: &self.play.hands.hotbar,
         };
+        let before = self.menu.is_some().then(|| self.preferences.clone());
         let mut action = None;
         let mut chosen = None;
         let mut items = Vec::new();
         let output = context.run_ui(input, |ui| {
             if let Some(menu) = &mut self.menu {
-                chosen = menu.show(ui, &mut self.settings).or(chosen.take());
+                let mut shown = Shown {
+                    preferences: &mut self.preferences,
+                    scale: self.settings.scale,
+                    played: self.saving.written(),
+                };
+                chosen = menu.show(ui, &mut shown).or(chosen.take());
             } else if let Some(summary) = &self.benchmarks.summary {
                 summary.show(ui);
             } else if self.panel_open && self.benchmarks.running.is_none() {
@@ -51,8 +58,11 @@ impl Session {
                     aim::caption(ui, text);
                 }
             }
-            self.messages.show(ui);
+            self.messages.show(ui, &self.preferences.keys);
         });
+        if let Some(before) = before {
+            self.apply_since(&before);
+        }
         for input in items {
             self.give(input);
         }

@@ -17,6 +17,7 @@ use crate::app::{
     record::{Header, Moment, Playback, RecordError, Recorder, crc32_of},
     run::Chosen,
     sound::{Noises, Sound},
+    texts::toasts,
     viewport::Viewport,
 };
 
@@ -137,7 +138,8 @@ impl Session {
         }
         if self.play.playback.as_mut().is_some_and(Playback::is_over) {
             self.play.playback = None;
-            self.messages.toast("The replay is over: go on from here");
+            self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
+            self.messages.toast(toasts::REPLAY_OVER);
         }
         Ok(())
     }

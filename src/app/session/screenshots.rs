@@ -6,7 +6,10 @@ use std::{
 };
 
 use super::Session;
-use crate::{app::screenshot, measure::picture_file};
+use crate::{
+    app::{screenshot, texts::toasts},
+    measure::picture_file,
+};
 
 impl Session {
     pub(super) fn save_screenshot(&mut self) {
@@ -18,7 +21,7 @@ impl Session {
                 picture_file::write_png(&path, &picture).map_err(|error| error.to_string())
             });
         match saved {
-            Ok(()) => self.messages.toast(format!("saved {}", path.display())),
+            Ok(()) => self.messages.toast(toasts::saved(&path)),
             Err(error) => self.messages.toast_error(error),
         }
         self.rate.interrupt();

@@ -4,7 +4,7 @@ use clap::ValueEnum as _;
 
 use super::Session;
 use crate::{
-    app::views::name,
+    app::{texts::toasts, views::name},
     parameters::Remake,
     passes::view::{Inspection, ProbeColour},
 };
@@ -27,7 +27,7 @@ impl Session {
         }
         match self.viewport.apply(next) {
             Ok(true) => {
-                self.abandon_benchmark("The picture has another size: the benchmark was stopped");
+                self.abandon_benchmark(toasts::OTHER_SIZE);
                 self.remade();
             }
             Ok(false) => {}
@@ -53,8 +53,8 @@ impl Session {
         inspection.atlas = None;
         inspection.probes = after(inspection.probes);
         self.messages.toast(match inspection.probes {
-            Some(colour) => format!("probes by {}", name(&colour)),
-            None => "no probes in the picture".to_owned(),
+            Some(colour) => toasts::probes_by(&name(&colour)),
+            None => toasts::NO_PROBES.to_owned(),
         });
     }
 }

@@ -106,10 +106,6 @@ impl Sound {
         }
     }
 
-    pub fn is_muted(&self) -> bool {
-        self.muted
-    }
-
     /// While a run stands still nothing is heard.
     pub fn set_paused(&mut self, paused: bool) {
         if self.paused != paused {
@@ -140,7 +136,7 @@ impl Sound {
     pub fn silence(&self) -> Option<String> {
         match self.device.state() {
             State::Silent(reason) => Some(reason),
-            State::Opening | State::Playing if self.muted => Some("it is muted (M)".into()),
+            State::Opening | State::Playing if self.muted => Some("it is muted".into()),
             State::Opening | State::Playing => None,
         }
     }

@@ -1,0 +1,122 @@
+//! Applies the settings that stay from run to run, and keeps them when they change.
+
+use std::time::Duration;
+
+use winit::window::Fullscreen;
+
+use super::Session;
+use crate::{
+    app::{input::Input, pace::Attention, settings::Preferences, texts::toasts},
+    gpu::Gpu,
+};
+
+/// Edge length of the picture relative to the window's on a software adapter.
+const SOFTWARE_SCALE: f32 = 0.35;
+
+/// Edge length of the picture relative to the window's: the user's choice, or what suits the adapter.
+pub(super) fn scale(preferences: &Preferences, gpu: &Gpu) -> f32 {
+    let suits = if gpu.summary.is_software() {
+        SOFTWARE_SCALE
+    } else {
+        1.0
+    };
+    preferences.picture_scale.unwrap_or(suits)
+}
+
+impl Session {
+    /// Applies what has no other way into a new window. The command line may have chosen the window's size.
+    pub(super) fn begin_with_preferences(&mut self, may_fill: bool) {
+        if may_fill && self.preferences.full_screen {
+            self.fill_screen();
+        }
+        self.play.sound.set_volume(self.preferences.volume);
+        self.play.sound.set_muted(self.preferences.muted);
+        self.begin_with_field_of_view();
+    }
+
+    /// A run begins with the field of view of the world's camera.
+    pub(super) fn begin_with_field_of_view(&mut self) {
+        if let Some(own_deg) = self.preferences.field_of_view_deg {
+            self.give(Input::FieldOfView(Some(own_deg)));
+        }
+    }
+
+    /// Changes settings, and applies what differs.
+    pub(super) fn prefer(&mut self, change: impl FnOnce(&mut Preferences)) {
+        let before = self.preferences.clone();
+        change(&mut self.preferences);
+        self.apply_since(&before);
+    }
+
+    /// Applies what differs from the settings `before`.
+    pub(super) fn apply_since(&mut self, before: &Preferences) {
+        let now = &self.preferences;
+        let settings = &mut self.settings;
+        if now.picture_scale != before.picture_scale {
+            settings.scale = scale(now, &self.viewport.gpu);
+        }
+        if now.vsync != before.vsync {
+            settings.vsync = now.vsync;
+        }
+        let parameters = &mut settings.choice.parameters;
+        if now.exposure_ev != before.exposure_ev {
+            parameters.picture.exposure_ev = now.exposure_ev;
+        }
+        if now.textures != before.textures {
+            parameters.textures.enabled = now.textures;
+        }
+        self.play.sound.set_volume(now.volume);
+        self.play.sound.set_muted(now.muted);
+        if now.full_screen != before.full_screen {
+            self.fill_screen();
+        }
+        if self.preferences.field_of_view_deg != before.field_of_view_deg {
+            self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
+        }
+    }
+
+    pub(super) fn toggle_full_screen(&mut self) {
+        self.prefer(|preferences| preferences.full_screen = !preferences.full_screen);
+    }
+
+    fn fill_screen(&self) {
+        let full = self.preferences.full_screen;
+        let mode = full.then_some(Fullscreen::Borderless(None));
+        self.window.set_fullscreen(mode);
+    }
+
+    /// The least time between the beginnings of two frames.
+    pub(super) fn interval(&self) -> Option<Duration> {
+        let attention = Attention {
+            focused: self.focused,
+            hidden: self.hidden,
+            measured: self.counted || self.benchmarks.running.is_some(),
+        };
+        let drawing = self.drawn.saturating_duration_since(self.last_frame);
+        attention.interval(&self.preferences, drawing)
+    }
+
+    /// Keeps the settings if they changed, but not while a slider moves: its place must not move under the mouse either.
+    pub(super) fn keep_settings(&mut self) {
+        let context = self.egui.egui_ctx();
+        if context.input(|input| input.pointer.any_down()) {
+            return;
+        }
+        context.set_zoom_factor(self.preferences.ui_scale);
+        if let Err(error) = self.store.keep(&self.preferences) {
+            let told = toasts::unkept_settings(&error.to_string());
+            tracing::warn!("{told}");
+            self.messages.toast_error(told);
+        }
+    }
+
+    /// Keeps the settings, and the size of the window if it was not chosen on the command line.
+    pub fn keep_settings_at_end(&mut self) {
+        let size = self.screen.size();
+        let is_free = self.window.fullscreen().is_none() && !self.window.is_maximized();
+        if self.keeps_size && is_free && !size.contains(&0) {
+            self.preferences.window_size = size;
+        }
+        self.keep_settings();
+    }
+}
