@@ -28,10 +28,11 @@ pub const HELP: &[(&str, &str)] = &[
     ("F1", "how to play"),
     ("Tab", "the panel: figures, and every parameter"),
     ("F2", "save a screenshot"),
-    ("F3", "draw the probes, by another colour"),
+    ("F3", "where you are, what you aim at, frame times"),
     ("F4", "benchmark: a flight, and its frame times"),
     ("F5", "read world and shaders again; your changes stay"),
     ("F6", "path-traced reference"),
+    ("F7", "draw the probes, by another colour"),
     ("F11", "full screen"),
 ];
 

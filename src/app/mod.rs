@@ -5,7 +5,8 @@
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
 //! without a window, and `saving` writes saves. The other modules are their parts: `controls` names the keys, `hands`
 //! dig and build, `panel`
-//! and `widgets` choose, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
+//! and `widgets` choose, `readout` shows where the player is, `quality` says how much work a
+//! picture gets, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
 mod benchmark;
@@ -19,6 +20,8 @@ mod messages;
 mod pace;
 mod panel;
 mod player;
+pub mod quality;
+mod readout;
 pub mod record;
 mod reference_view;
 mod reload;
@@ -59,6 +62,7 @@ use crate::{
     passes::view::Inspection,
     world::{Camera, World, save::SaveError},
 };
+use quality::Quality;
 use record::{Record, RecordError};
 use saving::SaveOptions;
 use session::Session;
@@ -69,6 +73,12 @@ pub struct Options {
     pub world_path: PathBuf,
     pub world: World,
     pub parameters: Parameters,
+    /// `KEY=VALUE` of all that was set by hand: it comes before what a preset sets.
+    pub set: Vec<String>,
+    /// `None`: by the adapter.
+    pub quality: Option<Quality>,
+    /// The frame time to hold (milliseconds); `None`: by the adapter.
+    pub target_ms: Option<f64>,
     pub camera: Camera,
     /// Name of a probe layout of the world.
     pub layout: String,

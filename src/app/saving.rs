@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{clock::WorldClock, messages::Messages};
+use super::{clock::WorldClock, messages::Messages, quality::Preset};
 use crate::parameters::Parameters;
 use crate::world::{
     Overlay, file,
@@ -36,9 +36,11 @@ pub struct Kept {
     pub overlay: Overlay,
 }
 
-/// The parameters that a save kept. Those that are no longer known keep their defaults: notes of the world say so.
-pub fn parameters_of(save: &Save) -> Parameters {
+/// The parameters that a save kept, over those of a preset. Those that are no longer known are left out: notes of the
+/// world say so.
+pub fn parameters_of(save: &Save, preset: Preset) -> Parameters {
     let mut parameters = Parameters::default();
+    preset.apply(&mut parameters);
     for assignment in &save.state.set {
         let _ = parameters.set(assignment);
     }

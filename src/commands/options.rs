@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{Failure, output};
 use crate::{
-    app::saving,
+    app::{quality::Preset, saving},
     parameters::{Parameters, nearest},
     passes::view::{AtlasLayer, Inspection, ProbeColour},
     world::{
@@ -169,7 +169,7 @@ impl Setup {
             false => None,
         };
         if let Some(save) = &save {
-            parameters = saving::parameters_of(save);
+            parameters = saving::parameters_of(save, Preset::High);
             for assignment in &run.set {
                 parameters.set(assignment)?;
             }

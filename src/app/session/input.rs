@@ -166,10 +166,11 @@ impl Session {
                 }
             }
             KeyCode::F2 => self.screenshot_wanted = true,
-            KeyCode::F3 => self.next_probes(),
+            KeyCode::F3 => self.readout_open = !self.readout_open,
             KeyCode::F4 => self.begin_benchmark(),
             KeyCode::F5 => self.reload(true, true),
             KeyCode::F6 => self.toggle_reference(),
+            KeyCode::F7 => self.next_probes(),
             KeyCode::F11 => self.toggle_full_screen(),
             // The user types a number into the panel.
             _ if is_typing => {}

@@ -11,6 +11,7 @@ use crate::{
         clock::WorldClock,
         input::Input,
         menu::{self, Action, Menu, Occasion},
+        quality,
         reload::Watch,
         saving::{self, SaveOptions, Saving},
         viewport::{Choice, Viewport, ViewportError},
@@ -178,7 +179,10 @@ impl Session {
             Some(save) => {
                 let world_file = save::world_file(path, &save.head)?;
                 watch = Watch::world(&world_file);
-                (world_file, saving::parameters_of(save))
+                (
+                    world_file,
+                    saving::parameters_of(save, self.settings.preset),
+                )
             }
             None => (path.to_owned(), self.parameters_of_new()),
         };
@@ -212,11 +216,13 @@ impl Session {
     /// The parameters of a world that is entered anew: those of the start, with what the menu's settings change.
     fn parameters_of_new(&self) -> Parameters {
         let now = &self.settings.choice.parameters;
-        Parameters {
+        let mut parameters = Parameters {
             picture: now.picture.clone(),
             textures: now.textures.clone(),
             ..self.parameters_at_start.clone()
-        }
+        };
+        quality::carry(now, &mut parameters);
+        parameters
     }
 
     /// Ends the run, with its record and its save.
@@ -251,7 +257,7 @@ impl Session {
         let choice = Choice {
             parameters: start.parameters,
             layout: start.layout,
-            size: self.viewport.frame().size(),
+            size: self.viewport.choice().size,
             traced: false,
         };
         let gpu = self.viewport.gpu.clone();

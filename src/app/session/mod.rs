@@ -6,6 +6,7 @@ mod lost;
 mod menu;
 mod panels;
 mod play;
+mod quality;
 mod saves;
 mod screenshots;
 mod times;
@@ -31,6 +32,7 @@ use super::{
     messages::Messages,
     pace::Attention,
     panel::{PassMeans, Settings},
+    quality::{Auto, scaled},
     reload::Watch,
     saving::{Saving, clock_of},
     screen::{self, Acquired, Screen},
@@ -45,8 +47,6 @@ use crate::{
     world::Camera,
 };
 
-/// Edge length of the picture relative to the window's on a software adapter.
-const SOFTWARE_SCALE: f32 = 0.35;
 /// Frames between two counts of the probes: reading the counts back stalls.
 const FRAMES_TO_COUNT: u32 = 64;
 /// Frames between two timings of single passes: in all other frames passes may run concurrently.
@@ -61,7 +61,11 @@ pub struct Session {
     viewport: Viewport,
     egui: egui_winit::State,
     settings: Settings,
+    auto: Auto,
     panel_open: bool,
+    readout_open: bool,
+    /// What the user searches for in the panel.
+    search: String,
     /// While it is open, it takes all input.
     menu: Option<Menu>,
     folders: Folders,
@@ -116,15 +120,14 @@ impl Session {
         let gpu = Gpu::open_with(instance, adapter, Some(&surface), ShaderChecks::default())?;
         let device_errors = DeviceErrors::watch(&gpu);
         let screen = Screen::new(&gpu, window.clone(), surface)?;
-        let scale = if gpu.summary.is_software() {
-            SOFTWARE_SCALE
-        } else {
-            1.0
-        };
+        let is_software = gpu.summary.is_software();
+        let quality = options.quality.unwrap_or_default();
+        let preset = quality.preset_on(is_software);
+        let parameters = self::quality::parameters_at_start(options, preset);
         let choice = Choice {
-            parameters: options.parameters.clone(),
+            parameters: parameters.clone(),
             layout: options.layout.clone(),
-            size: views::scaled(screen.size(), scale),
+            size: scaled(screen.size(), preset.scale()),
             traced: options.traced,
         };
         let mut messages = Messages::default();
@@ -139,19 +142,25 @@ impl Session {
         let settings = Settings {
             choice: viewport.choice().clone(),
             inspection: options.inspection,
-            scale,
+            preset,
+            scale: preset.scale(),
+            auto: quality.auto,
+            target_ms: options
+                .target_ms
+                .unwrap_or(Auto::default_target_ms(is_software)),
             vsync: true,
             clock: first_clock(options),
             brush: Brush::default(),
         };
         let play = Play::begin(options, &mut viewport)?;
-        let start = saves::kept(&mut viewport, &play.player, &settings.clock)?;
+        let start = saves::kept(&mut viewport, &play.player, &settings)?;
         let saving = Saving::begin(&options.saves, &options.world_path, start, &mut messages);
         let mut session = Self {
             overlay: Overlay::new(&viewport.gpu, screen.format())?,
             timing: Timing::new(&gpu)?,
             play,
             saving,
+            auto: Auto::new(settings.target_ms),
             settings,
             egui: lost::panel_state(event_loop, &window, &viewport.gpu),
             window,
@@ -161,9 +170,11 @@ impl Session {
             replaced: None,
             lose_device_at: options.lose_device_at,
             panel_open: false,
+            readout_open: false,
+            search: String::new(),
             menu: None,
             folders: Folders::of_user(),
-            parameters_at_start: options.parameters.clone(),
+            parameters_at_start: parameters,
             messages,
             camera: options.camera.clone(),
             captured: false,
@@ -255,6 +266,7 @@ impl Session {
         }
         self.screen.set_vsync(self.settings.vsync && !is_benchmark);
         self.apply_settings();
+        self.hold_frame_time();
         self.inspect_probes();
 
         // X11 hands out textures even for a minimised window.
@@ -266,6 +278,7 @@ impl Session {
         self.hidden = matches!(acquired, Acquired::Hidden);
         let Acquired::Texture(texture) = acquired else {
             self.rate.clear();
+            self.auto.interrupt();
             if let Some(run) = &mut self.benchmarks.running {
                 run.interrupt();
             }
@@ -330,6 +343,7 @@ impl Session {
     fn remade(&mut self) {
         self.probes = None;
         self.rate.clear();
+        self.auto.interrupt();
         self.last_frame = Instant::now();
     }
 

@@ -4,7 +4,7 @@ use std::{path::PathBuf, time::Instant};
 
 use super::{super::saving::Kept, Session};
 use crate::{
-    app::{AppError, clock::WorldClock, player::Player, record::assignments, viewport::Viewport},
+    app::{AppError, panel::Settings, player::Player, record::assignments, viewport::Viewport},
     world::save::State,
 };
 
@@ -38,7 +38,7 @@ impl Session {
     }
 
     pub(super) fn kept(&mut self) -> Result<Kept, AppError> {
-        kept(&mut self.viewport, &self.play.player, &self.settings.clock)
+        kept(&mut self.viewport, &self.play.player, &self.settings)
     }
 }
 
@@ -49,10 +49,11 @@ impl Session {
 pub(super) fn kept(
     viewport: &mut Viewport,
     player: &Player,
-    clock: &WorldClock,
+    settings: &Settings,
 ) -> Result<Kept, AppError> {
     let view = player.view(&viewport.ground()?);
     let overlay = viewport.overlay()?;
+    let clock = &settings.clock;
     let (world, choice) = (viewport.world(), viewport.choice());
     let state = State {
         time_s: clock.time_s,
@@ -63,7 +64,8 @@ pub(super) fn kept(
         pitch_deg: view.pitch_deg,
         fov_deg: view.fov_deg,
         layout: choice.layout.clone(),
-        set: assignments(&choice.parameters),
+        // What the preset sets belongs to the machine.
+        set: assignments(&settings.preset.without(&choice.parameters)),
         materials: world
             .materials
             .iter()
