@@ -31,8 +31,10 @@ pub enum Key {
 pub enum Input {
     Press(Key),
     Release(Key),
-    /// Pixels that the mouse moved: right, down.
+    /// Pixels that the mouse moved, right and down, after the user's sensitivity: ten of them are a degree.
     Look(f32, f32),
+    /// The user's field of view (degrees); `None`: that of the world's cameras.
+    FieldOfView(Option<f32>),
     /// Notches of the mouse wheel, away from the user.
     Wheel(f32),
     /// A click, at what the crosshair points at.

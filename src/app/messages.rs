@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use super::controls::Bindings;
 use egui::{Align2, Area, Color32, Frame, Id, RichText, ScrollArea, Ui, Window};
 
 /// How long a toast is shown.
@@ -23,6 +24,8 @@ pub struct Messages {
 
 struct Toast {
     text: String,
+    /// Whether names of actions in braces stand for their keys.
+    names_keys: bool,
     error: bool,
     until: Instant,
 }
@@ -30,6 +33,14 @@ struct Toast {
 impl Messages {
     pub fn toast(&mut self, text: impl Into<String>) {
         self.push(text.into(), false, SHOWN);
+    }
+
+    /// A toast in which the name of an action in braces, as in `{fly}`, stands for its key.
+    pub fn hint(&mut self, text: impl Into<String>) {
+        self.push(text.into(), false, SHOWN);
+        if let Some(toast) = self.toasts.last_mut() {
+            toast.names_keys = true;
+        }
     }
 
     pub fn toast_error(&mut self, text: impl Into<String>) {
@@ -48,13 +59,14 @@ impl Messages {
         self.toasts.retain(|toast| toast.text != text);
         self.toasts.push(Toast {
             text,
+            names_keys: false,
             error,
             until: Instant::now() + shown,
         });
     }
 
-    /// Draws the messages.
-    pub fn show(&mut self, ui: &mut Ui) {
+    /// Draws the messages. Hints name the keys of `keys`.
+    pub fn show(&mut self, ui: &mut Ui, keys: &Bindings) {
         let now = Instant::now();
         self.toasts.retain(|toast| toast.until > now);
         if let Some(status) = &self.status {
@@ -66,7 +78,7 @@ impl Messages {
                 });
         }
         if !self.toasts.is_empty() {
-            toasts(ui, &self.toasts);
+            toasts(ui, &self.toasts, keys);
         }
         diagnostic(
             ui,
@@ -89,7 +101,7 @@ const AROUND: egui::Vec2 = egui::vec2(48.0, 96.0);
 /// Widest and highest text of a diagnostic, in points.
 const DIAGNOSTIC: egui::Vec2 = egui::vec2(720.0, 420.0);
 
-fn toasts(ui: &Ui, toasts: &[Toast]) {
+fn toasts(ui: &Ui, toasts: &[Toast], keys: &Bindings) {
     let room = ui.ctx().content_rect().size() - AROUND;
     Area::new(Id::unique("toasts"))
         .anchor(Align2::CENTER_BOTTOM, [0.0, -24.0])
@@ -99,7 +111,10 @@ fn toasts(ui: &Ui, toasts: &[Toast]) {
             ui.vertical_centered(|ui| {
                 for toast in toasts {
                     Frame::popup(ui.style()).show(ui, |ui| {
-                        let text = RichText::new(&toast.text);
+                        let text = RichText::new(match toast.names_keys {
+                            true => keys.fill(&toast.text),
+                            false => toast.text.clone(),
+                        });
                         let text = if toast.error { text.color(ERROR) } else { text };
                         ui.add(egui::Label::new(text).wrap());
                     });
@@ -158,7 +173,7 @@ mod tests {
                 screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
                 ..Default::default()
             };
-            let mut output = context.run_ui(input, |ui| messages.show(ui));
+            let mut output = context.run_ui(input, |ui| messages.show(ui, &Bindings::default()));
             output.textures_delta.clear();
             let shapes = output.shapes.iter();
             let texts = shapes.filter_map(|shape| match &shape.shape {
@@ -201,7 +216,7 @@ mod tests {
                 screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
                 ..Default::default()
             };
-            let mut output = context.run_ui(input, |ui| messages.show(ui));
+            let mut output = context.run_ui(input, |ui| messages.show(ui, &Bindings::default()));
             output.textures_delta.clear();
         }
         let title = "The world file has an error; the last good world is shown";

@@ -3,10 +3,10 @@
 //!
 //! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. `run`
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
-//! without a window, and `saving` writes saves. The other modules are their parts: `controls` names the keys, `hands`
-//! dig and build, `panel`
-//! and `widgets` choose, `readout` shows where the player is, `quality` says how much work a
-//! picture gets, `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
+//! without a window, and `saving` writes saves. The other modules are their parts: `controls` holds the keys, `settings`
+//! what stays from run to run, `texts` the words of the `menu`, `hands` dig and build, `panel` and `widgets` choose,
+//! `readout` shows where the player is, `quality` says how much work a picture gets, `screen` is the surface, `reload`
+//! watches files, `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
 mod benchmark;
@@ -31,6 +31,8 @@ pub mod saving;
 mod screen;
 mod screenshot;
 mod session;
+mod settings;
+mod texts;
 mod time_graph;
 mod viewport;
 mod views;
@@ -73,9 +75,7 @@ pub struct Options {
     pub world_path: PathBuf,
     pub world: World,
     pub parameters: Parameters,
-    /// `KEY=VALUE` of all that was set by hand: it comes before what a preset sets.
-    pub set: Vec<String>,
-    /// `None`: by the adapter.
+    /// `None`: what the settings say.
     pub quality: Option<Quality>,
     /// The frame time to hold (milliseconds); `None`: by the adapter.
     pub target_ms: Option<f64>,
@@ -85,8 +85,10 @@ pub struct Options {
     pub inspection: Inspection,
     /// Show the path-traced picture in place of the one lit by probes.
     pub traced: bool,
-    /// Width and height of the window in pixels.
-    pub size: [u32; 2],
+    /// Width and height of the window in pixels; `None`: those of the settings.
+    pub size: Option<[u32; 2]>,
+    /// What of `parameters` was set on the command line, as `KEY=VALUE`: it comes before the settings.
+    pub set: Vec<String>,
     /// Part of the name of the adapter to run on; `None` for the fastest.
     pub adapter: Option<String>,
     /// Seed of the random rays.
@@ -169,6 +171,7 @@ pub fn run(options: Options) -> Result<u32, AppError> {
     let (mut presented, mut error) = (0, app.error);
     if let Some(session) = &mut app.session {
         presented = session.presented();
+        session.keep_settings_at_end();
         let finished = session.finish();
         error = error.or(finished.err());
         match session.save_at_end() {
@@ -249,9 +252,8 @@ impl ApplicationHandler for App {
         let Some(session) = &self.session else {
             return;
         };
-        event_loop.set_control_flow(match session.pause() {
-            // The system may delay a requested frame: do not request it again at once.
-            Some(pause) => ControlFlow::WaitUntil(session.drawn().max(self.requested) + pause),
+        event_loop.set_control_flow(match session.next_frame(self.requested) {
+            Some(next) => ControlFlow::WaitUntil(next),
             None => {
                 session.request_frame();
                 ControlFlow::Poll

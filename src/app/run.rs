@@ -118,7 +118,7 @@ impl Run<'_> {
         self.settings.clock.advance(elapsed_ns as f64 * 1e-9);
         self.player.advance(to_ns, &self.viewport.ground()?);
         for notice in self.player.take_notices() {
-            self.messages.toast(notice.text());
+            self.messages.hint(notice.text());
         }
         Ok(())
     }

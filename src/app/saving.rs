@@ -111,6 +111,11 @@ impl Saving {
         }
     }
 
+    /// The save that this run writes, once it has one.
+    pub fn written(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
     /// Whether it is time for an automatic save; the next one is due an interval later.
     pub fn is_due(&mut self, now: Instant) -> bool {
         let is_due = self.automatic && self.writer.is_none() && now >= self.next;

@@ -1,7 +1,6 @@
 //! `grotto saves`: lists, copies, renames and deletes what was saved in the window.
 
 use std::{
-    fs,
     io::{self, BufRead as _, IsTerminal as _, Write as _},
     path::{Path, PathBuf},
     time::{Duration, UNIX_EPOCH},
@@ -92,24 +91,13 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.action {
         Action::List { output } => list(&folder, output),
         Action::Copy(Names { from, to, output }) => {
-            let (from, to) = (existing(&folder, &from)?, free(&folder, &to)?);
-            // A damaged save is not copied.
-            let mut content = save::read(&from)?;
-            let world = save::world_file(&from, &content.head);
-            if let Ok(world) = &world {
-                content.belongs_to(world, &to);
-            }
-            save::write(&to, &content)?;
+            let (from, to) = (existing(&folder, &from)?, folder.free(&to)?);
+            save::copy(&from, &to)?;
             done(output, "copied to", to)
         }
         Action::Rename(Names { from, to, output }) => {
-            let (from, to) = (existing(&folder, &from)?, free(&folder, &to)?);
-            let failed = |reason| Failure::unwritten(&to, reason);
-            let (backup, new_backup) = (save::backup_of(&from), save::backup_of(&to));
-            fs::rename(&from, &to).map_err(failed)?;
-            if backup.exists() {
-                fs::rename(&backup, &new_backup).map_err(failed)?;
-            }
+            let (from, to) = (existing(&folder, &from)?, folder.free(&to)?);
+            save::rename(&from, &to)?;
             done(output, "renamed to", to)
         }
         Action::Delete { from, yes, output } => {
@@ -117,13 +105,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
             if !yes && !confirmed(&from)? {
                 return Err(Failure::bad_input(format!("{} is kept", from.display())));
             }
-            let backup = save::backup_of(&from);
-            // The backup first: alone it would count as a save that lost its file.
-            for path in [&backup, &from] {
-                if path.exists() {
-                    fs::remove_file(path).map_err(|reason| Failure::unwritten(path, reason))?;
-                }
-            }
+            save::delete(&from)?;
             done(output, "deleted", from)
         }
     }
@@ -157,21 +139,6 @@ fn existing(folder: &Folder, name: &str) -> Result<PathBuf, Failure> {
         "there is no save `{name}`; {} {known}",
         folder.path().display()
     )))
-}
-
-/// The file of a new name.
-fn free(folder: &Folder, name: &str) -> Result<PathBuf, Failure> {
-    let path = folder.file(name).ok_or_else(|| {
-        Failure::bad_input(format!(
-            "`{name}` cannot be the name of a save: a name has no slashes and does not begin with a dot"
-        ))
-    })?;
-    match path.exists() || save::backup_of(&path).exists() {
-        true => Err(Failure::bad_input(format!(
-            "there is a save `{name}` already; choose another name, or delete it first"
-        ))),
-        false => Ok(path),
-    }
 }
 
 /// Asks at the terminal.

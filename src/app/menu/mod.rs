@@ -11,16 +11,12 @@ mod worlds;
 use std::path::PathBuf;
 
 pub use folders::Folders;
+pub use pages::Shown;
+use pages::{KeyPage, SavesPage};
 use pictures::Pictures;
 pub use worlds::{Entry, built_in, create};
 
-use crate::{
-    gpu::Gpu,
-    world::{
-        new_cave::NewCave,
-        save::{Folder, Listed},
-    },
-};
+use crate::{gpu::Gpu, world::new_cave::NewCave};
 
 /// What the menu shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +26,7 @@ pub enum Page {
     NewCave,
     HowToPlay,
     Settings,
+    Keys,
 }
 
 /// What the menu stands for.
@@ -56,7 +53,9 @@ pub enum Action {
     Resume,
     /// Leave the world that is paused.
     ToTitle,
-    FullScreen,
+    CopySave(PathBuf, String),
+    RenameSave(PathBuf, String),
+    DeleteSave(PathBuf),
     Quit,
 }
 
@@ -65,8 +64,9 @@ pub struct Menu {
     pub occasion: Occasion,
     page: Page,
     entries: Vec<Entry>,
-    /// The latest first.
-    saves: Vec<Listed>,
+    saves: SavesPage,
+    /// What the page of keys waits for.
+    pub keys: KeyPage,
     pictures: Pictures,
     cave: NewCave,
     /// Whether the sliders have been moved since the last preview.
@@ -89,14 +89,17 @@ impl Menu {
             },
             pictures: Pictures::begin(maker, entries.clone(), cache),
             entries,
-            // A folder that cannot be read is told when a run begins that would be saved there.
-            saves: Folder::of_user()
-                .and_then(|folder| folder.list().ok())
-                .unwrap_or_default(),
+            saves: SavesPage::list(),
+            keys: KeyPage::default(),
             cave: NewCave::default(),
             is_stale: false,
             name: String::new(),
         }
+    }
+
+    /// Reads the folder of saves again.
+    pub fn list_saves(&mut self) {
+        self.saves = SavesPage::list();
     }
 
     /// Forgets textures of a device that is gone.

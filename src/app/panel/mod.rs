@@ -104,9 +104,6 @@ pub enum Action {
     Reload,
 }
 
-/// Edge lengths of the picture, relative to the window's, that the panel offers.
-pub const SCALES: std::ops::RangeInclusive<f32> = 0.1..=1.0;
-
 const WIDTH: f32 = 340.0;
 
 /// Draws the panel at the left edge of the window. `search`: what the user searches among the parameters.

@@ -2,9 +2,10 @@
 
 use egui::{DragValue, Slider, Ui};
 
-use super::{Facts, SCALES, Settings, grid};
+use super::{Facts, Settings, grid};
 use crate::app::{
     quality::{Auto, Preset},
+    settings::PICTURE_SCALES,
     widgets,
 };
 
@@ -34,7 +35,7 @@ pub fn quality(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
             "Edge length of the picture relative to the window's; time grows with its square",
         );
         ui.add(
-            Slider::new(&mut settings.scale, SCALES)
+            Slider::new(&mut settings.scale, PICTURE_SCALES)
                 .custom_formatter(|scale, _| format!("{:.0} %", 100.0 * scale))
                 .custom_parser(|text| {
                     let percent: f64 = text.trim_end_matches('%').trim().parse().ok()?;

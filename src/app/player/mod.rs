@@ -15,6 +15,7 @@ use glam::DVec3;
 use super::{
     body::{Body, Event, Intent, Measures, Mode, Terrain},
     input::{Input, Key},
+    settings::FIELDS_OF_VIEW_DEG,
 };
 use crate::world::{Camera, World};
 
@@ -45,6 +46,7 @@ pub enum Notice {
 }
 
 impl Notice {
+    /// Names of actions in braces stand for their keys.
     pub fn text(self) -> &'static str {
         match self {
             Self::Body(Event::Returned) => {
@@ -52,11 +54,11 @@ impl Notice {
             }
             Self::Body(Event::Freed) => "Voxels closed around you: you were moved out of them",
             Self::Body(Event::Stuck) => {
-                "Voxels closed around you and there is no room nearby: dig, or press H to pass through"
+                "Voxels closed around you and there is no room nearby: dig, or press {no_clip} to pass through"
             }
-            Self::Moves(Mode::Walk) => "Walking: Space jumps, Shift sneaks, K flies",
-            Self::Moves(Mode::Fly) => "Flying: Space rises, Shift sinks, K walks",
-            Self::Moves(Mode::NoClip) => "Passing through voxels: H ends it",
+            Self::Moves(Mode::Walk) => "Walking: {up} jumps, {down} sneaks, {fly} flies",
+            Self::Moves(Mode::Fly) => "Flying: {up} rises, {down} sinks, {fly} walks",
+            Self::Moves(Mode::NoClip) => "Passing through voxels: {no_clip} ends it",
             Self::NoRoom => "There is no room here: fly out of the voxels first",
         }
     }
@@ -66,6 +68,8 @@ impl Notice {
 pub struct Player {
     body: Body,
     camera: Camera,
+    /// The user's own, in place of the camera's.
+    field_of_view_deg: Option<f32>,
     keys: Keys,
     /// Voxels per second.
     fly_speed: f64,
@@ -127,6 +131,7 @@ impl Player {
             fly_speed: measures.walk,
             body,
             camera: camera.clone(),
+            field_of_view_deg: None,
             keys: Keys::default(),
             now_ns: 0,
             steps: 0,
@@ -186,6 +191,12 @@ impl Player {
             Input::Release(key) => self.keys.release(key),
             Input::Focus(false) => self.keys = Keys::default(),
             Input::Look(right, down) => self.look(right, down),
+            Input::FieldOfView(own_deg) => {
+                // A record can hold any number.
+                let own_deg = own_deg.filter(|deg| deg.is_finite());
+                self.field_of_view_deg = own_deg
+                    .map(|deg| deg.clamp(*FIELDS_OF_VIEW_DEG.start(), *FIELDS_OF_VIEW_DEG.end()));
+            }
             Input::Wheel(notches) => {
                 let speed = self.fly_speed * SPEED_PER_NOTCH.powf(f64::from(notches));
                 self.fly_speed = speed.clamp(*FLY_SPEEDS.start(), *FLY_SPEEDS.end());
@@ -242,6 +253,7 @@ impl Player {
         }
         Camera {
             position: body.eye(terrain).as_vec3(),
+            fov_deg: self.field_of_view_deg.unwrap_or(self.camera.fov_deg),
             ..self.camera.clone()
         }
     }

@@ -71,13 +71,6 @@ impl Preset {
     }
 }
 
-/// Carries what presets choose from one set of parameters to another.
-pub fn carry(from: &Parameters, to: &mut Parameters) {
-    for key in keys() {
-        key.set(to, key.get(from)).expect("a value of the same key");
-    }
-}
-
 fn keys() -> impl Iterator<Item = &'static Key> {
     TABLE
         .iter()
@@ -134,10 +127,6 @@ mod tests {
         expected.probes.rays = 16;
         expected.picture.exposure_ev = 1.0;
         assert_eq!(rest, expected);
-        let mut other = Parameters::default();
-        carry(&parameters, &mut other);
-        assert_eq!(other.probes, parameters.probes);
-        assert_eq!(other.picture, Parameters::default().picture);
     }
 
     /// The rows of the note's table that name a key or the scale.

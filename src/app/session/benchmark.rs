@@ -28,7 +28,7 @@ impl Session {
     pub(super) fn begin_benchmark(&mut self) {
         if self.viewport.choice().traced {
             self.messages
-                .toast("The benchmark measures light by probes: F6 returns to them");
+                .hint("The benchmark measures light by probes: {reference} returns to them");
             return;
         }
         let world = self.viewport.world().clone();

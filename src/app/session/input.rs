@@ -8,19 +8,21 @@ use winit::{
 
 use super::{
     super::{
-        controls::{Shortcut, player_key, shortcut},
-        hands::brush::Stroke,
+        controls::{Action, Press, Trigger},
         input::Input,
-        menu::Occasion,
     },
     Session,
 };
 
+/// It leads out of everything, and belongs to no action.
+const ESCAPE: Trigger = Trigger::Key(KeyCode::Escape);
+
 impl Session {
     /// The mouse was moved by this many pixels, right and down.
-    pub fn mouse_moved(&mut self, (right, down): (f64, f64)) {
+    pub fn mouse_moved(&mut self, pixels: (f64, f64)) {
         if self.captured {
-            self.give(Input::Look(right as f32, down as f32));
+            let (right, down) = self.preferences.look(pixels);
+            self.give(Input::Look(right, down));
         }
     }
 
@@ -48,20 +50,24 @@ impl Session {
                 self.focused = *focused;
                 // Frames before and after a change of pace do not belong to the same statistics.
                 self.rate.clear();
-                self.give(Input::Focus(*focused));
                 if !focused {
                     self.release_mouse();
+                    self.down.clear();
                 }
+                self.give(Input::Focus(*focused));
             }
             WindowEvent::Occluded(occluded) => {
                 self.occluded = *occluded;
                 self.hidden = *occluded;
             }
             WindowEvent::KeyboardInput { event, .. } => self.key(event),
-            WindowEvent::MouseInput { state, button, .. } => match state {
-                ElementState::Pressed => self.clicked(*button),
-                ElementState::Released => self.let_go(*button),
-            },
+            WindowEvent::MouseInput { state, button, .. } => {
+                let press = Press::of_button(*button, self.modifiers);
+                match state {
+                    ElementState::Pressed => self.clicked(press),
+                    ElementState::Released => self.released(press.trigger),
+                }
+            }
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::MouseWheel { delta, .. } if self.captured || !self.over_panel() => {
                 let notches = match delta {
@@ -80,14 +86,14 @@ impl Session {
             self.dropped(path);
             return true;
         }
-        let (pressed, key) = match event {
+        if self.key_page_takes(event) {
+            return true;
+        }
+        let (pressed, press) = match event {
             WindowEvent::KeyboardInput { event, .. } => {
                 let pressed = event.state == ElementState::Pressed;
-                let key = match event.physical_key {
-                    PhysicalKey::Code(code) if pressed && !event.repeat => Some(code),
-                    _ => None,
-                };
-                (pressed, key)
+                let press = self.press(event).filter(|_| pressed && !event.repeat);
+                (pressed, press)
             }
             WindowEvent::MouseInput { state, .. } => (*state == ElementState::Pressed, None),
             WindowEvent::MouseWheel { .. } => (true, None),
@@ -97,32 +103,75 @@ impl Session {
             return false;
         }
         let _ = self.egui.on_window_event(&self.window, event);
-        match key {
-            Some(KeyCode::Escape | KeyCode::F1) => self.leave_menu(),
-            Some(KeyCode::F2) => self.screenshot_wanted = true,
-            Some(KeyCode::F11) => self.toggle_full_screen(),
-            _ => {}
+        if let Some(press) = press.filter(|press| press.trigger.is_function_key()) {
+            match self.preferences.keys.pressed(press) {
+                _ if press.trigger == ESCAPE => self.leave_menu(),
+                Some(Action::Help) => self.leave_menu(),
+                Some(action @ (Action::Screenshot | Action::FullScreen)) => self.begin(action),
+                _ => {}
+            }
         }
         true
     }
 
-    fn clicked(&mut self, button: MouseButton) {
-        match button {
-            MouseButton::Left if !self.captured && !self.over_panel() => self.capture_mouse(),
-            _ if !self.captured => {}
-            MouseButton::Left => self.give(Input::Hold(Stroke::Dig)),
-            MouseButton::Right => self.give(Input::Hold(Stroke::Place)),
-            MouseButton::Middle => self.give(Input::Stroke(Stroke::Pick)),
-            _ => {}
+    /// While the page of keys waits for a key, the next one is it. A modifier counts when it goes up alone, for until then
+    /// it may belong to another key.
+    fn key_page_takes(&mut self, event: &WindowEvent) -> bool {
+        let press = match event {
+            WindowEvent::KeyboardInput { event, .. } => self.press(event).filter(|press| {
+                let goes_up = event.state == ElementState::Released;
+                !event.repeat && press.trigger.is_modifier() == goes_up
+            }),
+            WindowEvent::MouseInput {
+                state: ElementState::Pressed,
+                button,
+                ..
+            } => Some(Press::of_button(*button, self.modifiers)),
+            _ => return false,
+        };
+        let waiting = self.menu.as_mut().filter(|menu| menu.keys.waits());
+        let Some(menu) = waiting else {
+            return false;
+        };
+        match press {
+            Some(press) if press.trigger == ESCAPE => menu.keys.leave(),
+            Some(press) => menu.keys.take(press.chord(), &mut self.preferences.keys),
+            None => {}
+        }
+        true
+    }
+
+    fn press(&self, event: &KeyEvent) -> Option<Press> {
+        match event.physical_key {
+            PhysicalKey::Code(code) => {
+                Some(Press::of_key(code, &event.logical_key, self.modifiers))
+            }
+            PhysicalKey::Unidentified(_) => None,
         }
     }
 
-    fn let_go(&mut self, button: MouseButton) {
-        match button {
-            _ if !self.captured => {}
-            MouseButton::Left => self.give(Input::LetGo(Stroke::Dig)),
-            MouseButton::Right => self.give(Input::LetGo(Stroke::Place)),
-            _ => {}
+    /// A button of the mouse went down. The first click into the picture only takes the mouse.
+    fn clicked(&mut self, press: Press) {
+        if self.captured {
+            self.pressed(press);
+        } else if press.trigger == Trigger::Mouse(MouseButton::Left) && !self.over_panel() {
+            self.capture_mouse();
+        }
+    }
+
+    fn pressed(&mut self, press: Press) {
+        if let Some(action) = self.preferences.keys.pressed(press) {
+            self.down.insert(press.trigger, action);
+            self.begin(action);
+        }
+    }
+
+    /// A key or a button went up: what it began ends, unless another key still holds it.
+    fn released(&mut self, trigger: Trigger) {
+        if let Some(action) = self.down.remove(&trigger)
+            && !self.down.values().any(|held| *held == action)
+        {
+            self.end(action);
         }
     }
 
@@ -132,68 +181,28 @@ impl Session {
     }
 
     fn key(&mut self, event: &KeyEvent) {
-        let PhysicalKey::Code(code) = event.physical_key else {
+        let Some(press) = self.press(event) else {
             return;
         };
-        let key = player_key(code);
         if event.state == ElementState::Released {
-            if let Some(key) = key {
-                self.give(Input::Release(key));
-            }
-            return;
+            return self.released(press.trigger);
         }
+        if press.trigger == ESCAPE {
+            return self.begin(Action::Help);
+        }
+        // The user types a number into the panel.
         let is_typing = !self.captured && self.egui.egui_ctx().egui_wants_keyboard_input();
-        if let Some(shortcut) = shortcut(self.modifiers, &event.logical_key)
-            && !is_typing
-        {
-            // A held key undoes stroke after stroke.
-            return match shortcut {
-                Shortcut::Undo => self.give(Input::Undo),
-                Shortcut::Redo => self.give(Input::Redo),
-                Shortcut::Save if event.repeat => {}
-                Shortcut::Save => self.save(),
-            };
-        }
-        if event.repeat {
+        if is_typing && !press.trigger.is_function_key() {
             return;
         }
-        match code {
-            KeyCode::Escape | KeyCode::F1 => self.open_menu(Occasion::Pause),
-            KeyCode::Tab if !is_typing => {
-                self.panel_open = !self.panel_open;
-                if self.panel_open {
-                    self.release_mouse();
-                }
-            }
-            KeyCode::F2 => self.screenshot_wanted = true,
-            KeyCode::F3 => self.readout_open = !self.readout_open,
-            KeyCode::F4 => self.begin_benchmark(),
-            KeyCode::F5 => self.reload(true, true),
-            KeyCode::F6 => self.toggle_reference(),
-            KeyCode::F7 => self.next_probes(),
-            KeyCode::F11 => self.toggle_full_screen(),
-            // The user types a number into the panel.
-            _ if is_typing => {}
-            KeyCode::KeyP => self.settings.clock.paused = !self.settings.clock.paused,
-            code => {
-                let camera = digit(code).map(Input::Camera);
-                if let Some(input) = key.map(Input::Press).or(camera) {
-                    self.give(input);
-                }
-            }
-        }
-    }
-
-    /// Switches between light by probes and path tracing. World time is paused for path tracing: moving lamps
-    /// would restart it at every frame.
-    fn toggle_reference(&mut self) {
-        let traced = !self.settings.choice.traced;
-        self.settings.choice.traced = traced;
-        if traced {
-            self.settings.clock.paused = true;
-            self.messages.toast(
-                "Path-traced reference: time is paused (P resumes it), F6 returns to the probes",
-            );
+        if !event.repeat
+            || self
+                .preferences
+                .keys
+                .pressed(press)
+                .is_some_and(Action::repeats)
+        {
+            self.pressed(press);
         }
     }
 
@@ -215,19 +224,12 @@ impl Session {
             let _ = self.window.set_cursor_grab(CursorGrabMode::None);
             self.window.set_cursor_visible(true);
             self.captured = false;
-            for stroke in [Stroke::Dig, Stroke::Place] {
-                self.give(Input::LetGo(stroke));
+            let held: Vec<Trigger> = self.down.keys().copied().collect();
+            for trigger in held {
+                if matches!(trigger, Trigger::Mouse(_)) {
+                    self.released(trigger);
+                }
             }
         }
     }
-}
-
-/// 0 for the key 1, and so on.
-fn digit(code: KeyCode) -> Option<usize> {
-    use KeyCode::{Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9};
-    [
-        Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9,
-    ]
-    .iter()
-    .position(|known| *known == code)
 }

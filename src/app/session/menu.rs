@@ -2,18 +2,18 @@
 
 use std::{path::Path, time::Duration};
 
-use winit::{event_loop::ActiveEventLoop, window::Fullscreen};
+use winit::event_loop::ActiveEventLoop;
 
-use super::{Session, play::Play};
+use super::{Session, play::Play, quality::over_preset};
 use crate::{
     app::{
         AppError,
         clock::WorldClock,
         input::Input,
         menu::{self, Action, Menu, Occasion},
-        quality,
         reload::Watch,
         saving::{self, SaveOptions, Saving},
+        texts::saves as texts,
         viewport::{Choice, Viewport, ViewportError},
     },
     measure::whole_file::FileError,
@@ -64,6 +64,7 @@ impl Session {
     /// Opens the menu. Keys that are down are released: the menu takes all input.
     pub(super) fn open_menu(&mut self, occasion: Occasion) {
         self.release_mouse();
+        self.down.clear();
         self.give(Input::Focus(false));
         self.menu = Some(Menu::open(&self.viewport.gpu, occasion, &self.folders));
     }
@@ -121,9 +122,20 @@ impl Session {
                 self.open_menu(Occasion::Title);
                 ended.map_err(EnterError::from)
             }
-            Action::FullScreen => {
-                self.toggle_full_screen();
-                Ok(())
+            Action::CopySave(from, name) => {
+                self.arrange(|folder| save::copy(&from, &folder.free(&name)?))
+            }
+            Action::RenameSave(from, name) => {
+                self.arrange(|folder| save::rename(&from, &folder.free(&name)?))
+            }
+            Action::DeleteSave(path) => {
+                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                let told = texts::deleted(&name);
+                let deleted = self.arrange(|_| save::delete(&path));
+                if deleted.is_ok() {
+                    self.messages.toast(told);
+                }
+                deleted
             }
             Action::Quit => {
                 event_loop.exit();
@@ -131,6 +143,18 @@ impl Session {
             }
         };
         self.tell(done);
+    }
+
+    /// Changes the folder of saves, and lists it again.
+    fn arrange(
+        &mut self,
+        change: impl FnOnce(&Folder) -> Result<(), SaveError>,
+    ) -> Result<(), EnterError> {
+        let changed = Folder::of_user().map_or(Ok(()), |folder| change(&folder));
+        if let Some(menu) = &mut self.menu {
+            menu.list_saves();
+        }
+        Ok(changed?)
     }
 
     /// A file was dropped on the window.
@@ -175,7 +199,7 @@ impl Session {
             true => Some(save::open(path)?.save),
             false => None,
         };
-        let (world_file, parameters) = match &save {
+        let (world_file, mut parameters) = match &save {
             Some(save) => {
                 let world_file = save::world_file(path, &save.head)?;
                 watch = Watch::world(&world_file);
@@ -186,6 +210,8 @@ impl Session {
             }
             None => (path.to_owned(), self.parameters_of_new()),
         };
+        self.preferences
+            .apply_to(&mut parameters, &self.set_at_start);
         // The digits jump to the world's own cameras.
         world
             .cameras
@@ -207,8 +233,9 @@ impl Session {
         self.show(world, start)?;
         self.world_watch = watch;
         self.close_menu();
-        self.messages.toast(
-            "W A S D walk, the mouse looks, left digs, right builds; Esc opens the menu, F1 shows all keys",
+        self.messages.hint(
+            "{forward} {left} {back} {right} walk, the mouse looks, {dig} digs, {place} builds; \
+             Esc opens the menu, {help} shows all keys",
         );
         Ok(())
     }
@@ -216,13 +243,12 @@ impl Session {
     /// The parameters of a world that is entered anew: those of the start, with what the menu's settings change.
     fn parameters_of_new(&self) -> Parameters {
         let now = &self.settings.choice.parameters;
-        let mut parameters = Parameters {
+        let start = Parameters {
             picture: now.picture.clone(),
             textures: now.textures.clone(),
             ..self.parameters_at_start.clone()
         };
-        quality::carry(now, &mut parameters);
-        parameters
+        over_preset(start, self.settings.preset, &self.set_at_start)
     }
 
     /// Ends the run, with its record and its save.
@@ -278,6 +304,7 @@ impl Session {
         self.settings.clock = start.clock;
         self.viewport = viewport;
         self.play = play;
+        self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
         let kept = self.kept()?;
         self.saving = Saving::begin(&start.saves, start.path, kept, &mut self.messages);
         self.camera = camera;
@@ -285,11 +312,5 @@ impl Session {
         self.messages.world = None;
         self.remade();
         Ok(())
-    }
-
-    pub(super) fn toggle_full_screen(&mut self) {
-        let full = self.window.fullscreen().is_none();
-        let mode = full.then_some(Fullscreen::Borderless(None));
-        self.window.set_fullscreen(mode);
     }
 }

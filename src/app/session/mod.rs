@@ -1,11 +1,13 @@
 //! An open window: what it shows, and its loop of frames.
 
+mod actions;
 mod benchmark;
 mod input;
 mod lost;
 mod menu;
 mod panels;
 mod play;
+mod preferences;
 mod quality;
 mod saves;
 mod screenshots;
@@ -13,6 +15,7 @@ mod times;
 mod views;
 
 use std::{
+    collections::HashMap,
     path::PathBuf,
     sync::Arc,
     time::{Duration, Instant},
@@ -26,16 +29,18 @@ use play::Play;
 use super::{
     AppError, Options,
     clock::{FrameRate, WorldClock},
+    controls::{Action, Trigger},
     hands::brush::Brush,
     input::Input,
     menu::{Folders, Menu, Occasion},
     messages::Messages,
-    pace::Attention,
+    pace::{Attention, Pace},
     panel::{PassMeans, Settings},
     quality::{Auto, scaled},
     reload::Watch,
     saving::{Saving, clock_of},
     screen::{self, Acquired, Screen},
+    settings::{Preferences, Store},
     viewport::{Choice, Viewport},
     without_place,
 };
@@ -71,9 +76,17 @@ pub struct Session {
     folders: Folders,
     /// With which every world is entered.
     parameters_at_start: Parameters,
+    /// Those of them that the command line set.
+    set_at_start: Vec<String>,
     messages: Messages,
     camera: Camera,
     play: Play,
+    preferences: Preferences,
+    store: Store,
+    /// Whether the window has the size of the settings, which then follow it.
+    keeps_size: bool,
+    /// The actions of the keys and buttons that are down.
+    down: HashMap<Trigger, Action>,
     captured: bool,
     modifiers: winit::keyboard::ModifiersState,
     rate: FrameRate,
@@ -82,6 +95,7 @@ pub struct Session {
     /// When the last frame began, and when it was drawn.
     last_frame: Instant,
     drawn: Instant,
+    pace: Pace,
     presented: u32,
     hidden: bool,
     /// Whether other windows cover the whole window, where the system reports it.
@@ -106,7 +120,9 @@ impl Session {
     /// # Errors
     /// [`AppError`] without a usable adapter, and when it cannot hold the world.
     pub fn open(event_loop: &ActiveEventLoop, options: &Options) -> Result<Self, AppError> {
-        let [width, height] = options.size;
+        let (store, notes) = Store::of_user();
+        let preferences = store.kept().clone();
+        let [width, height] = options.size.unwrap_or(preferences.window_size);
         let attributes = Window::default_attributes()
             .with_title(format!("grotto: {}", options.world.name))
             .with_inner_size(winit::dpi::PhysicalSize::new(width, height));
@@ -121,20 +137,33 @@ impl Session {
         let device_errors = DeviceErrors::watch(&gpu);
         let screen = Screen::new(&gpu, window.clone(), surface)?;
         let is_software = gpu.summary.is_software();
-        let quality = options.quality.unwrap_or_default();
+        let quality = options.quality.unwrap_or(preferences.quality);
         let preset = quality.preset_on(is_software);
-        let parameters = self::quality::parameters_at_start(options, preset);
+        let scale = match options.quality {
+            Some(_) => preset.scale(),
+            None => preferences::scale(&preferences, preset),
+        };
+        let mut parameters = quality::parameters_at_start(options, preset);
+        // A replay has the parameters of its record.
+        if options.replay.is_none() {
+            preferences.apply_to(&mut parameters, &options.set);
+        }
         let choice = Choice {
             parameters: parameters.clone(),
             layout: options.layout.clone(),
-            size: scaled(screen.size(), preset.scale()),
+            size: scaled(screen.size(), scale),
             traced: options.traced,
         };
         let mut messages = Messages::default();
+        for note in notes {
+            tracing::warn!("{note}");
+            messages.toast_error(note);
+        }
         let mut viewport = build(&gpu, options, choice, &mut messages)?;
         if !options.title {
-            messages
-                .toast("Click into the picture to look around; F1 shows the keys, Tab the panel");
+            messages.hint(
+                "Click into the picture to look around; {help} shows the keys, {panel} the panel",
+            );
         }
         for note in viewport.take_notes() {
             messages.toast_error(note);
@@ -143,12 +172,12 @@ impl Session {
             choice: viewport.choice().clone(),
             inspection: options.inspection,
             preset,
-            scale: preset.scale(),
+            scale,
             auto: quality.auto,
             target_ms: options
                 .target_ms
                 .unwrap_or(Auto::default_target_ms(is_software)),
-            vsync: true,
+            vsync: preferences.vsync,
             clock: first_clock(options),
             brush: Brush::default(),
         };
@@ -175,8 +204,13 @@ impl Session {
             menu: None,
             folders: Folders::of_user(),
             parameters_at_start: parameters,
+            set_at_start: options.set.clone(),
             messages,
             camera: options.camera.clone(),
+            preferences,
+            store,
+            keeps_size: options.size.is_none(),
+            down: HashMap::new(),
             captured: false,
             modifiers: Default::default(),
             rate: FrameRate::default(),
@@ -184,6 +218,7 @@ impl Session {
             probes: None,
             last_frame: Instant::now(),
             drawn: Instant::now(),
+            pace: Pace::new(Instant::now()),
             presented: 0,
             hidden: false,
             occluded: false,
@@ -199,6 +234,7 @@ impl Session {
             benchmarks: Benchmarks::default(),
             seed: options.seed,
         };
+        session.begin_with_preferences(options.size.is_none());
         if options.title {
             session.open_menu(Occasion::Title);
         }
@@ -213,19 +249,20 @@ impl Session {
         self.window.request_redraw();
     }
 
-    /// How long to wait after the last frame; `None` where the next one is urgent.
-    pub fn pause(&self) -> Option<Duration> {
+    /// When to request the next frame, if the last was requested at `requested`; `None` where it is urgent.
+    pub fn next_frame(&self, requested: Instant) -> Option<Instant> {
+        self.pace.next(self.interval(), requested)
+    }
+
+    /// The least time between the beginnings of two frames.
+    fn interval(&self) -> Option<Duration> {
         let attention = Attention {
             focused: self.focused,
             hidden: self.hidden,
             measured: self.counted || self.benchmarks.running.is_some(),
         };
-        attention.pause(self.drawn.saturating_duration_since(self.last_frame))
-    }
-
-    /// When the last frame was drawn.
-    pub fn drawn(&self) -> Instant {
-        self.drawn
+        let drawing = self.drawn.saturating_duration_since(self.last_frame);
+        attention.interval(&self.preferences, drawing)
     }
 
     /// Frames shown so far.
@@ -254,6 +291,7 @@ impl Session {
     fn draw_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let now = Instant::now();
         let elapsed = now.saturating_duration_since(self.last_frame);
+        self.pace.begin(now, self.interval());
         self.last_frame = now;
         self.steer(now, elapsed)?;
         let is_benchmark = self.benchmarks.running.is_some();
@@ -264,6 +302,7 @@ impl Session {
             self.save_now_and_then(now);
             self.follow_files(now);
         }
+        self.keep_settings();
         self.screen.set_vsync(self.settings.vsync && !is_benchmark);
         self.apply_settings();
         self.hold_frame_time();

@@ -7,6 +7,7 @@ use crate::{
     app::{
         hands::{aim, outline},
         input::Input,
+        menu::Shown,
         panel::{self, Action, Facts},
         readout,
     },
@@ -30,11 +31,17 @@ impl Session {
             fly_speed: self.play.player.fly_speed(),
             probes: self.probes,
         };
+        let mut preferences = self.preferences.clone();
         let mut action = None;
         let mut chosen = None;
         let output = context.run_ui(input, |ui| {
             if let Some(menu) = &mut self.menu {
-                chosen = menu.show(ui, &mut self.settings).or(chosen.take());
+                let mut shown = Shown {
+                    preferences: &mut preferences,
+                    scale: self.settings.scale,
+                    played: self.saving.written(),
+                };
+                chosen = menu.show(ui, &mut shown).or(chosen.take());
             } else if let Some(summary) = &self.benchmarks.summary {
                 summary.show(ui);
             } else if self.panel_open && self.benchmarks.running.is_none() {
@@ -50,8 +57,9 @@ impl Session {
                 let target = aimed.as_ref().map(|(target, _)| target);
                 readout::show(ui, &facts, &self.settings.clock, target);
             }
-            self.messages.show(ui);
+            self.messages.show(ui, &preferences.keys);
         });
+        self.prefer(preferences);
         match action {
             Some(Action::JumpTo(index)) => self.give(Input::Camera(index)),
             Some(Action::Screenshot) => self.screenshot_wanted = true,

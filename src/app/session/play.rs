@@ -140,6 +140,7 @@ impl Session {
         }
         if self.play.playback.as_mut().is_some_and(Playback::is_over) {
             self.play.playback = None;
+            self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
             self.messages.toast("The replay is over: go on from here");
         }
         Ok(())

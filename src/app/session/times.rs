@@ -23,7 +23,7 @@ impl Session {
             }
         }
         if !is_gpu_time || !self.timing.supported() {
-            self.frame_took(frame_ms);
+            self.frame_came_after(frame_ms);
         }
         let benchmark = self.benchmarks.running.as_ref().map(Benchmark::status);
         let traced = self.viewport.reference_view().map(|reference_view| {

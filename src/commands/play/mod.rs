@@ -253,22 +253,20 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         (Some(save), Some(record)) => start_of(record, save, &world_path)?,
         _ => world_path.clone(),
     };
-    let saved = setup.save.iter().flat_map(|save| save.state.set.clone());
-    let set = saved.chain(run.set.clone()).collect();
     let title = arguments.is_open();
     let stop = stop::at_ctrl_c(&run);
     let frames = app::run(app::Options {
         world_path,
         world: setup.world,
         parameters: setup.parameters,
-        set,
         quality: arguments.quality,
         target_ms: arguments.frame_time,
         camera,
         layout: setup.layout.name,
         inspection,
         traced: arguments.reference,
-        size: picture.size,
+        size: arguments.size,
+        set: run.set,
         adapter: run.adapter,
         seed,
         shaders: arguments.shaders,

@@ -1,9 +1,10 @@
 //! Saves: what a player changed about a world, as an overlay over the world file that it belongs to.
 //!
 //! `format` turns a [`Save`] into bytes and back, `disk` replaces files without a moment of danger and sets
-//! damaged ones aside, `restore` makes a [`super::World`] of a save. The note `docs/notes/saves.md` describes the
+//! damaged ones aside, `arrange` copies, renames and deletes them, `restore` makes a [`super::World`] of a save. The note `docs/notes/saves.md` describes the
 //! format.
 
+mod arrange;
 mod disk;
 mod folder;
 mod format;
@@ -15,6 +16,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+pub use arrange::{copy, delete, rename};
 pub use disk::{Opened, backup_of, is_save, open, read, read_head, write};
 pub use folder::{Folder, Listed, VARIABLE, now_s};
 pub(super) use restore::load;
@@ -124,6 +126,12 @@ pub enum SaveError {
         path.display()
     )]
     NoWorld { path: PathBuf, world: String },
+    #[error(
+        "`{0}` cannot be the name of a save: a name has no slashes and does not begin with a dot"
+    )]
+    BadName(String),
+    #[error("there is a save `{0}` already; choose another name, or delete it first")]
+    Taken(String),
 }
 
 impl Save {

@@ -3,7 +3,7 @@
 //! Frames are judged by the median of a stretch of frames, so that single slow ones count for nothing. Three rules keep
 //! the picture from changing to and fro. The band between [`Auto::FAST`] and [`Auto::SLOW`] is wider than any step
 //! upwards. Steps upwards take several fast stretches in a row. And a step upwards that turned out too dear is tried
-//! again only after a wait, which doubles with every failure.
+//! again only after a wait, which doubles with every failure and halves with every success.
 
 use std::ops::RangeInclusive;
 
@@ -38,12 +38,12 @@ impl Auto {
     /// Above this share it takes so much too long that one stretch is enough to see it.
     const FAR_TOO_SLOW: f64 = 1.5;
     /// A stretch has at least so many frames, and takes at least so long.
-    const FRAMES: usize = 5;
+    const FRAMES: usize = 7;
     const STRETCH_MS: f64 = 400.0;
     /// Frames after a change or a hitch that say nothing.
     const SKIPPED: u32 = 2;
     /// Stretches in a row before a step.
-    const SLOW_STRETCHES: u32 = 2;
+    const SLOW_STRETCHES: u32 = 3;
     const FAST_STRETCHES: u32 = 3;
     /// A change of the picture's size begins its anti-aliasing anew: it is made more rarely.
     const FAST_STRETCHES_FOR_SIZE: u32 = 6;
@@ -53,7 +53,7 @@ impl Auto {
     const STEP: f64 = 1.25;
     /// A step upwards has failed if frames are too slow within this many stretches.
     const TRIAL: u32 = 30;
-    /// Stretches until a failed step is tried again: at first, and at most.
+    /// Stretches until a failed step is tried again: at least, and at most.
     const PENALTY: u32 = 16;
     const MOST_PENALTY: u32 = 1024;
 
@@ -107,7 +107,7 @@ impl Auto {
         self.barred = self.barred.saturating_sub(1);
         self.since_up = self.since_up.map(|stretches| stretches + 1);
         if self.since_up == Some(Self::TRIAL) {
-            self.penalty = Self::PENALTY;
+            self.penalty = (self.penalty / 2).max(Self::PENALTY);
         }
         self.slow = if share > Self::SLOW { self.slow + 1 } else { 0 };
         self.fast = if share < Self::FAST { self.fast + 1 } else { 0 };

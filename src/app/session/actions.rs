@@ -1,0 +1,72 @@
+//! What the user's actions do: a key, a button of the mouse or of a gamepad begins one and ends it.
+
+use super::Session;
+use crate::app::{controls::Action, hands::brush::Stroke, input::Input, menu::Occasion};
+
+impl Session {
+    /// An action begins.
+    pub(super) fn begin(&mut self, action: Action) {
+        if let Some(key) = action.player_key() {
+            return self.give(Input::Press(key));
+        }
+        match action {
+            Action::Dig => self.give(Input::Hold(Stroke::Dig)),
+            Action::Place => self.give(Input::Hold(Stroke::Place)),
+            Action::Pick => self.give(Input::Stroke(Stroke::Pick)),
+            Action::Undo => self.give(Input::Undo),
+            Action::Redo => self.give(Input::Redo),
+            Action::Camera(index) => self.give(Input::Camera(usize::from(index))),
+            Action::PauseTime => self.settings.clock.paused = !self.settings.clock.paused,
+            Action::Save => self.save(),
+            Action::Help => self.open_menu(Occasion::Pause),
+            Action::Panel => {
+                self.panel_open = !self.panel_open;
+                if self.panel_open {
+                    self.release_mouse();
+                }
+            }
+            Action::Screenshot => self.screenshot_wanted = true,
+            Action::Readout => self.readout_open = !self.readout_open,
+            Action::Probes => self.next_probes(),
+            Action::Benchmark => self.begin_benchmark(),
+            Action::Reload => self.reload(true, true),
+            Action::Reference => self.toggle_reference(),
+            Action::FullScreen => self.toggle_full_screen(),
+            // They are keys of the player.
+            Action::Forward
+            | Action::Left
+            | Action::Back
+            | Action::Right
+            | Action::Up
+            | Action::Down
+            | Action::Run
+            | Action::Fly
+            | Action::NoClip => {}
+        }
+    }
+
+    /// An action ends that lasts as long as its key is held.
+    pub(super) fn end(&mut self, action: Action) {
+        if let Some(key) = action.player_key() {
+            return self.give(Input::Release(key));
+        }
+        match action {
+            Action::Dig => self.give(Input::LetGo(Stroke::Dig)),
+            Action::Place => self.give(Input::LetGo(Stroke::Place)),
+            _ => {}
+        }
+    }
+
+    /// Switches between light by probes and path tracing. World time is paused for path tracing: moving lamps
+    /// would restart it at every frame.
+    fn toggle_reference(&mut self) {
+        let traced = !self.settings.choice.traced;
+        self.settings.choice.traced = traced;
+        if traced {
+            self.settings.clock.paused = true;
+            self.messages.hint(
+                "Path-traced reference: time is paused ({pause_time} resumes it), {reference} returns to the probes",
+            );
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Applies the settings that stay from run to run, and keeps them when they change.
+
+use winit::window::Fullscreen;
+
+use super::Session;
+use crate::app::{input::Input, quality::Preset, settings::Preferences};
+
+/// Edge length of the picture relative to the window's: the user's choice, or the preset's.
+pub(super) fn scale(preferences: &Preferences, preset: Preset) -> f32 {
+    preferences.picture_scale.unwrap_or(preset.scale())
+}
+
+impl Session {
+    /// Applies what has no other way into a new window. The command line may have chosen the window's size.
+    pub(super) fn begin_with_preferences(&mut self, may_fill: bool) {
+        if may_fill && self.preferences.full_screen {
+            self.fill_screen();
+        }
+        self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
+    }
+
+    /// Replaces the settings, and applies what differs.
+    pub(super) fn prefer(&mut self, next: Preferences) {
+        let before = std::mem::replace(&mut self.preferences, next);
+        let now = &self.preferences;
+        let settings = &mut self.settings;
+        if now.quality != before.quality {
+            let is_software = self.viewport.gpu.summary.is_software();
+            settings.auto = now.quality.auto;
+            settings.choose_preset(now.quality.preset_on(is_software));
+            settings.scale = scale(now, settings.preset);
+        }
+        if now.picture_scale != before.picture_scale {
+            settings.scale = scale(now, settings.preset);
+        }
+        if now.vsync != before.vsync {
+            settings.vsync = now.vsync;
+        }
+        let parameters = &mut settings.choice.parameters;
+        if now.exposure_ev != before.exposure_ev {
+            parameters.picture.exposure_ev = now.exposure_ev;
+        }
+        if now.textures != before.textures {
+            parameters.textures.enabled = now.textures;
+        }
+        if now.full_screen != before.full_screen {
+            self.fill_screen();
+        }
+        if self.preferences.field_of_view_deg != before.field_of_view_deg {
+            self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
+        }
+    }
+
+    pub(super) fn toggle_full_screen(&mut self) {
+        let full_screen = !self.preferences.full_screen;
+        self.prefer(Preferences {
+            full_screen,
+            ..self.preferences.clone()
+        });
+    }
+
+    fn fill_screen(&self) {
+        let full = self.preferences.full_screen;
+        let mode = full.then_some(Fullscreen::Borderless(None));
+        self.window.set_fullscreen(mode);
+    }
+
+    /// Keeps the settings if they changed, but not while a slider moves: its place must not move under the mouse either.
+    pub(super) fn keep_settings(&mut self) {
+        let context = self.egui.egui_ctx();
+        if context.input(|input| input.pointer.any_down()) {
+            return;
+        }
+        context.set_zoom_factor(self.preferences.ui_scale);
+        if let Err(error) = self.store.keep(&self.preferences) {
+            let told = format!("The settings cannot be kept. {error}");
+            tracing::warn!("{told}");
+            self.messages.toast_error(told);
+        }
+    }
+
+    /// Keeps the settings, and the size of the window if it was not chosen on the command line.
+    pub fn keep_settings_at_end(&mut self) {
+        let size = self.screen.size();
+        let is_free = self.window.fullscreen().is_none() && !self.window.is_maximized();
+        if self.keeps_size && is_free && !size.contains(&0) {
+            self.preferences.window_size = size;
+        }
+        self.keep_settings();
+    }
+}

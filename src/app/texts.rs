@@ -1,0 +1,145 @@
+//! The English texts of the menu, in one place, so that they can be translated. The names of actions and what they do
+//! stand in their table, in `controls`.
+
+/// The column of buttons.
+pub mod column {
+    pub const TITLE: &str = "grotto";
+    pub const SUBTITLE: &str = "voxel caves in real light";
+    pub const PAUSED: &str = "paused";
+    pub const RESUME: &str = "Resume";
+    pub const CONTINUE: &str = "Continue";
+    pub const SAVES: &str = "Saves";
+    pub const WORLDS: &str = "Worlds";
+    pub const NEW_CAVE: &str = "New cave";
+    pub const HOW_TO_PLAY: &str = "How to play";
+    pub const SETTINGS: &str = "Settings";
+    pub const KEYS: &str = "Keys";
+    pub const TITLE_SCREEN: &str = "Title screen";
+    pub const QUIT: &str = "Quit";
+    pub const DROP: &str = "A world file (.ron) or a model (.vox) can be dropped on the window.";
+
+    pub fn go_on_in(save: &str, since: &str) -> String {
+        format!("Go on in {save}, {since}")
+    }
+}
+
+/// The page of saves.
+pub mod saves {
+    pub const HEADING: &str = "Go on from a save";
+    pub const NONE: &str = "There are no saves yet. What you dig and build is saved every minute, at the end, and by {save}.";
+    pub const GO_ON: &str = "Go on";
+    pub const COPY: &str = "Copy";
+    pub const RENAME: &str = "Rename";
+    pub const DELETE: &str = "Delete";
+    pub const NEW_NAME: &str = "New name";
+    pub const COPY_IT: &str = "Copy it";
+    pub const RENAME_IT: &str = "Rename it";
+    pub const DELETE_IT: &str = "Delete it";
+    pub const KEEP_IT: &str = "Keep it";
+    pub const LEAVE: &str = "Leave it";
+    pub const PLAYED: &str = "It is being played";
+    pub const DAMAGED: &str = "It cannot be read";
+    pub const JUST_NOW: &str = "just now";
+
+    pub fn about(world: &str, voxels: u64) -> String {
+        format!("in {world}, {voxels} voxels changed")
+    }
+
+    pub fn delete(save: &str) -> String {
+        format!("Delete `{save}` and its backup for ever?")
+    }
+
+    pub fn deleted(save: &str) -> String {
+        format!("`{save}` was deleted")
+    }
+
+    pub fn since(seconds: u64) -> String {
+        match seconds {
+            0..60 => JUST_NOW.to_owned(),
+            60..3600 => format!("{} min ago", seconds / 60),
+            3600..86_400 => format!("{} h ago", seconds / 3600),
+            _ => format!("{} days ago", seconds / 86_400),
+        }
+    }
+}
+
+/// The page of worlds.
+pub mod worlds {
+    pub const HEADING: &str = "Choose a world";
+    pub const NO_PICTURE: &str = "…";
+}
+
+/// The page of a new cave.
+pub mod new_cave {
+    pub const HEADING: &str = "New cave";
+    pub const NAME: &str = "Name";
+    pub const NAME_HINT: &str = "new cave";
+    pub const SEED: &str = "Seed";
+    pub const ANOTHER: &str = "another";
+    pub const ROOMS: &str = "Size of rooms";
+    pub const ROUGHNESS: &str = "Roughness";
+    pub const MUSHROOMS: &str = "Mushrooms";
+    pub const LAVA: &str = "Lava";
+    pub const LAMPS: &str = "Lamps";
+    pub const ENTER: &str = "Enter the cave";
+}
+
+/// The page that says how to play.
+pub mod how_to_play {
+    pub const HEADING: &str = "How to play";
+    pub const ABOUT: &str = "Walk through the cave, dig and build; the light follows. Click into the picture to look around, \
+         Esc opens this menu.";
+}
+
+/// The page of settings.
+pub mod settings {
+    pub const HEADING: &str = "Settings";
+    pub const PICTURE: &str = "Picture";
+    pub const BRIGHTNESS: &str = "Brightness (stops)";
+    pub const FIELD_OF_VIEW: &str = "Field of view";
+    pub const WORLDS_OWN: &str = "the world's own";
+    pub const QUALITY: &str = "Quality";
+    pub const HOLDS_FRAME_TIME: &str = "less where frames take too long";
+    pub const SCALE: &str = "Resolution, as a share of the window's";
+    pub const AUTOMATIC: &str = "automatic";
+    pub const TEXTURES: &str = "Textures";
+    pub const VSYNC: &str = "Wait for the screen (vsync)";
+    pub const FRAME_LIMIT: &str = "Most frames a second";
+    pub const NO_LIMIT: &str = "no limit";
+    pub const UNFOCUSED_LIMIT: &str = "the same, while the window is not in use";
+    pub const CONTROLS: &str = "Controls";
+    pub const SENSITIVITY: &str = "Speed of the mouse";
+    pub const INVERT: &str = "Mouse up looks down";
+    pub const WINDOW: &str = "Window";
+    pub const FULL_SCREEN: &str = "Full screen";
+    pub const UI_SCALE: &str = "Size of letters and buttons";
+    pub const SOUND: &str = "Sound";
+    pub const VOLUME: &str = "Volume";
+    pub const MUTED: &str = "Silent";
+    pub const RESET: &str = "First settings again";
+    pub const PANEL: &str =
+        "Every parameter of the renderer is in the panel that {panel} opens while you play.";
+}
+
+/// The page of keys.
+pub mod keys {
+    pub const HEADING: &str = "Keys";
+    pub const ABOUT: &str = "Click a key, then press what shall take its place, on the keyboard or the mouse. Esc leaves it, a right \
+         click takes it away.";
+    pub const PRESS: &str = "press a key …";
+    pub const NONE: &str = "–";
+    pub const RESET: &str = "↺";
+    pub const RESET_HINT: &str = "The first keys of this action";
+    pub const RESET_ALL: &str = "All first keys again";
+    pub const NO_KEY: &str = "It has no key";
+    pub const TAKE: &str = "Take it";
+    pub const LEAVE: &str = "Leave it";
+
+    pub fn taken(chord: &str, owner: &str, wanted: &str) -> String {
+        format!("{chord} is the key of “{owner}”. Take it for “{wanted}”?")
+    }
+
+    pub fn cannot(chord: &str) -> String {
+        format!("{chord} cannot be bound")
+    }
+}
