@@ -4,15 +4,18 @@
 //! `session` is an open window: it takes input and draws the frames. `viewport` is the world that it shows. `run`
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
 //! without a window, and `saving` writes saves. The other modules are their parts: `controls` holds the keys, `settings`
-//! what stays from run to run, `texts` the words of the `menu`, `hands` dig and build, `panel` and `widgets` choose,
-//! `readout` shows where the player is, `quality` says how much work a picture gets, `screen` is the surface, `reload`
-//! watches files, `benchmark` flies by itself, and
+//! what stays from run to run, `gamepad` hears what is no key, `texts` the words of the `menu`, `hands` dig and build,
+//! `panel` and `widgets` choose, `readout` shows where the player is, `quality` says how much work a picture gets,
+//! `screen` is the surface, `reload` watches files, `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
 mod benchmark;
 mod body;
 mod clock;
 mod controls;
+// Without the feature only its tests run.
+#[cfg(any(feature = "gamepad", test))]
+mod gamepad;
 mod hands;
 mod input;
 mod menu;

@@ -13,6 +13,8 @@ mod refusals;
 mod render;
 mod replay;
 mod saves;
+#[cfg(target_os = "linux")]
+mod settings;
 mod storms;
 mod stress;
 #[cfg(target_os = "linux")]

@@ -16,7 +16,10 @@ use pages::{KeyPage, SavesPage};
 use pictures::Pictures;
 pub use worlds::{Entry, built_in, create};
 
-use crate::{gpu::Gpu, world::new_cave::NewCave};
+use crate::{
+    gpu::Gpu,
+    world::{new_cave::NewCave, save::Folder},
+};
 
 /// What the menu shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +92,7 @@ impl Menu {
             },
             pictures: Pictures::begin(maker, entries.clone(), cache),
             entries,
-            saves: SavesPage::list(),
+            saves: SavesPage::of(Folder::of_user().as_ref()),
             keys: KeyPage::default(),
             cave: NewCave::default(),
             is_stale: false,
@@ -99,7 +102,7 @@ impl Menu {
 
     /// Reads the folder of saves again.
     pub fn list_saves(&mut self) {
-        self.saves = SavesPage::list();
+        self.saves = SavesPage::of(Folder::of_user().as_ref());
     }
 
     /// Forgets textures of a device that is gone.

@@ -211,3 +211,24 @@ fn speeds_of_flight_stay_in_range() {
     assert_eq!(speed(&[1e6]), *FLY_SPEEDS.end());
     assert_eq!(speed(&[-1e6]), *FLY_SPEEDS.start());
 }
+
+#[test]
+fn the_users_field_of_view_takes_the_place_of_every_cameras() {
+    let (world, voxels) = scene();
+    let ground = Ground {
+        voxels: &voxels,
+        origin: world.origin,
+    };
+    let mut player = Player::new(&camera(ON_GROUND_Y), &world, &ground);
+    let mut seen_with = |own_deg| {
+        player.take(&Input::FieldOfView(own_deg), &ground);
+        let at_once = player.view(&ground).fov_deg;
+        player.place(&camera(ON_GROUND_Y), &world, &ground);
+        assert_eq!(player.view(&ground).fov_deg, at_once, "after a jump");
+        at_once
+    };
+    assert_eq!(seen_with(Some(100.0)), 100.0);
+    assert_eq!(seen_with(Some(1e9)), 120.0);
+    assert_eq!(seen_with(Some(f32::NAN)), 70.0);
+    assert_eq!(seen_with(None), 70.0);
+}

@@ -4,16 +4,18 @@ use std::time::{Duration, Instant};
 
 use winit::{
     event::{ElementState, KeyEvent, WindowEvent},
-    keyboard::{KeyCode, PhysicalKey},
+    keyboard::KeyCode,
 };
 
 use super::{
     super::{
         AppError,
         benchmark::{Before, Benchmark, Course, Phase, Summary, Surroundings},
+        controls::{Action, Press, Trigger},
         input::Input,
     },
     Session,
+    input::ESCAPE,
 };
 
 /// The running benchmark, and the summary of the last one until it is closed.
@@ -134,7 +136,7 @@ impl Session {
         Ok(())
     }
 
-    /// Handles input while a benchmark runs or its summary is shown: Esc and F4 stop the benchmark, any key or
+    /// Handles input while a benchmark runs or its summary is shown: Esc and the benchmark's own key stop it, any key or
     /// click closes the summary, and nothing else happens. Releases of keys and buttons are passed on.
     pub(super) fn benchmark_takes(&mut self, event: &WindowEvent) -> bool {
         let begins = match event {
@@ -150,18 +152,19 @@ impl Session {
         if !(begins && is_busy) {
             return false;
         }
-        let key = match event {
-            WindowEvent::KeyboardInput { event, .. } if !event.repeat => match event.physical_key {
-                PhysicalKey::Code(code) => Some(code),
-                PhysicalKey::Unidentified(_) => None,
-            },
+        let press = match event {
+            WindowEvent::KeyboardInput { event, .. } if !event.repeat => self.press(event),
             _ => None,
         };
         if self.benchmarks.running.is_some() {
-            if matches!(key, Some(KeyCode::Escape | KeyCode::F4)) {
+            let stops = |press: Press| {
+                let action = self.preferences.keys.pressed(press);
+                press.trigger == ESCAPE || action == Some(Action::Benchmark)
+            };
+            if press.is_some_and(stops) {
                 self.end_benchmark();
             }
-        } else if key.is_some_and(closes) || matches!(event, WindowEvent::MouseInput { .. }) {
+        } else if press.is_some_and(closes) || matches!(event, WindowEvent::MouseInput { .. }) {
             self.benchmarks.summary = None;
         }
         true
@@ -169,21 +172,10 @@ impl Session {
 }
 
 /// Whether a key closes the summary: all do except modifiers and the key for a screenshot of the screen.
-fn closes(key: KeyCode) -> bool {
-    use KeyCode::{
-        AltLeft, AltRight, ControlLeft, ControlRight, PrintScreen, ShiftLeft, ShiftRight,
-        SuperLeft, SuperRight,
-    };
-    !matches!(
-        key,
-        AltLeft
-            | AltRight
-            | ControlLeft
-            | ControlRight
-            | PrintScreen
-            | ShiftLeft
-            | ShiftRight
-            | SuperLeft
-            | SuperRight
-    )
+fn closes(press: Press) -> bool {
+    use KeyCode::{PrintScreen, SuperLeft, SuperRight};
+    let is_other = [PrintScreen, SuperLeft, SuperRight]
+        .map(Trigger::Key)
+        .contains(&press.trigger);
+    !is_other && !press.trigger.is_modifier()
 }

@@ -15,7 +15,7 @@ use super::{
 };
 
 /// It leads out of everything, and belongs to no action.
-const ESCAPE: Trigger = Trigger::Key(KeyCode::Escape);
+pub(super) const ESCAPE: Trigger = Trigger::Key(KeyCode::Escape);
 
 impl Session {
     /// The mouse was moved by this many pixels, right and down.
@@ -141,7 +141,7 @@ impl Session {
         true
     }
 
-    fn press(&self, event: &KeyEvent) -> Option<Press> {
+    pub(super) fn press(&self, event: &KeyEvent) -> Option<Press> {
         match event.physical_key {
             PhysicalKey::Code(code) => {
                 Some(Press::of_key(code, &event.logical_key, self.modifiers))

@@ -304,7 +304,7 @@ impl Session {
         self.settings.clock = start.clock;
         self.viewport = viewport;
         self.play = play;
-        self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
+        self.begin_with_field_of_view();
         let kept = self.kept()?;
         self.saving = Saving::begin(&start.saves, start.path, kept, &mut self.messages);
         self.camera = camera;

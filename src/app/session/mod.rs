@@ -2,6 +2,8 @@
 
 mod actions;
 mod benchmark;
+#[cfg(feature = "gamepad")]
+mod gamepads;
 mod input;
 mod lost;
 mod menu;
@@ -87,6 +89,8 @@ pub struct Session {
     keeps_size: bool,
     /// The actions of the keys and buttons that are down.
     down: HashMap<Trigger, Action>,
+    #[cfg(feature = "gamepad")]
+    gamepads: Option<super::gamepad::Gamepads>,
     captured: bool,
     modifiers: winit::keyboard::ModifiersState,
     rate: FrameRate,
@@ -211,6 +215,8 @@ impl Session {
             store,
             keeps_size: options.size.is_none(),
             down: HashMap::new(),
+            #[cfg(feature = "gamepad")]
+            gamepads: super::gamepad::Gamepads::open(),
             captured: false,
             modifiers: Default::default(),
             rate: FrameRate::default(),
@@ -293,6 +299,8 @@ impl Session {
         let elapsed = now.saturating_duration_since(self.last_frame);
         self.pace.begin(now, self.interval());
         self.last_frame = now;
+        #[cfg(feature = "gamepad")]
+        self.hear_gamepads(elapsed);
         self.steer(now, elapsed)?;
         let is_benchmark = self.benchmarks.running.is_some();
         if !self.hidden {

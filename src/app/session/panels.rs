@@ -59,7 +59,7 @@ impl Session {
             }
             self.messages.show(ui, &preferences.keys);
         });
-        self.prefer(preferences);
+        self.prefer(|own| *own = preferences);
         match action {
             Some(Action::JumpTo(index)) => self.give(Input::Camera(index)),
             Some(Action::Screenshot) => self.screenshot_wanted = true,

@@ -16,12 +16,20 @@ impl Session {
         if may_fill && self.preferences.full_screen {
             self.fill_screen();
         }
-        self.give(Input::FieldOfView(self.preferences.field_of_view_deg));
+        self.begin_with_field_of_view();
     }
 
-    /// Replaces the settings, and applies what differs.
-    pub(super) fn prefer(&mut self, next: Preferences) {
-        let before = std::mem::replace(&mut self.preferences, next);
+    /// A run begins with the field of view of the world's camera.
+    pub(super) fn begin_with_field_of_view(&mut self) {
+        if let Some(own_deg) = self.preferences.field_of_view_deg {
+            self.give(Input::FieldOfView(Some(own_deg)));
+        }
+    }
+
+    /// Changes settings, and applies what differs.
+    pub(super) fn prefer(&mut self, change: impl FnOnce(&mut Preferences)) {
+        let before = self.preferences.clone();
+        change(&mut self.preferences);
         let now = &self.preferences;
         let settings = &mut self.settings;
         if now.quality != before.quality {
@@ -52,11 +60,7 @@ impl Session {
     }
 
     pub(super) fn toggle_full_screen(&mut self) {
-        let full_screen = !self.preferences.full_screen;
-        self.prefer(Preferences {
-            full_screen,
-            ..self.preferences.clone()
-        });
+        self.prefer(|preferences| preferences.full_screen = !preferences.full_screen);
     }
 
     fn fill_screen(&self) {

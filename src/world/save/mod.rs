@@ -10,7 +10,7 @@ mod folder;
 mod format;
 mod restore;
 #[cfg(test)]
-mod sample;
+pub mod sample;
 
 use std::path::{Path, PathBuf};
 

@@ -5,6 +5,8 @@ mod keys;
 mod new_cave;
 mod saves;
 mod settings;
+#[cfg(test)]
+mod tests;
 mod worlds;
 
 use std::path::Path;
@@ -22,6 +24,8 @@ use crate::app::{settings::Preferences, texts::column as texts};
 const COLUMN: f32 = 210.0;
 const BUTTON: Vec2 = Vec2::new(180.0, 34.0);
 const GAP: f32 = 12.0;
+/// Around a page.
+const PAGE: Margin = Margin::same(18);
 const TEXT: Color32 = Color32::from_gray(225);
 const DIM: Color32 = Color32::from_black_alpha(185);
 const CLEAR: Color32 = Color32::from_black_alpha(40);
@@ -56,11 +60,11 @@ impl Menu {
         } else {
             DIM
         };
-        let frame = Frame::new().fill(fill).inner_margin(Margin::same(18));
+        let frame = Frame::new().fill(fill).inner_margin(PAGE);
         CentralPanel::default()
             .frame(frame)
             .show(ui, |ui| match self.page {
-                Page::Saves => self.saves(ui, shown, &mut action),
+                Page::Saves => self.saves.show(ui, shown, &mut action),
                 Page::Worlds => self.worlds(ui, &mut action),
                 Page::NewCave => self.new_cave(ui, &mut action),
                 Page::HowToPlay => how_to_play::show(ui, &shown.preferences.keys),

@@ -4,10 +4,7 @@ use std::path::PathBuf;
 
 use egui::{Align, Frame, Layout, ScrollArea, TextEdit, Ui};
 
-use super::{
-    super::{Action, Menu},
-    GAP, Shown, WARNING,
-};
+use super::{super::Action, GAP, Shown, WARNING};
 use crate::{
     app::texts::saves as texts,
     world::save::{Folder, Listed, now_s},
@@ -38,9 +35,9 @@ enum What {
 }
 
 impl SavesPage {
-    /// Those of the user. A folder that cannot be read is told when a run begins that would be saved there.
-    pub fn list() -> Self {
-        let listed = Folder::of_user().and_then(|folder| folder.list().ok());
+    /// Those of a folder. If it cannot be read, that is told when a run begins that would be saved there.
+    pub fn of(folder: Option<&Folder>) -> Self {
+        let listed = folder.and_then(|folder| folder.list().ok());
         Self {
             listed: listed.unwrap_or_default(),
             doing: None,
@@ -54,6 +51,23 @@ impl SavesPage {
     /// Whatever was begun with a save is left.
     pub fn leave(&mut self) {
         self.doing = None;
+    }
+
+    pub fn show(&mut self, ui: &mut Ui, shown: &Shown<'_>, action: &mut Option<Action>) {
+        ui.heading(texts::HEADING);
+        ui.add_space(GAP);
+        if self.listed.is_empty() {
+            ui.label(shown.preferences.keys.fill(texts::NONE));
+        }
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            for index in 0..self.listed.len() {
+                let is_played = shown.played == Some(&*self.listed[index].path);
+                Frame::group(ui.style()).show(ui, |ui| {
+                    ui.set_width(ui.available_width());
+                    self.row(ui, index, is_played, action);
+                });
+            }
+        });
     }
 
     fn row(&mut self, ui: &mut Ui, index: usize, is_played: bool, action: &mut Option<Action>) {
@@ -145,25 +159,6 @@ impl SavesPage {
         if is_answered {
             self.doing = None;
         }
-    }
-}
-
-impl Menu {
-    pub(super) fn saves(&mut self, ui: &mut Ui, shown: &Shown<'_>, action: &mut Option<Action>) {
-        ui.heading(texts::HEADING);
-        ui.add_space(GAP);
-        if self.saves.listed.is_empty() {
-            ui.label(shown.preferences.keys.fill(texts::NONE));
-        }
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            for index in 0..self.saves.listed.len() {
-                let is_played = shown.played == Some(&*self.saves.listed[index].path);
-                Frame::group(ui.style()).show(ui, |ui| {
-                    ui.set_width(ui.available_width());
-                    self.saves.row(ui, index, is_played, action);
-                });
-            }
-        });
     }
 }
 
