@@ -2,11 +2,13 @@
 
 mod changes;
 mod effort;
+mod fitting;
 
 use std::path::{Path, PathBuf};
 
 use miette::{GraphicalReportHandler, GraphicalTheme, Report};
 
+use self::fitting::{fitting, layout};
 use super::{quality::Effort, reference_view::ReferenceView};
 use crate::{
     frame::{Frame, FrameError, Stage},
@@ -16,7 +18,7 @@ use crate::{
     parameters::{Parameters, Remake},
     passes::view::{Inspection, Shot},
     world::{
-        self, Camera, LampPreset, LayoutSpec, World,
+        self, Camera, LampPreset, World,
         file::Overrides,
         voxels::{Edit, Originals, Voxels},
     },
@@ -385,26 +387,6 @@ impl Viewport {
         lamps.lamps.truncate(parameters.max_lamps as usize);
         lamps
     }
-}
-
-/// The choice, with everything that this world lacks replaced.
-fn fitting(mut choice: Choice, world: &World) -> Choice {
-    choice
-        .layout
-        .clone_from(&layout(world, &choice.layout).name);
-    let preset = &mut choice.parameters.lights.preset;
-    if world.lamp_presets.iter().all(|known| known.name != *preset) {
-        preset.clear();
-    }
-    choice
-}
-
-/// The layout of this name, or the world's first.
-fn layout<'a>(world: &'a World, name: &str) -> &'a LayoutSpec {
-    let mut layouts = world.layouts.iter();
-    layouts
-        .find(|layout| layout.name == name)
-        .unwrap_or_else(|| world.layouts.first().expect("a world has a probe layout"))
 }
 
 #[cfg(test)]
