@@ -2,6 +2,7 @@
 
 mod actions;
 mod benchmark;
+mod files;
 #[cfg(feature = "gamepad")]
 mod gamepads;
 mod input;
@@ -26,29 +27,28 @@ use std::{
 use winit::{event_loop::ActiveEventLoop, window::Window};
 
 use benchmark::Benchmarks;
+use files::{build, first_clock};
 use play::Play;
 
 use super::{
     AppError, Options,
-    clock::{FrameRate, WorldClock},
+    clock::FrameRate,
     controls::{Action, Trigger},
     hands::brush::Brush,
-    input::Input,
     menu::{Folders, Menu, Occasion},
     messages::Messages,
     pace::{Attention, Pace},
     panel::{PassMeans, Settings},
     quality::{Auto, scaled},
     reload::Watch,
-    saving::{Saving, clock_of},
+    saving::Saving,
     screen::{self, Acquired, Screen},
     settings::{Preferences, Store},
     viewport::{Choice, Viewport},
     without_place,
 };
 use crate::{
-    frame::FrameError,
-    gpu::{self, DeviceErrors, Gpu, GpuError, Recorder, ShaderChecks, ShaderLibrary, Timing},
+    gpu::{self, DeviceErrors, Gpu, Recorder, ShaderChecks, Timing},
     parameters::Parameters,
     passes::view::overlay::Overlay,
     world::Camera,
@@ -393,67 +393,4 @@ impl Session {
         self.auto.interrupt();
         self.last_frame = Instant::now();
     }
-
-    fn follow_files(&mut self, now: Instant) {
-        let world = self.world_watch.changed(now);
-        let shaders = match &mut self.shaders {
-            Some((_, watch)) => watch.changed(now),
-            None => false,
-        };
-        self.reload(world, shaders);
-    }
-
-    fn reload(&mut self, world: bool, shaders: bool) {
-        if shaders && let Some((folder, _)) = &self.shaders {
-            let reloaded = self
-                .viewport
-                .reload_shaders(folder)
-                .and_then(|()| Ok(self.overlay.rebuild(&self.viewport.gpu)?));
-            self.messages.shaders = reloaded.err().map(|error| error.to_string());
-            if self.messages.shaders.is_none() {
-                self.messages.toast("shaders compiled");
-            }
-            self.remade();
-        }
-        if world {
-            self.world_watch.follow_world();
-            self.give(Input::Reload);
-        }
-    }
-}
-
-/// World time at the start: that of the save, if the run continues one.
-fn first_clock(options: &Options) -> WorldClock {
-    let continued = options.saves.continued.as_ref();
-    let saved = continued.map(|(_, save)| clock_of(save));
-    let clock = saved.unwrap_or_default();
-    WorldClock {
-        paused: clock.paused || options.traced,
-        ..clock
-    }
-}
-
-/// The first viewport: with the shaders of a folder if they compile, else with those of the binary.
-fn build(
-    gpu: &Gpu,
-    options: &Options,
-    choice: Choice,
-    messages: &mut Messages,
-) -> Result<Viewport, FrameError> {
-    let new = |gpu: Gpu| {
-        let world = options.world.clone();
-        Viewport::new(gpu, &options.world_path, world, choice.clone())
-    };
-    if let Some(folder) = &options.shaders {
-        let shown = ShaderLibrary::from_folder(folder)
-            .map_err(FrameError::from)
-            .and_then(|shaders| new(gpu.with_shaders(shaders)));
-        match shown {
-            Err(FrameError::Gpu(error @ GpuError::Shader { .. })) => {
-                messages.shaders = Some(error.to_string());
-            }
-            shown => return shown,
-        }
-    }
-    new(gpu.clone())
 }
