@@ -5,8 +5,9 @@
 //! applies each `input` to the `player`, its `body`, and the voxels; `record` keeps inputs, and `replay` plays them
 //! without a window, and `saving` writes saves. The other modules are their parts: `controls` holds the keys, `settings`
 //! what stays from run to run, `gamepad` hears what is no key, `texts` the words of the `menu`, `hands` dig and build,
-//! `inventory` shows what can be placed, `panel` and `widgets` choose, `sound` lets the run be heard, `screen` is the surface,
-//! `reload` watches files, `benchmark` flies by itself, and
+//! `inventory` shows what can be placed, `panel` and `widgets` choose, `readout` shows where the player is, `quality` says
+//! how much work a picture gets, `sound` lets the run be heard, `screen` is the surface, `reload` watches files,
+//! `benchmark` flies by itself, and
 //! `time_graph` draws frame times.
 
 mod benchmark;
@@ -25,6 +26,8 @@ mod messages;
 mod pace;
 mod panel;
 mod player;
+pub mod quality;
+mod readout;
 pub mod record;
 mod reference_view;
 mod reload;
@@ -68,6 +71,7 @@ use crate::{
     passes::view::Inspection,
     world::{Camera, World, save::SaveError},
 };
+use quality::Quality;
 use record::{Record, RecordError};
 use saving::SaveOptions;
 use session::Session;
@@ -78,6 +82,10 @@ pub struct Options {
     pub world_path: PathBuf,
     pub world: World,
     pub parameters: Parameters,
+    /// `None`: what the settings say.
+    pub quality: Option<Quality>,
+    /// The frame time to hold (milliseconds); `None`: by the adapter.
+    pub target_ms: Option<f64>,
     pub camera: Camera,
     /// Name of a probe layout of the world.
     pub layout: String,

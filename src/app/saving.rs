@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{clock::WorldClock, messages::Messages, texts::toasts};
+use super::{clock::WorldClock, messages::Messages, quality::Preset, texts::toasts};
 use crate::parameters::Parameters;
 use crate::world::{
     Overlay, PlacedLamp, file,
@@ -44,9 +44,11 @@ impl Kept {
     }
 }
 
-/// The parameters that a save kept. Those that are no longer known keep their defaults: notes of the world say so.
-pub fn parameters_of(save: &Save) -> Parameters {
+/// The parameters that a save kept, over those of a preset. Those that are no longer known are left out: notes of the
+/// world say so.
+pub fn parameters_of(save: &Save, preset: Preset) -> Parameters {
     let mut parameters = Parameters::default();
+    preset.apply(&mut parameters);
     for assignment in &save.state.set {
         let _ = parameters.set(assignment);
     }

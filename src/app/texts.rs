@@ -98,6 +98,8 @@ pub mod settings {
     pub const BRIGHTNESS: &str = "Brightness (stops)";
     pub const FIELD_OF_VIEW: &str = "Field of view";
     pub const WORLDS_OWN: &str = "the world's own";
+    pub const QUALITY: &str = "Quality";
+    pub const HOLDS_FRAME_TIME: &str = "less where frames take too long";
     pub const SCALE: &str = "Resolution, as a share of the window's";
     pub const AUTOMATIC: &str = "automatic";
     pub const TEXTURES: &str = "Textures";

@@ -26,7 +26,7 @@ pub fn rows(ui: &mut Ui, viewport: &Viewport, inspection: &mut Inspection) {
     }
 
     ui.label("probes")
-        .on_hover_text("Spheres at the probes, and what colours them (F3)");
+        .on_hover_text("Spheres at the probes, and what colours them (F7)");
     let shown = inspection.probes.as_ref().map_or_else(none, name);
     combo(ui, "probes drawn", shown, |ui| {
         ui.selectable_value(&mut inspection.probes, None, none());

@@ -1,24 +1,38 @@
 //! Widgets for parameters of any kind: everything that the panel knows about a key comes from the key table.
 
-use egui::{ComboBox, DragValue, Response, RichText, Slider, Ui};
+use egui::{Align, ComboBox, DragValue, Label, Layout, Response, RichText, Slider, Ui};
 use glam::{UVec3, Vec3};
 
 use crate::parameters::{Key, Kind, Parameters, Value};
 
-/// One row of a grid of two columns: the key's name, and a widget that edits it. `names` are the allowed values
-/// of a [`Kind::Name`].
+/// Width of the names, so that the widgets stand in one column.
+const NAMES: f32 = 136.0;
+/// What stands before the name of a changed parameter.
+const MARK: &str = "●";
+
+/// A parameter: its name, a widget that edits it, a button that resets it, and a line of help. A value other than the
+/// default is marked. `names` are the allowed values of a [`Kind::Name`].
 pub fn row(ui: &mut Ui, key: &Key, parameters: &mut Parameters, names: &[&str]) {
     let before = key.get(parameters);
-    ui.label(label(key)).on_hover_text(format!(
-        "{}\n\n{} · {}",
-        key.doc,
-        key.name,
-        key.kind.range()
-    ));
+    let is_changed = before != key.default();
+    let help = format!("{}\n\n{} · {}", key.doc, key.name, key.kind.range());
     let mut after = before.clone();
     ui.horizontal(|ui| {
+        let height = ui.spacing().interact_size.y;
+        ui.allocate_ui_with_layout(
+            egui::vec2(NAMES, height),
+            Layout::left_to_right(Align::Center),
+            |ui| {
+                ui.set_min_width(NAMES);
+                let name = match is_changed {
+                    true => RichText::new(format!("{MARK} {}", label(key))).strong(),
+                    false => RichText::new(label(key)),
+                };
+                ui.label(name).on_hover_text(&help);
+            },
+        );
         edit(ui, key, &mut after, names);
-        if before != key.default()
+        if is_changed
             && ui
                 .small_button(RichText::new("↺").monospace())
                 .on_hover_text(format!("back to {}", shown(&key.default())))
@@ -27,15 +41,21 @@ pub fn row(ui: &mut Ui, key: &Key, parameters: &mut Parameters, names: &[&str]) 
             after = key.default();
         }
     });
-    ui.end_row();
+    let line = RichText::new(first_sentence(key.doc)).small().weak();
+    ui.add(Label::new(line).wrap()).on_hover_text(&help);
+    ui.add_space(3.0);
     if after != before {
         // A value that the range refuses (a number typed as NaN) leaves the parameter unchanged.
         let _ = key.set(parameters, after);
     }
 }
 
+fn first_sentence(help: &str) -> &str {
+    help.find(". ").map_or(help, |end| &help[..=end])
+}
+
 /// `hysteresis` for `probes.hysteresis`, with spaces between words.
-fn label(key: &Key) -> String {
+pub fn label(key: &Key) -> String {
     let field = key
         .name
         .split_once('.')
@@ -160,11 +180,9 @@ mod tests {
             ..Default::default()
         };
         let output = context.run_ui(input, |ui| {
-            egui::Grid::new("keys").num_columns(2).show(ui, |ui| {
-                for key in keys {
-                    row(ui, key, parameters, &["four", "one"]);
-                }
-            });
+            for key in keys {
+                row(ui, key, parameters, &["four", "one"]);
+            }
         });
         output.drop_without_applying_deltas();
     }
@@ -242,6 +260,15 @@ mod tests {
         let number = click("picture.exposure_ev").picture.exposure_ev;
         assert_ne!(number, 0.0);
         assert_eq!(click("world.seed").world.seed, Some(0));
+    }
+
+    #[test]
+    fn the_line_of_help_is_the_first_sentence() {
+        assert_eq!(first_sentence("More. Or less."), "More.");
+        assert_eq!(first_sentence("From 0.5 to 1."), "From 0.5 to 1.");
+        for key in KEYS {
+            assert!(first_sentence(key.doc).ends_with('.'), "{}", key.name);
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use clap::{
 
 use super::{Failure, output};
 use crate::{
-    app::{self, saving},
+    app::{self, quality::Preset, saving},
     parameters::{Parameters, nearest},
     passes::view::{AtlasLayer, Inspection, ProbeColour},
     world::{
@@ -182,7 +182,7 @@ impl Setup {
             false => None,
         };
         if let Some(save) = &save {
-            parameters = saving::parameters_of(save);
+            parameters = saving::parameters_of(save, Preset::High);
             for assignment in &run.set {
                 parameters.set(assignment)?;
             }

@@ -238,7 +238,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     let rays = Rays {
         camera: Some(width * height),
         shadow: Some(frame.count_shadow_rays(&gpu, direct)?),
-        probe: Some(u64::from(probe_counts.updated) * u64::from(frame.field().rays_per_probe())),
+        probe: Some(u64::from(probe_counts.updated) * u64::from(probes.rays_per_update())),
         face: faces.is_used().then(|| faces.rays_sent(&gpu)).transpose()?,
     };
     let rate = |rays, pass: &str| mrays_per_s(rays, passes.get(pass).copied());

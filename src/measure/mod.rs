@@ -7,6 +7,7 @@ pub mod flip;
 pub mod frame_times;
 pub mod magma;
 pub mod metrics;
+pub mod palette;
 pub mod picture;
 pub mod picture_file;
 pub mod plot;

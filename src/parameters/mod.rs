@@ -270,7 +270,9 @@ parameters! {
     #[doc = "The probe field."]
     probes: ProbeParameters {
         #[doc = "Rays per probe and update. Twice as many cost twice the tracing time and reduce noise by 30 %."]
-        rays: u32 = 128, Kind::Count { min: 8, max: 4096 }, Probes;
+        rays: u32 = 128, Kind::Count { min: LEAST_RAYS, max: 4096 }, Probes;
+        #[doc = "Share of probes.rays that an update traces. Less is faster and noisier. It changes at once and the probes keep their light."]
+        ray_share: f32 = 1.0, Kind::Number { min: 0.05, max: 1.0 }, Nothing;
         #[doc = "Share of a probe's old light that each update keeps. More is steadier; less reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
         #[doc = "How probes behind walls are left out. exact marches a ray to every surface voxel once and leaks nothing; it needs probe spacings of at most 20 voxels, and larger ones use chebyshev. chebyshev estimates from stored distances and leaks a little at thin walls. auto: exact for one volume, chebyshev for cascades."]
@@ -279,6 +281,8 @@ parameters! {
         final_gather: FinalGather = FinalGather::On, FinalGather::KIND, Probes;
         #[doc = "Final gather: most rays that are averaged per quadrant of a face. More is less noisy; less follows slow changes sooner."]
         face_samples: u32 = 8192, Kind::Count { min: 16, max: 1_000_000 }, Nothing;
+        #[doc = "Final gather: share of a frame's budget of rays that faces may use. Less is faster; faces that come into view stay grainy longer."]
+        face_share: f32 = 1.0, Kind::Number { min: 0.05, max: 1.0 }, Nothing;
         #[doc = "Final gather: faces of voxels narrower than this many pixels are lit by the probes instead. More is faster in the distance; less is truer there."]
         face_pixels: f32 = 2.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;
         #[doc = "Whether probes that light nothing visible are updated less often. on saves most of the probes' time; off updates every probe outside of solid voxels in every frame."]
@@ -340,7 +344,16 @@ parameters! {
     }
 }
 
+/// Fewest rays of an update: the least value of `probes.rays`.
+const LEAST_RAYS: u32 = 8;
+
 impl ProbeParameters {
+    /// Rays that an update of a probe traces.
+    pub fn rays_per_update(&self) -> u32 {
+        let share = (self.rays as f32 * self.ray_share).round() as u32;
+        share.max(LEAST_RAYS).min(self.rays)
+    }
+
     /// The parameters in effect: under [`Method::Source`] the probes alone light the picture, and
     /// estimate visibility from distances.
     pub fn effective(&self) -> Cow<'_, Self> {

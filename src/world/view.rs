@@ -26,9 +26,9 @@ pub enum View {
     Cage,
     /// As full, with every texture replaced by its mean.
     TexturesOff,
-    /// What the probes that light each point are doing, weighted as their light. Green: alive; amber: alive
-    /// and moved out of a solid voxel; magenta: back-side probes; cyan: updated now and then; blue: asleep; red: none
-    /// gives light there.
+    /// What the probes that light each point are doing, weighted as their light. Green: alive; yellow: alive
+    /// and moved out of a solid voxel; pink: back-side probes; light blue: updated now and then; indigo: asleep; wine:
+    /// none gives light there.
     States,
 }
 

@@ -188,6 +188,35 @@ fn a_run_is_recorded_and_played_again() {
     );
 }
 
+/// The control gives up rays and pixels frame after frame here, for no adapter is this fast.
+#[test]
+fn a_frame_time_that_is_held_leaves_no_trace_in_a_record() {
+    let folder = folder();
+    let record = folder.path().join("run.record");
+    let output = play(&[
+        "worlds/minimal.ron",
+        "--quality",
+        "high+auto",
+        "--frame-time",
+        "1",
+        "--frames",
+        "60",
+        "--size",
+        "160x96",
+        "--set",
+        "probes.rays=16",
+        "--record",
+        record.to_str().expect("UTF-8"),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let lines = fs::read_to_string(record).expect("it has its name");
+    let (header, inputs) = lines.split_once('\n').expect("a header");
+    assert!(header.contains("probes.rays=16"), "{header}");
+    for trace in ["set", "resize", "share"] {
+        assert!(!inputs.contains(trace), "{trace}: {inputs}");
+    }
+}
+
 #[test]
 fn shaders_from_a_folder_run_and_broken_ones_leave_those_of_the_binary() {
     let folder = folder();
@@ -234,6 +263,14 @@ fn bad_arguments_are_refused_before_any_window_opens() {
         ),
         (&["worlds/minimal.ron", "--size", "0x10"], "WIDTHxHEIGHT"),
         (&["worlds/minimal.ron", "--frames", "0"], "--frames"),
+        (
+            &["worlds/minimal.ron", "--quality", "hihg"],
+            "there are low, medium",
+        ),
+        (
+            &["worlds/minimal.ron", "--frame-time", "0"],
+            "1 to 1000 milliseconds",
+        ),
     ] {
         let output = ended(grotto().arg("play").args(arguments));
         let stderr = text(&output.stderr);

@@ -170,6 +170,21 @@ fn a_still_picture_settles() {
     assert!((100..2000).contains(&listed), "{listed}");
 }
 
+#[test]
+fn a_share_of_the_budget_sends_fewer_rays() {
+    let sent = |face_share| {
+        let mut room = Room::new(ProbeParameters {
+            face_share,
+            ..quick()
+        });
+        room.drawn.draw(2);
+        let faces = room.drawn.frame.faces();
+        faces.rays_sent(&room.drawn.gpu).expect("reads back")
+    };
+    let (all, some) = (sent(1.0), sent(0.05));
+    assert!(0 < some && some < all, "{some} of {all}");
+}
+
 /// Rays request entries for the faces that they hit, visible or not. Light of many bounces is therefore right even
 /// where the lattice of the probes is much too coarse for it.
 #[test]

@@ -55,10 +55,11 @@ pub enum Action {
     Help,
     Panel,
     Screenshot,
-    Probes,
+    Readout,
     Benchmark,
     Reload,
     Reference,
+    Probes,
     FullScreen,
 }
 
@@ -151,10 +152,11 @@ pub const ACTIONS: &[Entry] = &[
     entry(Action::Help, "help", "help", "how to play, and a pause", &[key(KeyCode::F1)]),
     entry(Action::Panel, "panel", "panel", "the panel: figures, and every parameter", &[key(KeyCode::Tab)]),
     entry(Action::Screenshot, "screenshot", "screenshot", "save a screenshot", &[key(KeyCode::F2), key(KeyCode::F12)]),
-    entry(Action::Probes, "probes", "draw the probes", "draw the probes, by another colour", &[key(KeyCode::F3)]),
+    entry(Action::Readout, "readout", "readout", "where you are, what you aim at, frame times", &[key(KeyCode::F3)]),
     entry(Action::Benchmark, "benchmark", "benchmark", "benchmark: a flight, and its frame times", &[key(KeyCode::F4)]),
     entry(Action::Reload, "reload", "read again", "read world and shaders again; your changes stay", &[key(KeyCode::F5)]),
     entry(Action::Reference, "reference", "reference", "path-traced reference, or light by probes", &[key(KeyCode::F6)]),
+    entry(Action::Probes, "probes", "draw the probes", "draw the probes, by another colour", &[key(KeyCode::F7)]),
     entry(Action::FullScreen, "full_screen", "full screen", "full screen, or a window", &[key(KeyCode::F11)]),
 ];
 

@@ -10,8 +10,7 @@ use latency::Latency;
 
 use super::{
     AppError,
-    clock::WorldClock,
-    hands::{Hands, brush::Brush},
+    hands::Hands,
     messages::Messages,
     panel::Settings,
     player::Player,
@@ -98,14 +97,7 @@ impl Replay {
         let mut viewport = Viewport::new(gpu, options.world_path, options.world, choice)?;
         let mut inspection = options.inspection;
         viewport.inspect(&mut inspection)?;
-        let settings = Settings {
-            choice: viewport.choice().clone(),
-            inspection,
-            scale: 1.0,
-            vsync: false,
-            clock: WorldClock::default(),
-            brush: Brush::default(),
-        };
+        let settings = Settings::of_replay(viewport.choice().clone(), inspection);
         let camera = header.camera();
         let world = viewport.world().clone();
         let player = Player::new(&camera, &world, &viewport.ground()?);

@@ -54,6 +54,7 @@ impl Session {
                 }
             }
             Action::Screenshot => self.screenshot_wanted = true,
+            Action::Readout => self.readout_open = !self.readout_open,
             Action::Probes => self.next_probes(),
             Action::Benchmark => self.begin_benchmark(),
             Action::Reload => self.reload(true, true),

@@ -4,7 +4,7 @@ use std::{path::Path, time::Duration};
 
 use winit::event_loop::ActiveEventLoop;
 
-use super::Session;
+use super::{Session, quality::over_preset};
 use crate::{
     app::{
         AppError,
@@ -204,7 +204,10 @@ impl Session {
             Some(save) => {
                 let world_file = save::world_file(path, &save.head)?;
                 watch = Watch::world(&world_file);
-                (world_file, saving::parameters_of(save))
+                (
+                    world_file,
+                    saving::parameters_of(save, self.settings.preset),
+                )
             }
             None => (path.to_owned(), self.parameters_of_new()),
         };
@@ -238,11 +241,12 @@ impl Session {
     /// The parameters of a world that is entered anew: those of the start, with what the menu's settings change.
     fn parameters_of_new(&self) -> Parameters {
         let now = &self.settings.choice.parameters;
-        Parameters {
+        let start = Parameters {
             picture: now.picture.clone(),
             textures: now.textures.clone(),
             ..self.parameters_at_start.clone()
-        }
+        };
+        over_preset(start, self.settings.preset, &self.set_at_start)
     }
 
     /// Ends the run, with its record and its save.
@@ -277,7 +281,7 @@ impl Session {
         let choice = Choice {
             parameters: start.parameters,
             layout: start.layout,
-            size: self.viewport.frame().size(),
+            size: self.viewport.choice().size,
             traced: false,
         };
         let gpu = self.viewport.gpu.clone();

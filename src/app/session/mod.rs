@@ -2,6 +2,7 @@
 
 mod actions;
 mod benchmark;
+mod files;
 #[cfg(feature = "gamepad")]
 mod gamepads;
 mod input;
@@ -11,6 +12,7 @@ mod menu;
 mod panels;
 mod play;
 mod preferences;
+mod quality;
 mod saves;
 mod screenshots;
 mod start;
@@ -29,12 +31,12 @@ use super::{
     clock::FrameRate,
     controls::{Action, Trigger},
     hands::brush::Brush,
-    input::Input,
     inventory::Items,
     menu::{Folders, Menu, Occasion},
     messages::Messages,
     pace::Pace,
     panel::{PassMeans, Settings},
+    quality::{Auto, scaled},
     reload::Watch,
     saving::Saving,
     screen::{self, Acquired, Screen},
@@ -64,7 +66,11 @@ pub struct Session {
     viewport: Viewport,
     egui: egui_winit::State,
     settings: Settings,
+    auto: Auto,
     panel_open: bool,
+    readout_open: bool,
+    /// What the user searches for in the panel.
+    search: String,
     /// While it is open, it takes all input.
     menu: Option<Menu>,
     /// While the inventory is open, it takes keys and clicks.
@@ -134,8 +140,14 @@ impl Session {
         let gpu = Gpu::open_with(instance, adapter, Some(&surface), ShaderChecks::default())?;
         let device_errors = DeviceErrors::watch(&gpu);
         let screen = Screen::new(&gpu, window.clone(), surface)?;
-        let scale = preferences::scale(&preferences, &gpu);
-        let mut parameters = options.parameters.clone();
+        let is_software = gpu.summary.is_software();
+        let quality = options.quality.unwrap_or(preferences.quality);
+        let preset = quality.preset_on(is_software);
+        let scale = match options.quality {
+            Some(_) => preset.scale(),
+            None => preferences::scale(&preferences, preset),
+        };
+        let mut parameters = quality::parameters_at_start(options, preset);
         // A replay has the parameters of its record.
         if options.replay.is_none() {
             preferences.apply_to(&mut parameters, &options.set);
@@ -143,7 +155,7 @@ impl Session {
         let choice = Choice {
             parameters: parameters.clone(),
             layout: options.layout.clone(),
-            size: views::scaled(screen.size(), scale),
+            size: scaled(screen.size(), scale),
             traced: options.traced,
         };
         let mut messages = Messages::default();
@@ -161,19 +173,25 @@ impl Session {
         let settings = Settings {
             choice: viewport.choice().clone(),
             inspection: options.inspection,
+            preset,
             scale,
+            auto: quality.auto,
+            target_ms: options
+                .target_ms
+                .unwrap_or(Auto::default_target_ms(is_software)),
             vsync: preferences.vsync,
             clock: saves::first_clock(options),
             brush: Brush::default(),
         };
         let play = Play::begin(options, &mut viewport)?;
-        let start = saves::kept(&mut viewport, &play.player, &settings.clock)?;
+        let start = saves::kept(&mut viewport, &play.player, &settings)?;
         let saving = Saving::begin(&options.saves, &options.world_path, start, &mut messages);
         let mut session = Self {
             overlay: Overlay::new(&viewport.gpu, screen.format())?,
             timing: Timing::new(&gpu)?,
             play,
             saving,
+            auto: Auto::new(settings.target_ms),
             settings,
             egui: lost::panel_state(event_loop, &window, &viewport.gpu),
             window,
@@ -183,6 +201,8 @@ impl Session {
             replaced: None,
             lose_device_at: options.lose_device_at,
             panel_open: false,
+            readout_open: false,
+            search: String::new(),
             menu: None,
             items: Items::default(),
             folders: Folders::of_user(),
@@ -281,6 +301,7 @@ impl Session {
         self.keep_settings();
         self.screen.set_vsync(self.settings.vsync && !is_benchmark);
         self.apply_settings();
+        self.hold_frame_time();
         self.inspect_probes();
 
         // X11 hands out textures even for a minimised window.
@@ -292,6 +313,7 @@ impl Session {
         self.hidden = matches!(acquired, Acquired::Hidden);
         let Acquired::Texture(texture) = acquired else {
             self.rate.clear();
+            self.auto.interrupt();
             if let Some(run) = &mut self.benchmarks.running {
                 run.interrupt();
             }
@@ -356,33 +378,7 @@ impl Session {
     fn remade(&mut self) {
         self.probes = None;
         self.rate.clear();
+        self.auto.interrupt();
         self.last_frame = Instant::now();
-    }
-
-    fn follow_files(&mut self, now: Instant) {
-        let world = self.world_watch.changed(now);
-        let shaders = match &mut self.shaders {
-            Some((_, watch)) => watch.changed(now),
-            None => false,
-        };
-        self.reload(world, shaders);
-    }
-
-    fn reload(&mut self, world: bool, shaders: bool) {
-        if shaders && let Some((folder, _)) = &self.shaders {
-            let reloaded = self
-                .viewport
-                .reload_shaders(folder)
-                .and_then(|()| Ok(self.overlay.rebuild(&self.viewport.gpu)?));
-            self.messages.shaders = reloaded.err().map(|error| error.to_string());
-            if self.messages.shaders.is_none() {
-                self.messages.toast(toasts::SHADERS);
-            }
-            self.remade();
-        }
-        if world {
-            self.world_watch.follow_world();
-            self.give(Input::Reload);
-        }
     }
 }

@@ -9,6 +9,7 @@ use crate::{
         input::Input,
         menu::Shown,
         panel::{self, Action, Facts},
+        readout,
     },
     passes::view::overlay::PanelShapes,
 };
@@ -18,7 +19,10 @@ impl Session {
     pub(super) fn run_panel(&mut self, event_loop: &ActiveEventLoop) -> PanelShapes {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
-        let aimed = if self.captured { self.aim() } else { None };
+        let has_cross = self.menu.is_none()
+            && self.benchmarks.running.is_none()
+            && (self.captured || self.readout_open);
+        let aimed = if has_cross { self.aim() } else { None };
         let in_hands = self.in_hands(aimed.as_ref().map(|(target, _)| target));
         let facts = Facts {
             viewport: &self.viewport,
@@ -44,12 +48,12 @@ impl Session {
             } else if let Some(summary) = &self.benchmarks.summary {
                 summary.show(ui);
             } else if self.panel_open && self.benchmarks.running.is_none() {
-                action = panel::show(ui, &facts, &mut self.settings).or(action);
+                action = panel::show(ui, &facts, &mut self.settings, &mut self.search).or(action);
             }
             if self.menu.is_none() && self.benchmarks.running.is_none() {
                 items = self.items.show(ui, facts.viewport.world(), facts.hotbar);
             }
-            if self.captured {
+            if has_cross {
                 if let Some((_, edges)) = &aimed {
                     outline::draw(ui, edges);
                 }
@@ -57,6 +61,10 @@ impl Session {
                 if let Some(text) = &in_hands {
                     aim::caption(ui, text);
                 }
+            }
+            if self.readout_open && self.menu.is_none() {
+                let target = aimed.as_ref().map(|(target, _)| target);
+                readout::show(ui, &facts, &self.settings.clock, target);
             }
             self.messages.show(ui, &self.preferences.keys);
         });

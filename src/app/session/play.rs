@@ -84,6 +84,13 @@ impl Play {
     }
 }
 
+impl Play {
+    /// Whether a record plays now.
+    pub fn is_replay(&self) -> bool {
+        self.playback.is_some()
+    }
+}
+
 impl Session {
     /// The next frame takes this input. A replay takes no others than its own.
     pub(super) fn give(&mut self, input: Input) {

@@ -5,22 +5,13 @@ use std::time::Duration;
 use winit::window::Fullscreen;
 
 use super::Session;
-use crate::{
-    app::{input::Input, pace::Attention, settings::Preferences, texts::toasts},
-    gpu::Gpu,
+use crate::app::{
+    input::Input, pace::Attention, quality::Preset, settings::Preferences, texts::toasts,
 };
 
-/// Edge length of the picture relative to the window's on a software adapter.
-const SOFTWARE_SCALE: f32 = 0.35;
-
-/// Edge length of the picture relative to the window's: the user's choice, or what suits the adapter.
-pub(super) fn scale(preferences: &Preferences, gpu: &Gpu) -> f32 {
-    let suits = if gpu.summary.is_software() {
-        SOFTWARE_SCALE
-    } else {
-        1.0
-    };
-    preferences.picture_scale.unwrap_or(suits)
+/// Edge length of the picture relative to the window's: the user's choice, or the preset's.
+pub(super) fn scale(preferences: &Preferences, preset: Preset) -> f32 {
+    preferences.picture_scale.unwrap_or(preset.scale())
 }
 
 impl Session {
@@ -52,8 +43,14 @@ impl Session {
     pub(super) fn apply_since(&mut self, before: &Preferences) {
         let now = &self.preferences;
         let settings = &mut self.settings;
+        if now.quality != before.quality {
+            let is_software = self.viewport.gpu.summary.is_software();
+            settings.auto = now.quality.auto;
+            settings.choose_preset(now.quality.preset_on(is_software));
+            settings.scale = scale(now, settings.preset);
+        }
         if now.picture_scale != before.picture_scale {
-            settings.scale = scale(now, &self.viewport.gpu);
+            settings.scale = scale(now, settings.preset);
         }
         if now.vsync != before.vsync {
             settings.vsync = now.vsync;

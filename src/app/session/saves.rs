@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     app::{
-        AppError, Options, clock::WorldClock, player::Player, record::assignments,
+        AppError, Options, clock::WorldClock, panel::Settings, player::Player, record::assignments,
         viewport::Viewport,
     },
     world::save::State,
@@ -44,7 +44,7 @@ impl Session {
     }
 
     pub(super) fn kept(&mut self) -> Result<Kept, AppError> {
-        kept(&mut self.viewport, &self.play.player, &self.settings.clock)
+        kept(&mut self.viewport, &self.play.player, &self.settings)
     }
 }
 
@@ -55,10 +55,11 @@ impl Session {
 pub(super) fn kept(
     viewport: &mut Viewport,
     player: &Player,
-    clock: &WorldClock,
+    settings: &Settings,
 ) -> Result<Kept, AppError> {
     let view = player.view(&viewport.ground()?);
     let overlay = viewport.overlay()?;
+    let clock = &settings.clock;
     let (world, choice) = (viewport.world(), viewport.choice());
     let state = State {
         time_s: clock.time_s,
@@ -69,7 +70,8 @@ pub(super) fn kept(
         pitch_deg: view.pitch_deg,
         fov_deg: view.fov_deg,
         layout: choice.layout.clone(),
-        set: assignments(&choice.parameters),
+        // What the preset sets belongs to the machine.
+        set: assignments(&settings.preset.without(&choice.parameters)),
         materials: world
             .materials
             .iter()

@@ -12,12 +12,18 @@ impl Session {
             if !times.passes_ms.is_empty() {
                 self.passes.push(&times);
             }
+            if is_gpu_time {
+                self.frame_took(times.frame_ms);
+            }
             if is_gpu_time && let Some(run) = &mut self.benchmarks.running {
                 run.gpu_took(times.frame_ms);
             }
             if let Some(reference_view) = self.viewport.reference_view() {
                 reference_view.took(Some(&times), frame_ms);
             }
+        }
+        if !is_gpu_time || !self.timing.supported() {
+            self.frame_came_after(frame_ms);
         }
         let benchmark = self.benchmarks.running.as_ref().map(Benchmark::status);
         let traced = self.viewport.reference_view().map(|reference_view| {

@@ -4,7 +4,7 @@ use clap::ValueEnum as _;
 
 use super::Session;
 use crate::{
-    app::{texts::toasts, views::name},
+    app::{quality::scaled, texts::toasts, views::name},
     parameters::Remake,
     passes::view::{Inspection, ProbeColour},
 };
@@ -16,7 +16,7 @@ impl Session {
         let minimised = self.screen.size().contains(&0);
         let mut next = self.settings.choice.clone();
         next.size = if dragging || minimised {
-            self.viewport.frame().size()
+            self.viewport.choice().size
         } else {
             scaled(self.screen.size(), self.settings.scale)
         };
@@ -57,10 +57,6 @@ impl Session {
             None => toasts::NO_PROBES.to_owned(),
         });
     }
-}
-
-pub(super) fn scaled(size: [u32; 2], scale: f32) -> [u32; 2] {
-    size.map(|edge| ((edge as f32 * scale).round() as u32).max(1))
 }
 
 fn after(shown: Option<ProbeColour>) -> Option<ProbeColour> {

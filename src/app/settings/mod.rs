@@ -10,7 +10,7 @@ use std::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::controls::Bindings;
+use super::{controls::Bindings, quality::Quality};
 use crate::parameters::Parameters;
 
 pub use file::Store;
@@ -45,8 +45,8 @@ pub struct Preferences {
     /// Loudness, 0 to 1.
     pub volume: f32,
     pub muted: bool,
-    /// Name of the quality preset.
-    pub quality: String,
+    /// How much work a picture gets.
+    pub quality: Quality,
     #[serde(skip)]
     pub keys: Bindings,
 }
@@ -80,7 +80,7 @@ impl Default for Preferences {
             picture_scale: None,
             volume: 0.8,
             muted: false,
-            quality: "high".to_owned(),
+            quality: Quality::default(),
             keys: Bindings::default(),
         }
     }
@@ -252,7 +252,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::controls::Action;
+    use crate::app::{controls::Action, quality::Preset};
 
     fn changed() -> Preferences {
         let mut preferences = Preferences {
@@ -270,7 +270,10 @@ mod tests {
             picture_scale: Some(0.5),
             volume: 0.25,
             muted: true,
-            quality: "low".to_owned(),
+            quality: Quality {
+                preset: Some(Preset::Low),
+                auto: false,
+            },
             ..Preferences::default()
         };
         let key = "F".parse().expect("a key");

@@ -2,12 +2,15 @@
 
 mod bits;
 mod changes;
+mod effort;
+mod fitting;
 
 use std::path::{Path, PathBuf};
 
 use miette::{GraphicalReportHandler, GraphicalTheme, Report};
 
-use super::reference_view::ReferenceView;
+use self::fitting::{fitting, layout};
+use super::{quality::Effort, reference_view::ReferenceView};
 use crate::{
     frame::{Frame, FrameError, Stage},
     gpu::{Gpu, GpuError, Recorder, ShaderLibrary},
@@ -16,7 +19,7 @@ use crate::{
     parameters::{Parameters, Remake},
     passes::view::{Inspection, Shot},
     world::{
-        self, Camera, LayoutSpec, World,
+        self, Camera, World,
         file::Overrides,
         voxels::{Edit, Originals, Voxels},
     },
@@ -28,7 +31,7 @@ pub struct Choice {
     pub parameters: Parameters,
     /// Name of a probe layout of the world.
     pub layout: String,
-    /// Width and height of the picture in pixels.
+    /// Width and height of the picture in pixels; an [`Effort`] may make it smaller.
     pub size: [u32; 2],
     /// Show the path-traced picture in place of the one lit by probes.
     pub traced: bool,
@@ -66,6 +69,7 @@ pub struct Viewport {
     /// Present while `choice.traced`.
     reference_view: Option<ReferenceView>,
     choice: Choice,
+    effort: Effort,
     inspection: Inspection,
     /// The voxels as on the GPU, read back at the first need. They remember what edited cells contained when
     /// this world was built.
@@ -107,6 +111,7 @@ impl Viewport {
             frame,
             reference_view: None,
             choice,
+            effort: Effort::FULL,
             inspection: Inspection::default(),
             voxels: None,
             build: 0,
@@ -166,9 +171,10 @@ impl Viewport {
         }
         self.frame
             .antialias(&self.gpu, next.parameters.picture.antialias)?;
-        let resized = next.size != self.frame.size();
+        let size = self.effort.size(next.size);
+        let resized = size != self.frame.size();
         if resized {
-            self.frame.resize(&self.gpu, next.size)?;
+            self.frame.resize(&self.gpu, size)?;
         }
         let changed = next.traced != self.choice.traced;
         if changed
@@ -211,7 +217,8 @@ impl Viewport {
             let stage = Stage::build(&gpu, &world)?;
             let layout = layout(&world, &self.choice.layout);
             let parameters = &self.choice.parameters;
-            let mut frame = Frame::new(&gpu, stage, layout, &parameters.probes, self.choice.size)?;
+            let size = self.frame.size();
+            let mut frame = Frame::new(&gpu, stage, layout, &parameters.probes, size)?;
             frame.antialias(&gpu, parameters.picture.antialias)?;
             frame.prepare_bits(&gpu)?;
             self.frame = frame;
@@ -246,11 +253,12 @@ impl Viewport {
     fn rebuild(&mut self, mut world: World, choice: Choice) -> Result<(), FrameError> {
         self.carry_changes(&mut world);
         let build = self.build + 1;
+        let effort = self.effort;
         *self = Self {
             build,
             ..Self::new(self.gpu.clone(), &self.path, world, choice)?
         };
-        Ok(())
+        self.make(effort)
     }
 
     /// The voxels as on the GPU.
@@ -325,9 +333,13 @@ impl Viewport {
         seed: u32,
     ) -> Result<(), GpuError> {
         let parameters = &self.choice.parameters;
+        let size = match &self.reference_view {
+            Some(reference_view) => reference_view.size(),
+            None => self.frame.size(),
+        };
         let shot = Shot {
             camera: camera.clone(),
-            size: self.frame.size(),
+            size,
             frame: self.frame.frames(),
             seed,
             exposure_ev: parameters.picture.exposure_ev,
@@ -340,8 +352,9 @@ impl Viewport {
         if let Some(reference_view) = &mut self.reference_view {
             return reference_view.record(&self.gpu, recorder, shot, &lights);
         }
+        let probes = self.effort.probes(&parameters.probes);
         self.frame
-            .record(&self.gpu, recorder, &shot, &lights, &parameters.probes);
+            .record(&self.gpu, recorder, &shot, &lights, &probes);
         Ok(())
     }
 
@@ -368,26 +381,6 @@ impl Viewport {
             None => self.frame.read_display(&self.gpu),
         }
     }
-}
-
-/// The choice, with everything that this world lacks replaced.
-fn fitting(mut choice: Choice, world: &World) -> Choice {
-    choice
-        .layout
-        .clone_from(&layout(world, &choice.layout).name);
-    let preset = &mut choice.parameters.lights.preset;
-    if world.lamp_presets.iter().all(|known| known.name != *preset) {
-        preset.clear();
-    }
-    choice
-}
-
-/// The layout of this name, or the world's first.
-fn layout<'a>(world: &'a World, name: &str) -> &'a LayoutSpec {
-    let mut layouts = world.layouts.iter();
-    layouts
-        .find(|layout| layout.name == name)
-        .unwrap_or_else(|| world.layouts.first().expect("a world has a probe layout"))
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ use super::{
 use crate::{
     app::{
         self, AppError,
+        quality::{Auto, Quality},
         record::{self, Record as Run},
         replay::ReplayOptions,
         saving::SaveOptions,
@@ -70,6 +71,13 @@ pub struct Arguments {
     /// Start with the benchmark (F4)
     #[arg(long, conflicts_with = "reference")]
     benchmark: bool,
+    /// Work of a picture: low, medium, high, ultra; auto holds a frame time, and low+auto does so from low downwards
+    /// [default: auto, from high downwards, or from low on a software adapter]
+    #[arg(long, value_name = "NAME|auto", conflicts_with = "replay")]
+    quality: Option<Quality>,
+    /// The frame time that auto holds, in milliseconds [default: 16.7, or 150 on a software adapter]
+    #[arg(long, value_name = "MS", value_parser = frame_time, conflicts_with = "replay")]
+    frame_time: Option<f64>,
     /// Set a parameter (repeatable); `grotto info --keys` lists them
     #[arg(long, value_name = "KEY=VALUE", value_parser = assignment)]
     set: Vec<String>,
@@ -126,6 +134,18 @@ pub fn open() -> Result<bool, Failure> {
         return Ok(false);
     }
     run(arguments).map(|()| true)
+}
+
+/// Accepts a time that a frame may take.
+fn frame_time(text: &str) -> Result<f64, String> {
+    let ms: f64 = text
+        .parse()
+        .map_err(|_| format!("`{text}` is no number of milliseconds"))?;
+    if Auto::TARGETS_MS.contains(&ms) {
+        Ok(ms)
+    } else {
+        Err(format!("a frame takes 1 to 1000 milliseconds, not {ms}"))
+    }
 }
 
 impl Arguments {
@@ -245,6 +265,8 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         world_path,
         world: setup.world,
         parameters: setup.parameters,
+        quality: arguments.quality,
+        target_ms: arguments.frame_time,
         camera,
         layout: setup.layout.name,
         inspection,

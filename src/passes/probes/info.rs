@@ -19,6 +19,7 @@ crate::shared! {
         pub level_count: u32,
         /// Probes of each level.
         pub level_slots: u32,
+        /// Rays that an update traces.
         pub rays: u32,
         /// log2 of the tiles in a row of the atlas, and of the rows in a layer.
         pub columns_log2: u32,
@@ -38,7 +39,8 @@ crate::shared! {
         pub visibility_lattice_words: u32,
         /// A probe that misses more than this share of the surfaces in its cages gets a back-side probe; 1: none does.
         pub back_side_share: f32,
-        pub _pad: u32,
+        /// Rays of a probe that the buffers have room for.
+        pub ray_room: u32,
     }
 }
 
@@ -65,7 +67,8 @@ impl GpuProbeInfo {
             slots: atlas.slots,
             level_count: volume.levels().len() as u32,
             level_slots: volume.level_slots(),
-            rays: field.rays_per_probe(),
+            rays: parameters.rays_per_update().min(field.rays_per_probe()),
+            ray_room: field.rays_per_probe(),
             columns_log2: atlas.columns_log2,
             rows_log2: atlas.rows_log2,
             irradiance_texels: atlas.irradiance_texels as f32,
@@ -84,7 +87,6 @@ impl GpuProbeInfo {
                 Some(visibility_bits) if visibility_bits.back_side() => BACK_SIDE_SHARE,
                 _ => 1.0,
             },
-            ..Self::default()
         }
     }
 }

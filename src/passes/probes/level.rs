@@ -12,9 +12,6 @@ crate::shared! {
     /// Room for the levels of a volume.
     pub const LEVELS: usize = MAX_LEVELS as usize;
 
-    /// Hues of levels in views: the seventh level of an octree has that of the first.
-    const LEVEL_HUES: u32 = 6;
-
     /// A window of probes on an endless lattice (src/probes/level.rs). Each level has twice the spacing of
     /// the level before it.
     pub struct GpuProbeLevel as ProbeLevel {

@@ -161,7 +161,7 @@ impl SurfaceCache {
             edited_high_gs: high.to_array(),
             edited_frame,
             bucket_mask: self.entries / FACINGS as u32 - 1,
-            most_batches: self.batches_of(size),
+            most_batches: (self.batches_of(size) as f32 * parameters.face_share).ceil() as u32,
             rays_rows: self.rays_most(size)[1],
             resolve_rows: self.resolve_most(size)[1],
             most_samples,

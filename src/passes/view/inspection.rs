@@ -8,8 +8,8 @@ use crate::world::View;
 pub enum ProbeColour {
     /// Light that arrives from the direction that the sphere's surface faces: the probe's map of irradiance.
     Irradiance,
-    /// Green: alive; amber: alive and moved; magenta: a back-side probe; cyan: indirect-only; blue: asleep;
-    /// red: dead. Lines start at the probes' lattice points.
+    /// Green: alive; yellow: alive and moved; pink: a back-side probe; light blue: indirect-only; indigo: asleep;
+    /// wine: dead. Lines start at the probes' lattice points.
     State,
     /// How far the probe has moved, in the colours of magma: black is not at all, white is a spacing. Lines start at
     /// the probes' lattice points.

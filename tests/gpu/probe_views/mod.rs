@@ -9,7 +9,7 @@ use grotto::{
     frame::{self, Frame, Stage},
     gpu::{Gpu, Recorder},
     lights::Lights,
-    measure::picture::Picture,
+    measure::{palette, picture::Picture},
     parameters::{ProbeParameters, ProbeStates, Relocation},
     passes::{
         scene::GpuLights,
@@ -120,12 +120,17 @@ fn unmoved() -> ProbeParameters {
     }
 }
 
-const ALIVE: Vec3 = Vec3::new(0.05, 0.52, 0.08);
-const MOVED: Vec3 = Vec3::new(0.89, 0.43, 0.01);
-const BACK_SIDE: Vec3 = Vec3::new(0.62, 0.08, 0.75);
-const INDIRECT_ONLY: Vec3 = Vec3::new(0.04, 0.48, 0.58);
-const ASLEEP: Vec3 = Vec3::new(0.03, 0.11, 0.63);
-const DEAD: Vec3 = Vec3::new(0.53, 0.02, 0.02);
+const ALIVE: usize = 2;
+const MOVED: usize = 3;
+const BACK_SIDE: usize = 4;
+const INDIRECT_ONLY: usize = 1;
+const ASLEEP: usize = 0;
+const DEAD: usize = 5;
+
+/// A colour of the palette.
+fn of(index: usize) -> Vec3 {
+    palette::linear(index).into()
+}
 
 /// Number of pixels of spheres, of lines, and of wrong pixels among both. A pixel that belongs to no probe must be as
 /// in the picture without probes.
@@ -175,9 +180,9 @@ fn spheres_and_lines_are_where_probes_and_back_side_probes_stand_and_walls_hide_
     let drawn = watched.spheres(ProbeColour::State);
     let mut oracle = watched.oracle(true);
     let by_state = |expected: &Expected| match (expected.is_back_side, expected.is_moved) {
-        (true, _) => BACK_SIDE,
-        (false, true) => MOVED,
-        (false, false) => ALIVE,
+        (true, _) => of(BACK_SIDE),
+        (false, true) => of(MOVED),
+        (false, false) => of(ALIVE),
     };
     let [spheres, lines, wrong] = faults(&drawn, &plain, &oracle, by_state);
     assert!(spheres > 150 && lines > 40, "{spheres} and {lines} pixels");
@@ -202,13 +207,7 @@ fn every_level_of_a_volume_that_moves_is_drawn_where_it_is_now() {
     watched.settle(2);
     let plain = watched.view(View::Full);
     let drawn = watched.spheres(ProbeColour::Cascade);
-    let by_level = |expected: &Expected| {
-        [
-            Vec3::new(1.0, 0.3, 0.3),
-            Vec3::new(1.0, 1.0, 0.3),
-            Vec3::new(0.3, 1.0, 0.3),
-        ][expected.level as usize]
-    };
+    let by_level = |expected: &Expected| of(expected.level as usize);
     let oracle = watched.oracle(false);
     let [spheres, _, wrong] = faults(&drawn, &plain, &oracle, by_level);
     assert!(spheres > 300, "{spheres}");
@@ -259,9 +258,9 @@ fn in_a_furnace_every_sphere_shows_the_light_of_all_directions() {
     }
 }
 
-fn has_hue(rgb: [f32; 3], hue: Vec3) -> bool {
+fn has_hue(rgb: [f32; 3], index: usize) -> bool {
     let colour = Vec3::from(rgb).normalize_or_zero();
-    (colour - hue.normalize()).abs().max_element() < 0.01
+    (colour - of(index).normalize()).abs().max_element() < 0.01
 }
 
 #[test]
@@ -277,7 +276,7 @@ fn surfaces_show_the_states_of_the_probes_that_light_them() {
     let mixed = watched.view(View::States);
     let green = mixed.rgb.iter().filter(|rgb| has_hue(**rgb, ALIVE)).count();
     let moved = mixed.rgb.iter().filter(|rgb| has_hue(**rgb, MOVED)).count();
-    assert!(green > 0 && moved > 0, "{green} green, {moved} amber");
+    assert!(green > 0 && moved > 0, "{green} green, {moved} yellow");
 }
 
 #[test]
@@ -321,7 +320,7 @@ fn painted_cubes_count_as_the_states_do() {
             let known = f32::from(u8::from(*updates > 0));
             assert!(cube.iter().all(|axis| f32::from_bits(axis[3]) == known));
         }
-        let is = |state: Vec3| (colour - state).abs().max_element() < 1e-3;
+        let is = |state| (colour - of(state)).abs().max_element() < 1e-3;
         alive += u32::from(is(ALIVE) || is(MOVED) || is(BACK_SIDE) || is(INDIRECT_ONLY));
         sleeping += u32::from(is(ASLEEP));
         dead += u32::from(is(DEAD) && slot < field.volume().slots());

@@ -1,5 +1,7 @@
 //! The maps over many updates: averages, reactions to change, and NaN.
 
+use std::cell::Cell;
+
 use glam::{DVec3, IVec2, IVec3};
 use grotto::{
     parameters::ProbeParameters,
@@ -302,4 +304,31 @@ fn the_firefly_clamp_bites_only_when_it_is_on() {
     assert!((free / 3.5 - 1.0).abs() < 0.3, "{free}");
     // Measured: 0.41.
     assert!(clamped < 0.6 * free, "{clamped} {free}");
+}
+
+/// Of a probe's rays only the share that is traced counts: the rest of the buffer holds old ones. The light stays when
+/// the share changes.
+#[test]
+fn a_share_of_the_rays_lights_a_probe_and_a_change_of_it_forgets_nothing() {
+    let parameters = ProbeParameters {
+        rays: 64,
+        ray_share: 0.25,
+        warmup_frames: 1,
+        ..Default::default()
+    };
+    let mut rig = Rig::new(volume([2, 1, 1], 4.0), parameters);
+    let nth = Cell::new(0);
+    for _ in 0..20 {
+        rig.update(|_, _| {
+            let ray = nth.replace(nth.get() + 1) % 64;
+            if ray < 16 { [1.0; 4] } else { [50.0; 4] }
+        });
+    }
+    assert!((centre(&rig, 1) - 1.0).abs() < 0.01, "{}", centre(&rig, 1));
+    let before = rig.field.updates(&rig.gpu).expect("reads back");
+    rig.parameters.ray_share = 1.0;
+    rig.update(|_, _| [1.0; 4]);
+    assert!((centre(&rig, 1) - 1.0).abs() < 0.01, "{}", centre(&rig, 1));
+    let after = rig.field.updates(&rig.gpu).expect("reads back");
+    assert_eq!(after[1], before[1] + 1);
 }

@@ -2,10 +2,11 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{Grid, RichText, ScrollArea, Slider, Ui, emath::Numeric};
+use egui::{ComboBox, Grid, RichText, ScrollArea, Slider, Ui, emath::Numeric};
 
 use super::{GAP, Shown};
 use crate::app::{
+    quality::{Preset, Quality},
     settings::{
         EXPOSURES_EV, FIELDS_OF_VIEW_DEG, FRAME_LIMITS, PICTURE_SCALES, Preferences, SENSITIVITIES,
         UI_SCALES, UNFOCUSED_LIMITS, VOLUMES,
@@ -55,6 +56,9 @@ fn picture(ui: &mut Ui, preferences: &mut Preferences, scale: f32) {
         EXPOSURES_EV,
         1,
     );
+    ui.label(texts::QUALITY);
+    ui.horizontal(|ui| quality(ui, &mut preferences.quality));
+    ui.end_row();
     ui.label(texts::SCALE);
     ui.horizontal(|ui| {
         let given = &mut preferences.picture_scale;
@@ -79,6 +83,24 @@ fn picture(ui: &mut Ui, preferences: &mut Preferences, scale: f32) {
     ui.label(texts::UNFOCUSED_LIMIT);
     ui.add(Slider::new(&mut preferences.unfocused_limit, UNFOCUSED_LIMITS).logarithmic(true));
     ui.end_row();
+}
+
+/// A preset, or what suits the machine; and whether to do less than it where frames take too long.
+fn quality(ui: &mut Ui, quality: &mut Quality) {
+    let name = |preset: Option<Preset>| preset.map_or(texts::AUTOMATIC, Preset::name);
+    ComboBox::from_id_salt("quality")
+        .selected_text(name(quality.preset))
+        .show_ui(ui, |ui| {
+            for preset in [None].into_iter().chain(Preset::ALL.map(Some)) {
+                ui.selectable_value(&mut quality.preset, preset, name(preset));
+            }
+        });
+    if quality.preset.is_none() {
+        quality.auto = true;
+    }
+    ui.add_enabled_ui(quality.preset.is_some(), |ui| {
+        ui.checkbox(&mut quality.auto, texts::HOLDS_FRAME_TIME);
+    });
 }
 
 fn controls(ui: &mut Ui, preferences: &mut Preferences) {

@@ -241,7 +241,8 @@ impl Facts {
         let (gpu, frame) = (rig.gpu, &rig.frame);
         let counts = ProbeCounts::read(gpu, frame.field())?;
         let pixels = u64::from(spec.size[0]) * u64::from(spec.size[1]);
-        let probe_rays = u64::from(counts.updated) * u64::from(frame.field().rays_per_probe());
+        let probe_rays =
+            u64::from(counts.updated) * u64::from(spec.parameters.probes.rays_per_update());
         let mut rays: BTreeMap<String, u64> = [
             ("camera".to_owned(), pixels),
             ("shadow".to_owned(), frame.count_shadow_rays(gpu, true)?),

@@ -228,7 +228,8 @@ impl ProbeField {
         let info = GpuProbeInfo::new(self, parameters, frame);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
-        let directions: Vec<[f32; 4]> = sampling::directions(self.rays_per_probe, seed, frame)
+        let rays = parameters.rays_per_update().min(self.rays_per_probe);
+        let directions: Vec<[f32; 4]> = sampling::directions(rays, seed, frame)
             .map(|direction| direction.as_vec3().extend(0.0).to_array())
             .collect();
         gpu.queue
@@ -297,7 +298,7 @@ impl ProbeField {
         &self.atlas
     }
 
-    /// Rays of each probe in a frame.
+    /// Rays of each probe that the buffers hold; an update traces them all, or `probes.ray_share` of them.
     pub fn rays_per_probe(&self) -> u32 {
         self.rays_per_probe
     }
