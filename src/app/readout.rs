@@ -45,7 +45,7 @@ fn lines(
     facts: &Facts<'_>,
     clock: &WorldClock,
     aimed: Option<&Target>,
-) -> [(&'static str, String); 7] {
+) -> [(&'static str, String); 8] {
     let frame = facts.viewport.frame();
     let [width, height] = frame.size();
     let probes = match &facts.probes {
@@ -63,6 +63,10 @@ fn lines(
         ("picture", format!("{width} × {height}")),
         ("quality", facts.effort_in_words()),
         ("probes", probes),
+        (
+            "sound",
+            facts.silence.clone().unwrap_or_else(|| "on".to_owned()),
+        ),
     ]
 }
 

@@ -212,7 +212,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::world::Colour;
+    use crate::world::{Colour, MaterialSound};
 
     const MS: u64 = 1_000_000;
 
@@ -232,6 +232,7 @@ mod tests {
             b: Colour::Flat(colour),
             pattern: Pattern::Plain,
             emission: 0.5 * colour,
+            sound: MaterialSound::Stone,
         };
         vec![flat("red", Vec3::X), flat("green", Vec3::Y)]
     }

@@ -234,7 +234,7 @@ mod tests {
     use super::*;
     use crate::{
         app::hands::history::Side,
-        world::{Colour, Pattern},
+        world::{Colour, MaterialSound, Pattern},
     };
 
     const SIZE: i32 = 24;
@@ -246,6 +246,7 @@ mod tests {
             b: Colour::Flat(Vec3::ONE),
             pattern: Pattern::Plain,
             emission: Vec3::ZERO,
+            sound: MaterialSound::Stone,
         }
     }
 

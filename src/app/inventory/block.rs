@@ -117,7 +117,7 @@ fn colour_of(light: Vec3, opacity: f32) -> Color32 {
 mod tests {
     use super::*;
     use crate::world::{
-        Colour, Material, Pattern,
+        Colour, Material, MaterialSound, Pattern,
         placed::{LampColour, LampMotion},
     };
 
@@ -128,6 +128,7 @@ mod tests {
             b: Colour::Flat(Vec3::new(0.1, 0.1, 0.8)),
             pattern,
             emission,
+            sound: MaterialSound::Stone,
         };
         of_material(&MaterialSet::bake(&[material], 1))
     }

@@ -75,6 +75,8 @@ pub struct Facts<'a> {
     /// Probes by state, once they have been counted.
     pub probes: Option<StateCounts>,
     pub hotbar: &'a Hotbar,
+    /// Why nothing is heard, if so.
+    pub silence: Option<String>,
 }
 
 impl Facts<'_> {

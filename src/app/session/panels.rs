@@ -32,6 +32,7 @@ impl Session {
             fly_speed: self.play.player.fly_speed(),
             probes: self.probes,
             hotbar: &self.play.hands.hotbar,
+            silence: self.play.sound.silence(),
         };
         let before = self.menu.is_some().then(|| self.preferences.clone());
         let mut action = None;
