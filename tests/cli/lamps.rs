@@ -141,7 +141,7 @@ fn a_lamp_is_picked_and_another_made_for_the_hand() {
 
 #[test]
 fn voxels_are_not_placed_into_a_lamp() {
-    let ball = json!([{"slot": 0}, {"brush": {"radius": 2.0}}, {"look": [0.0, 150.0]},
+    let ball = json!([{"slot": 0}, {"brush": {"shape": "ball", "radius": 2.0}}, {"look": [0.0, 150.0]},
                       {"hold": "place"}, {"let_go": "place"}]);
     let around = played(&[hang(), (100, ball.clone())]);
     let whole = played(&[(100, ball)]);

@@ -197,7 +197,8 @@ fn a_camera_that_turns_keeps_its_history() {
 /// Digs into the sphere, and returns the share of the dug pixels that the next frame shows as they were.
 fn ghosts(gpu: Gpu) -> f64 {
     let mut drawn = smoothed(gpu);
-    drawn.draw(40);
+    // History is clipped in the 40 frames of warm-up and in 16 more.
+    drawn.draw(80);
     let before = drawn.radiance();
     // World (6, 7, 2).
     let centre = Vec3::new(30.0, 15.0, 26.0);

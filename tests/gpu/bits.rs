@@ -321,7 +321,8 @@ fn ghosts(gpu: Gpu) -> f64 {
     for drawn in [&mut drawn, &mut never] {
         let smoothed = drawn.frame.antialias(&gpu, Antialias::Temporal);
         smoothed.expect("fits");
-        drawn.draw(40);
+        // History is clipped in the 40 frames of warm-up and in 16 more, and then averages ever more frames.
+        drawn.draw(80);
     }
     let mut crossed = vec![false; never.radiance().rgb.len()];
     for frame in 0..8 {

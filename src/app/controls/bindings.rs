@@ -254,14 +254,14 @@ mod tests {
         // A file that was written by hand.
         let changed = [
             ("up", &["F", "no such key", "Esc"][..]),
-            ("fly", &["W", "F", "G", "H"]),
+            ("fly", &["W", "F", "U", "H"]),
             ("of another version", &["Q"]),
         ];
         let owned = |keys: &[&str]| keys.iter().map(|key| (*key).to_owned()).collect();
         let changed = changed.map(|(id, keys)| (id.to_owned(), owned(keys)));
         let (read, notes) = Bindings::with(&changed.into());
         assert_eq!(read.names(Action::Up), "F");
-        assert_eq!(read.names(Action::Fly), "W, G");
+        assert_eq!(read.names(Action::Fly), "W, U");
         assert_eq!(read.names(Action::Forward), NO_KEY);
         let wanted = [
             "`no such key` cannot be a key of `up`",

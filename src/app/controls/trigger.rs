@@ -206,6 +206,8 @@ impl fmt::Display for Trigger {
             KeyCode::ControlLeft => formatter.write_str(CTRL),
             KeyCode::ShiftLeft => formatter.write_str(SHIFT),
             KeyCode::Escape => formatter.write_str("Esc"),
+            KeyCode::BracketLeft => formatter.write_str("["),
+            KeyCode::BracketRight => formatter.write_str("]"),
             code => {
                 let name = format!("{code:?}");
                 let short = name.strip_prefix("Key").or(name.strip_prefix("Digit"));

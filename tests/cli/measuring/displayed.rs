@@ -9,7 +9,7 @@ use super::{
 const MINIMAL: &str = "worlds/minimal.ron";
 const SMALL: [&str; 8] = [
     "--size",
-    "96x54",
+    "128x72",
     "--frames",
     "120",
     "--spp",
@@ -42,7 +42,7 @@ fn edges_are_judged_and_what_players_see_of_them_is_smooth() {
         let output = super::grotto(arguments);
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     };
-    let picture = ["--size", "96x54", "--set", "probes.rays=32"];
+    let picture = ["--size", "128x72", "--set", "probes.rays=32"];
     let off = ["--frames", "120", "--set", "picture.antialias=off"];
     run(&[&["render", MINIMAL, "-o", jagged], &picture[..], &off].concat());
     let smooth = ["--spp", "256", "--antialias"];
@@ -50,10 +50,13 @@ fn edges_are_judged_and_what_players_see_of_them_is_smooth() {
     let compared = object(&bench.compare(&[jagged, truth, "--json"]));
     let jagged = number(&compared, "flip.mean");
     assert!(
-        jagged > 1.2 * at_centres,
+        jagged > 1.3 * at_centres,
         "edges are an error of their own: {jagged} {at_centres}"
     );
-    assert!(displayed < 0.7 * jagged, "{displayed} {jagged}");
+    assert!(
+        displayed < 1.2 * at_centres,
+        "and hardly one where they are smooth: {displayed} {at_centres}"
+    );
 }
 
 #[test]
