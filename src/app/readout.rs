@@ -29,6 +29,7 @@ pub fn show(ui: &Ui, facts: &Facts<'_>, clock: &WorldClock, aimed: Option<&Targe
                 time_graph::show(ui, facts.rate);
                 Grid::new("readout")
                     .num_columns(2)
+                    .max_col_width(WIDTH - 56.0)
                     .spacing([8.0, 2.0])
                     .show(ui, |ui| {
                         for (name, value) in lines(facts, clock, aimed) {
