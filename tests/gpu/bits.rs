@@ -350,7 +350,7 @@ fn ghosts(gpu: Gpu) -> f64 {
 fn what_flies_leaves_no_ghost() {
     let gpu = gpu();
     let right = ghosts(gpu.clone());
-    // A pixel begins anew with one ray, which may see another of the surfaces at its edge.
+    // A pixel begins again with one ray, which may see another of the surfaces at its edge.
     assert!(right < 0.2, "{right}");
     // Planted: it is averaged like a surface.
     let flies = "select(1.0, SHOWN_AS_LIGHT, bits[owner / BIT_FACES].flies == 1u)";

@@ -238,7 +238,7 @@ impl Session {
         Ok(())
     }
 
-    /// The parameters of a world that is entered anew: those of the start, with what the menu's settings change.
+    /// The parameters of a world that is entered from the menu: those of the start, with what the menu's settings change.
     fn parameters_of_new(&self) -> Parameters {
         let now = &self.settings.choice.parameters;
         let start = Parameters {

@@ -239,7 +239,7 @@ fn after_edits_probes_see_as_fresh_ones_do() {
         let edit = voxels.fill_box(low.into(), high.into(), material);
         let larger = on_gpu.with_room_for(&gpu, &voxels).expect("fits");
         if let Some(larger) = larger {
-            // The passes are made anew for the larger buffers; the field stays.
+            // The passes are made again for the larger buffers; the field stays.
             on_gpu = larger;
             edited = Placed::new(&gpu, edited.field, &on_gpu);
         }

@@ -45,7 +45,7 @@ impl Auto {
     /// Stretches in a row before a step.
     const SLOW_STRETCHES: u32 = 3;
     const FAST_STRETCHES: u32 = 3;
-    /// A change of the picture's size begins its anti-aliasing anew: it is made more rarely.
+    /// A change of the picture's size ends the history of its anti-aliasing: it is made more rarely.
     const FAST_STRETCHES_FOR_SIZE: u32 = 6;
     /// Most steps at once.
     const MOST_STEPS: usize = 4;

@@ -99,7 +99,7 @@ impl Drop for Device {
 }
 
 impl Player {
-    /// Begins anew on a device with this many samples a second. What waited for it is forgotten, except how the
+    /// Begins again on a device with this many samples a second. What waited for it is forgotten, except how the
     /// room is and how loud.
     pub fn begin(&mut self, rate_hz: f32) {
         let mut mixer = Mixer::new(rate_hz, self.seed);
