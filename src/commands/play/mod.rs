@@ -162,76 +162,20 @@ impl Arguments {
 }
 
 pub fn run(arguments: Arguments) -> Result<(), Failure> {
-    if let Some(folder) = &arguments.shaders
-        && !folder.join("view/shade.wesl").is_file()
-    {
-        return Err(Failure::bad_input(format!(
-            "{} is no folder of shaders: it has no view/shade.wesl. \
-             A checkout of grotto has them in shaders/.",
-            folder.display()
-        )));
-    }
-    if let Some(path) = &arguments.record {
-        let file = whole_file::open(path)?;
-        file.discard()
-            .map_err(|reason| Failure::unwritten(path, reason))?;
-    }
+    check_files(&arguments)?;
     let mut run = RunOptions {
         adapter: arguments.adapter.clone(),
         set: arguments.set.clone(),
         json: arguments.output.json,
         quiet: arguments.output.quiet,
     };
-    let replay = arguments.replay.as_deref().map(Run::read).transpose()?;
-    let (world_path, layout, seed) = match &replay {
-        Some(replay) => {
-            run.set.clone_from(&replay.header.set);
-            let path = arguments.world.clone();
-            (
-                path.unwrap_or_else(|| replay.header.world.clone()),
-                Some(replay.header.layout.clone()),
-                replay.header.seed,
-            )
-        }
-        None => (
-            arguments.world.clone().map_or_else(app::title_world, Ok)?,
-            arguments.layout.clone(),
-            arguments.seed,
-        ),
-    };
-    if let (Some(replay), Some(path)) = (&replay, &arguments.replay) {
-        check_world(replay, path, &world_path)?;
-        if let Some(cut) = &replay.cut {
-            output::note(&run, &format!("note: {cut}"));
-        }
-    }
-    let picture = PictureOptions {
-        size: arguments.size.unwrap_or(SIZE),
-        camera: arguments.camera.clone(),
-        layout,
-        frames: None,
-        time: None,
+    let Beginning {
+        setup,
+        world_path,
+        named_path,
+        replay,
         seed,
-        view: arguments.view,
-    };
-    let mut setup = Setup::load(&world_path, &run, &picture)?;
-    // The window follows the world file; what the save changed about it is in the world by now.
-    let save_path = world_path.clone();
-    let world_path = match &setup.save {
-        Some(save) => save::world_file(&save_path, &save.head)?,
-        None => world_path,
-    };
-    if replay.is_some() {
-        // The record knows what was set, and its first moment sets the clock.
-        setup.parameters = run.parameters()?;
-    }
-    if setup.save.is_some() {
-        // The digits jump to the world's own cameras.
-        setup
-            .world
-            .cameras
-            .retain(|camera| camera.name != save::VIEW);
-    }
+    } = beginning(&arguments, &mut run)?;
     let inspection = arguments.inspection.with(arguments.view);
     if let (Some(replay), Some(folder)) = (replay.clone(), &arguments.out) {
         let options = ReplayOptions {
@@ -286,7 +230,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
             continued: setup
                 .save
                 .filter(|_| replay.is_none())
-                .map(|save| (save_path, save)),
+                .map(|save| (named_path, save)),
         },
         record: arguments.record,
         replay,
@@ -300,6 +244,96 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         true => output::print_json(&Record { world, frames }),
         false => Ok(()),
     }
+}
+
+/// Refuses what cannot work before any work is done.
+fn check_files(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(folder) = &arguments.shaders
+        && !folder.join("view/shade.wesl").is_file()
+    {
+        return Err(Failure::bad_input(format!(
+            "{} is no folder of shaders: it has no view/shade.wesl. \
+             A checkout of grotto has them in shaders/.",
+            folder.display()
+        )));
+    }
+    if let Some(path) = &arguments.record {
+        let file = whole_file::open(path)?;
+        file.discard()
+            .map_err(|reason| Failure::unwritten(path, reason))?;
+    }
+    Ok(())
+}
+
+/// What a run begins with.
+struct Beginning {
+    setup: Setup,
+    /// The world file, which the window follows.
+    world_path: PathBuf,
+    /// The file that was named: the world's, or a save's.
+    named_path: PathBuf,
+    replay: Option<Run>,
+    seed: u32,
+}
+
+/// Reads the record, and the world or the save. A record brings its own parameters into `run`.
+fn beginning(arguments: &Arguments, run: &mut RunOptions) -> Result<Beginning, Failure> {
+    let replay = arguments.replay.as_deref().map(Run::read).transpose()?;
+    let (named_path, layout, seed) = match &replay {
+        Some(replay) => {
+            run.set.clone_from(&replay.header.set);
+            let path = arguments.world.clone();
+            (
+                path.unwrap_or_else(|| replay.header.world.clone()),
+                Some(replay.header.layout.clone()),
+                replay.header.seed,
+            )
+        }
+        None => (
+            arguments.world.clone().map_or_else(app::title_world, Ok)?,
+            arguments.layout.clone(),
+            arguments.seed,
+        ),
+    };
+    if let (Some(replay), Some(path)) = (&replay, &arguments.replay) {
+        check_world(replay, path, &named_path)?;
+        if let Some(cut) = &replay.cut {
+            output::note(run, &format!("note: {cut}"));
+        }
+    }
+    let picture = PictureOptions {
+        size: arguments.size.unwrap_or(SIZE),
+        camera: arguments.camera.clone(),
+        layout,
+        frames: None,
+        time: None,
+        seed,
+        view: arguments.view,
+    };
+    let mut setup = Setup::load(&named_path, run, &picture)?;
+    // What the save changed about the world file is in the world by now.
+    let world_path = match &setup.save {
+        Some(save) => save::world_file(&named_path, &save.head)?,
+        None => named_path.clone(),
+    };
+    if replay.is_some() {
+        // The record knows what was set, and its first moment sets the clock.
+        setup.parameters = run.parameters()?;
+    }
+    if setup.save.is_some() {
+        // Keys jump to the world's own cameras.
+        setup
+            .world
+            .cameras
+            .retain(|camera| camera.name != save::VIEW);
+    }
+    Ok(Beginning {
+        setup,
+        world_path,
+        named_path,
+        replay,
+        seed,
+    })
 }
 
 /// Keeps the save with which a recorded run begins, beside the record: the run goes on to write another.
