@@ -18,8 +18,8 @@ const CLIPPED_FRAMES: u32 = 16;
 /// Width over which a ray averages textures, in pixels, while few frames are averaged: a bias of −1 level of detail, as
 /// is usual for temporal anti-aliasing (Karis 2014).
 const MOVING_TEXTURE_PIXELS: f32 = 0.5;
-/// The same in a world at rest. Many jittered rays average textures over the pixel themselves, and exactly: a mip level
-/// blurs a square as long as the pixel is on a surface that is seen at a slant.
+/// The same in a world at rest: many jittered rays average textures over the pixel exactly. A mip level averages over a
+/// square, and so blurs surfaces that are seen at a slant.
 const STILL_TEXTURE_PIXELS: f32 = 0.0;
 
 /// What the pictures so far have shown.
@@ -245,6 +245,9 @@ mod tests {
             }
             let all = points.iter().flatten();
             assert!(all.clone().all(|pixels| pixels.abs() <= 0.5));
+            let mean: f64 = all.sum::<f64>() / 128.0;
+            assert!(mean.abs() < 0.02, "{mean}");
+            // Few pictures must not be shifted either: those of R2 alone are.
             for axis in 0..2 {
                 let sum: f64 = points[..32].iter().map(|point| point[axis]).sum();
                 let mean = sum / 32.0;

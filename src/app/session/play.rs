@@ -82,9 +82,7 @@ impl Play {
         self.playback = None;
         self.unrecorded = None;
     }
-}
 
-impl Play {
     /// Whether a record plays now.
     pub fn is_replay(&self) -> bool {
         self.playback.is_some()
