@@ -16,6 +16,7 @@ mod bits;
 mod inspect;
 mod lost;
 mod memory;
+mod order;
 mod passes;
 mod stage;
 mod traced;
@@ -27,6 +28,7 @@ pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 use antialias::Antialiasing;
 use bits::DrawnBits;
 use inspect::Inspect;
+use order::FrameOrder;
 use passes::{Passes, Wanted};
 pub use passes::{offer, resources};
 use values::Update;
@@ -85,6 +87,7 @@ pub struct Frame {
     field: ProbeField,
     faces: SurfaceCache,
     passes: Passes,
+    order: FrameOrder,
     antialiasing: Antialiasing,
     bits: DrawnBits,
     /// Index of the anti-aliased picture that is shown; `None` for a picture as it is shaded.
@@ -121,6 +124,7 @@ impl Frame {
             field,
             faces,
             passes,
+            order: FrameOrder::default(),
             antialiasing: Antialiasing::default(),
             bits: DrawnBits::default(),
             shown: None,
@@ -178,6 +182,8 @@ impl Frame {
         self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(shot.seed), u64::from(self.frames));
+        let is_settled = SurfaceCache::is_settled(probes, self.frames);
+        let is_calm = is_settled && !self.field.changes.are_great();
         let next = NextFrame {
             size: shot.size,
             seed: shot.seed,
@@ -190,6 +196,7 @@ impl Frame {
             places_probes: self.field.misplaced(),
             marks_visibility: self.field.exact(),
             has_fresh: self.field.fresh() > 0,
+            shades_early: self.order.shades_early(&shot.camera, is_calm),
         };
         self.field.set_placed();
         self.passes.record(recorder, update, shot, self.shown);

@@ -74,6 +74,7 @@ impl Passes {
     ) -> Result<Self, FrameError> {
         let offer = offer(field, cache, scene);
         let requests_apart = offer.with([field.requests_of_faces()]);
+        let of_pixels = offer.with([field.requests_of_pixels()]);
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, scene));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, scene));
@@ -90,7 +91,7 @@ impl Passes {
             let surfaces = camera_rays.surfaces.clone();
             let allocate =
                 threads.spawn(move || SurfaceAllocate::new(gpu, size, &surfaces, cache, scene));
-            let shade = Shade::new(gpu, size, &camera_rays.surfaces, &offer)?;
+            let shade = Shade::new(gpu, size, &camera_rays.surfaces, &of_pixels)?;
             let bits = wanted
                 .bits
                 .then(|| Bits::new(gpu, &shade.hdr, &camera_rays.surfaces, &offer))
@@ -154,19 +155,29 @@ impl Passes {
             (active, self.allocate_seen(recorder, &surfaces))
         });
         let listed_faces = self.allocate_requested(recorder, seen_faces);
-        let (probe_rays, face_rays) = recorder.concurrent(|recorder| {
+        let (probe_rays, face_rays, early) = recorder.concurrent(|recorder| {
             let probe_rays = self.trace_probes(recorder, &active);
-            (probe_rays, self.trace_faces(recorder, &listed_faces))
+            let face_rays = self.trace_faces(recorder, &listed_faces);
+            let before = (ProbeLight, FaceLight);
+            let early = (update.shades_early)
+                .then(|| (self.shade(recorder, &surfaces, &before, shot), before));
+            (probe_rays, face_rays, early)
         });
+        if let Some((radiance, before)) = early {
+            let radiance = self.draw_over(recorder, radiance, (surfaces, before), shot);
+            recorder.concurrent(|recorder| {
+                let probe_light = self.blend_probes(recorder, active, probe_rays);
+                self.display(recorder, radiance, smoothed);
+                self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
+            });
+            return;
+        }
         let probe_light = self.blend_probes(recorder, active, probe_rays);
         let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
-        self.finish_picture(
-            recorder,
-            surfaces,
-            (probe_light, face_light),
-            shot,
-            smoothed,
-        );
+        let light = (probe_light, face_light);
+        let radiance = self.shade(recorder, &surfaces, &light, shot);
+        let radiance = self.draw_over(recorder, radiance, (surfaces, light), shot);
+        self.display(recorder, radiance, smoothed);
     }
 
     /// A picture of another shot, by the light of the last frame. `smoothed` as in [`record`](Self::record).
@@ -177,20 +188,24 @@ impl Passes {
         smoothed: Option<usize>,
     ) {
         let surfaces = self.trace_camera(recorder);
-        self.finish_picture(recorder, surfaces, (ProbeLight, FaceLight), shot, smoothed);
+        let light = (ProbeLight, FaceLight);
+        let radiance = self.shade(recorder, &surfaces, &light, shot);
+        let radiance = self.draw_over(recorder, radiance, (surfaces, light), shot);
+        self.display(recorder, radiance, smoothed);
     }
 
-    fn finish_picture(
+    fn draw_over(
         &self,
         recorder: &mut Recorder<'_>,
-        surfaces: Surfaces,
-        light: (ProbeLight, FaceLight),
+        radiance: Radiance,
+        lit: (Surfaces, (ProbeLight, FaceLight)),
         shot: &Shot,
-        smoothed: Option<usize>,
-    ) {
-        let radiance = self.shade(recorder, &surfaces, &light, shot);
-        let radiance = self.draw_bits(recorder, radiance, (surfaces, light), shot);
-        let radiance = self.inspect(recorder, radiance);
+    ) -> Radiance {
+        let radiance = self.draw_bits(recorder, radiance, lit, shot);
+        self.inspect(recorder, radiance)
+    }
+
+    fn display(&self, recorder: &mut Recorder<'_>, radiance: Radiance, smoothed: Option<usize>) {
         let radiance = self.antialias(recorder, radiance, smoothed);
         self.tonemap(recorder, radiance, smoothed);
     }

@@ -11,6 +11,8 @@ pub(super) struct Update {
     pub marks_visibility: bool,
     /// A volume that follows the camera has probes that are new.
     pub has_fresh: bool,
+    /// The picture is lit by the light of the frame before, while the rays of this frame are traced.
+    pub shades_early: bool,
 }
 
 /// Values of a frame. Their data lies in the buffers and textures that the passes bind by name.

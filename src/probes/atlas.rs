@@ -35,8 +35,8 @@ pub const PLACE_BYTES: u64 = 16;
 /// Irradiance along six axes (f16), and whether the probe gives any.
 const CUBE_BYTES: u64 = CUBE_VECTORS * 16;
 /// Per probe: an entry of the active list and the frames of the last requests by pixels and by rays
-/// (both twice: pass `surface_cache/trace` has its own), and the progress of its source walk.
-const PLAN_BYTES: u64 = 2 * 3 * 4 + 8;
+/// (all three times: passes `surface_cache/trace` and `view/shade` have their own), and the progress of its source walk.
+const PLAN_BYTES: u64 = 3 * 3 * 4 + 8;
 
 crate::shared! {
     in probes;

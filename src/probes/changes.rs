@@ -8,6 +8,9 @@ crate::shared! {
 
     /// Edits that are tracked separately; further ones are merged.
     pub const EDITS: usize = 8;
+
+    /// From this alert on, light changes greatly, as when a lamp is switched; lamps that glide or flicker stay below.
+    pub(crate) const GREAT_ALERT: f32 = 0.25;
 }
 
 /// Share of an alert that remains after one frame: bounces take several frames, and sleeping probes
@@ -117,6 +120,11 @@ impl Changes {
     /// Confidence that light is changing now, 0 to 1.
     pub fn alert(&self) -> f32 {
         self.alert
+    }
+
+    /// Whether light changes greatly now, as after a switched lamp or an edit.
+    pub fn are_great(&self) -> bool {
+        self.alert >= GREAT_ALERT
     }
 
     /// Frames since the last change or alert: 0 during one.

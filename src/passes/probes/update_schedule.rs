@@ -117,6 +117,7 @@ pub(super) struct UpdateSchedule {
     uniform: wgpu::Buffer,
     work: wgpu::Buffer,
     face_requests: wgpu::Buffer,
+    pixel_requests: wgpu::Buffer,
     dispatch: wgpu::Buffer,
 }
 
@@ -132,6 +133,7 @@ impl UpdateSchedule {
             uniform: gpu.uniform_buffer("update_schedule", &GpuUpdateSchedule::default()),
             work: gpu.storage_buffer("active_list", HEAD_BYTES + 3 * all * 4)?,
             face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + 3 * all * 4)?,
+            pixel_requests: gpu.storage_buffer("pixel_requests", HEAD_BYTES + 3 * all * 4)?,
             dispatch: gpu.storage_buffer("probe_dispatch", size_of::<GpuProbeDispatch>() as u64)?,
         })
     }
@@ -178,7 +180,7 @@ impl UpdateSchedule {
         if frame == 0 {
             // The probes start again, without requests.
             let none = vec![0; self.work.size() as usize];
-            for requests in [&self.work, &self.face_requests] {
+            for requests in [&self.work, &self.face_requests, &self.pixel_requests] {
                 gpu.queue.write_buffer(requests, 0, &none);
             }
         }
@@ -200,14 +202,22 @@ impl UpdateSchedule {
         ]
     }
 
-    /// The requests that pass `probes/schedule` reads from pass `surface_cache/trace`.
-    pub fn face_requests(&self) -> (&'static str, wgpu::BindingResource<'_>) {
-        ("face_requests", self.face_requests.as_entire_binding())
+    /// The requests that pass `probes/schedule` reads from passes `surface_cache/trace` and `view/shade`.
+    pub fn requests(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+        [
+            ("face_requests", self.face_requests.as_entire_binding()),
+            ("pixel_requests", self.pixel_requests.as_entire_binding()),
+        ]
     }
 
     /// The buffer that pass `surface_cache/trace` binds as `active_list`.
     pub fn requests_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         ("active_list", self.face_requests.as_entire_binding())
+    }
+
+    /// The buffer that pass `view/shade` binds as `active_list`.
+    pub fn requests_of_pixels(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("active_list", self.pixel_requests.as_entire_binding())
     }
 
     pub fn dispatch(&self) -> &wgpu::Buffer {

@@ -128,6 +128,11 @@ impl SurfaceCache {
         }
     }
 
+    /// Whether probes that were made `age` frames ago have settled after their warm-up.
+    pub fn is_settled(parameters: &ProbeParameters, age: u32) -> bool {
+        age >= parameters.warmup_frames + SETTLING_FRAMES
+    }
+
     /// Writes the uniform of the next frame and empties the list. Must be called once before each submission that
     /// updates the faces: the writes take effect at the start of the submission.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, next: &NextFrame<'_>) {
@@ -135,7 +140,7 @@ impl SurfaceCache {
             size, age, changes, ..
         } = *next;
         let alert = changes.alert();
-        let settled = age >= parameters.warmup_frames + SETTLING_FRAMES;
+        let settled = Self::is_settled(parameters, age);
         let most_samples = if settled {
             (SAMPLES_AT_ALERT / alert.max(f32::MIN_POSITIVE)).max(LEAST_SAMPLES)
         } else {

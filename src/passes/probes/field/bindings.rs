@@ -65,9 +65,11 @@ impl ProbeField {
     }
 
     /// What pass `probes/schedule` writes besides [`Self::resources`].
-    pub fn schedule_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
+    pub fn schedule_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
+        let [of_faces, of_pixels] = self.update_schedule.requests();
         [
-            self.update_schedule.face_requests(),
+            of_faces,
+            of_pixels,
             ("probe_states", self.states.as_entire_binding()),
             (
                 "probe_dispatch",
@@ -80,6 +82,11 @@ impl ProbeField {
     /// run concurrently.
     pub fn requests_of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         self.update_schedule.requests_of_faces()
+    }
+
+    /// The request list of pass `view/shade`, which runs concurrently with both.
+    pub fn requests_of_pixels(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        self.update_schedule.requests_of_pixels()
     }
 
     /// The constants of kernels that gather.
