@@ -21,6 +21,7 @@ mod stage;
 mod traced;
 mod values;
 
+pub use antialias::{Smoothing, scaled};
 pub use stage::{BuildReport, Stage};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
@@ -29,7 +30,7 @@ use bits::DrawnBits;
 use inspect::Inspect;
 use passes::{Passes, Wanted};
 pub use passes::{offer, resources};
-use values::Update;
+use values::{Drawn, Update};
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
@@ -87,8 +88,7 @@ pub struct Frame {
     passes: Passes,
     antialiasing: Antialiasing,
     bits: DrawnBits,
-    /// Index of the anti-aliased picture that is shown; `None` for a picture as it is shaded.
-    shown: Option<usize>,
+    drawn: Drawn,
 }
 
 impl Frame {
@@ -123,7 +123,10 @@ impl Frame {
             passes,
             antialiasing: Antialiasing::default(),
             bits: DrawnBits::default(),
-            shown: None,
+            drawn: Drawn {
+                size,
+                smoothed: None,
+            },
         })
     }
 
@@ -184,7 +187,12 @@ impl Frame {
             age: self.frames,
             changes: &self.field.changes,
         };
-        self.faces.begin_frame(gpu, probes, &next);
+        // Fewer pixels list fewer faces.
+        let of_faces = &ProbeParameters {
+            face_share: probes.face_share * self.rays_per_pixel(),
+            ..probes.clone()
+        };
+        self.faces.begin_frame(gpu, of_faces, &next);
         let update = Update {
             lists_lamps: ranked.is_new,
             places_probes: self.field.misplaced(),
@@ -192,7 +200,7 @@ impl Frame {
             has_fresh: self.field.fresh() > 0,
         };
         self.field.set_placed();
-        self.passes.record(recorder, update, shot, self.shown);
+        self.passes.record(recorder, update, shot, self.drawn);
         self.frames += 1;
     }
 
@@ -233,7 +241,7 @@ impl Frame {
         let resources = resources(&self.stage, &self.view, &self.lights);
         let wanted = Wanted {
             inspection: self.passes.inspect.wanted,
-            antialias: self.antialiasing.wanted,
+            smoothing: self.antialiasing.wanted,
             bits: self.bits.wanted,
         };
         self.passes = Passes::new(
@@ -247,7 +255,7 @@ impl Frame {
         )?;
         self.size = size;
         self.antialiasing.restart();
-        self.shown = None;
+        self.drawn.smoothed = None;
         Ok(())
     }
 
@@ -269,7 +277,7 @@ impl Frame {
                 atlas: None,
                 ..self.passes.inspect.wanted
             },
-            antialias: self.antialiasing.wanted,
+            smoothing: self.antialiasing.wanted,
             bits: self.bits.wanted,
         };
         self.passes = Passes::new(
@@ -290,7 +298,7 @@ impl Frame {
         self.ranks.forget();
         self.lights_before = None;
         self.antialiasing.restart();
-        self.shown = None;
+        self.drawn.smoothed = None;
         Ok(())
     }
 
@@ -351,7 +359,8 @@ impl Frame {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn read_radiance(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
-        let texels: Vec<[half::f16; 4]> = gpu.read_texture(self.passes.radiance(self.shown))?;
+        let texels: Vec<[half::f16; 4]> =
+            gpu.read_texture(self.passes.radiance(self.drawn.smoothed))?;
         Ok(Picture {
             width: self.size[0],
             height: self.size[1],
@@ -379,7 +388,7 @@ impl Frame {
     pub fn count_shadow_rays(&self, gpu: &Gpu, pixels: bool) -> Result<u64, GpuError> {
         let senders = Senders {
             surfaces: &self.passes.camera_rays.surfaces,
-            pixels: pixels.then_some(self.size),
+            pixels: pixels.then_some(self.drawn.size),
             probe_rays: self.field.atlas().slots * self.field.rays_per_probe(),
             face_groups: (self.faces.is_used()).then(|| self.faces.rays_most(self.size)),
         };

@@ -4,15 +4,15 @@ use std::thread::{self, ScopedJoinHandle};
 
 use super::{
     FrameError, Stage,
+    antialias::Smoothing,
     inspect::Inspect,
     values::{
-        ActiveList, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes, ProbeLight,
-        ProbeRays, Radiance, SeenFaces, Surfaces, Update,
+        ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
+        ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update,
     },
 };
 use crate::{
     gpu::{Gpu, Offer, Recorder},
-    parameters::Antialias,
     passes::{
         probes::{
             ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
@@ -56,7 +56,7 @@ pub(super) struct Passes {
 #[derive(Clone, Copy, Default)]
 pub(super) struct Wanted {
     pub inspection: Inspection,
-    pub antialias: Antialias,
+    pub smoothing: Smoothing,
     pub bits: bool,
 }
 
@@ -95,11 +95,13 @@ impl Passes {
                 .bits
                 .then(|| Bits::new(gpu, &shade.hdr, &camera_rays.surfaces, &offer))
                 .transpose()?;
-            let antialias = match wanted.antialias {
-                Antialias::Off => None,
-                Antialias::Temporal => {
-                    let surfaces = &camera_rays.surfaces;
-                    let made = TemporalAntialias::new(gpu, size, &shade.hdr, surfaces, &offer);
+            let Smoothing { scale, .. } = wanted.smoothing;
+            let antialias = match wanted.smoothing.is_plain() {
+                true => None,
+                false => {
+                    let (hdr, surfaces) = (&shade.hdr, &camera_rays.surfaces);
+                    let upscales = scale < 1.0;
+                    let made = TemporalAntialias::new(gpu, size, hdr, surfaces, upscales, &offer);
                     Some(made?)
                 }
             };
@@ -134,19 +136,12 @@ impl Passes {
 }
 
 impl Passes {
-    /// A whole frame. Passes inside `concurrent` do not depend on each other. `smoothed` is the index of the anti-aliased
-    /// picture that the frame writes; `None` leaves the picture as it is shaded.
-    pub fn record(
-        &self,
-        recorder: &mut Recorder<'_>,
-        update: Update,
-        shot: &Shot,
-        smoothed: Option<usize>,
-    ) {
+    /// A whole frame. Passes inside `concurrent` do not depend on each other.
+    pub fn record(&self, recorder: &mut Recorder<'_>, update: Update, shot: &Shot, drawn: Drawn) {
         self.list_lamps(recorder, update.lists_lamps);
         let placed = self.place_probes(recorder, update);
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
-            let surfaces = self.trace_camera(recorder);
+            let surfaces = self.trace_camera(recorder, drawn);
             (surfaces, self.list_probes(recorder, placed))
         });
         let (active, seen_faces) = recorder.concurrent(|recorder| {
@@ -160,24 +155,13 @@ impl Passes {
         });
         let probe_light = self.blend_probes(recorder, active, probe_rays);
         let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
-        self.finish_picture(
-            recorder,
-            surfaces,
-            (probe_light, face_light),
-            shot,
-            smoothed,
-        );
+        self.finish_picture(recorder, surfaces, (probe_light, face_light), shot, drawn);
     }
 
-    /// A picture of another shot, by the light of the last frame. `smoothed` as in [`record`](Self::record).
-    pub fn record_picture(
-        &self,
-        recorder: &mut Recorder<'_>,
-        shot: &Shot,
-        smoothed: Option<usize>,
-    ) {
-        let surfaces = self.trace_camera(recorder);
-        self.finish_picture(recorder, surfaces, (ProbeLight, FaceLight), shot, smoothed);
+    /// A picture of another shot, by the light of the last frame.
+    pub fn record_picture(&self, recorder: &mut Recorder<'_>, shot: &Shot, drawn: Drawn) {
+        let surfaces = self.trace_camera(recorder, drawn);
+        self.finish_picture(recorder, surfaces, (ProbeLight, FaceLight), shot, drawn);
     }
 
     fn finish_picture(
@@ -186,13 +170,13 @@ impl Passes {
         surfaces: Surfaces,
         light: (ProbeLight, FaceLight),
         shot: &Shot,
-        smoothed: Option<usize>,
+        drawn: Drawn,
     ) {
-        let radiance = self.shade(recorder, &surfaces, &light, shot);
-        let radiance = self.draw_bits(recorder, radiance, (surfaces, light), shot);
+        let radiance = self.shade(recorder, &surfaces, &light, shot, drawn);
+        let radiance = self.draw_bits(recorder, radiance, (surfaces, light), shot, drawn);
         let radiance = self.inspect(recorder, radiance);
-        let radiance = self.antialias(recorder, radiance, smoothed);
-        self.tonemap(recorder, radiance, smoothed);
+        let radiance = self.antialias(recorder, radiance, drawn);
+        self.tonemap(recorder, radiance, drawn);
     }
 
     /// Linear HDR radiance of the last picture: anti-aliased, with an index, or as it was shaded.
@@ -232,8 +216,8 @@ impl Passes {
         PlacedProbes
     }
 
-    fn trace_camera(&self, recorder: &mut Recorder<'_>) -> Surfaces {
-        self.camera_rays.record(recorder);
+    fn trace_camera(&self, recorder: &mut Recorder<'_>, drawn: Drawn) -> Surfaces {
+        self.camera_rays.record(recorder, drawn.size);
         Surfaces
     }
 
@@ -306,8 +290,10 @@ impl Passes {
         _: &Surfaces,
         _: &(ProbeLight, FaceLight),
         shot: &Shot,
+        drawn: Drawn,
     ) -> Radiance {
-        self.inspect.shade(recorder, &self.shade, shot.view);
+        let (shade, size) = (&self.shade, drawn.size);
+        self.inspect.shade(recorder, shade, shot.view, size);
         Radiance
     }
 
@@ -318,9 +304,10 @@ impl Passes {
         radiance: Radiance,
         _: (Surfaces, (ProbeLight, FaceLight)),
         shot: &Shot,
+        drawn: Drawn,
     ) -> Radiance {
         if let Some(bits) = self.bits.as_ref().filter(|_| Bits::are_in(shot.view)) {
-            bits.record(recorder);
+            bits.record(recorder, drawn.size);
         }
         radiance
     }
@@ -331,22 +318,17 @@ impl Passes {
         radiance
     }
 
-    /// Averages jittered pictures.
-    fn antialias(
-        &self,
-        recorder: &mut Recorder<'_>,
-        radiance: Radiance,
-        smoothed: Option<usize>,
-    ) -> Radiance {
-        if let (Some(pass), Some(which)) = (&self.antialias, smoothed) {
+    /// Averages jittered pictures; of those with fewer pixels than are shown it makes one of all.
+    fn antialias(&self, recorder: &mut Recorder<'_>, radiance: Radiance, drawn: Drawn) -> Radiance {
+        if let (Some(pass), Some(which)) = (&self.antialias, drawn.smoothed) {
             pass.record(recorder, which);
         }
         radiance
     }
 
-    fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance, smoothed: Option<usize>) {
-        self.tonemap
-            .record(recorder, smoothed.map_or(0, |which| 1 + which));
+    fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance, drawn: Drawn) {
+        let which = drawn.smoothed.map_or(0, |which| 1 + which);
+        self.tonemap.record(recorder, which);
     }
 }
 

@@ -335,6 +335,8 @@ parameters! {
         exposure_ev: f32 = 0.0, Kind::Number { min: -20.0, max: 20.0 }, Nothing;
         #[doc = "How edges are smoothed in the window and in render: temporal averages jittered frames and takes 32 bytes per pixel; off shows steps. Tables always measure pixels at their centres."]
         antialias: Antialias = Antialias::Temporal, Antialias::KIND, Nothing;
+        #[doc = "Edge length of the rendered picture, as a share of the one that is shown. Below 1 anti-aliasing fills in the other pixels from earlier frames. Time falls with the square of the scale; what has just come into view is coarser."]
+        scale: f32 = 1.0, Kind::Number { min: 0.5, max: 1.0 }, Nothing;
     }
 
     #[doc = "Block textures."]
@@ -497,6 +499,10 @@ mod tests {
                 "probes.alive_frames=0",
                 ["whole number from 1 to 100000", "`0`"],
             ),
+            ("picture.scale=0.4", ["number from 0.5 to 1", "`0.4`"]),
+            ("picture.scale=2", ["number from 0.5 to 1", "`2`"]),
+            ("picture.scale=nan", ["number from 0.5 to 1", "`nan`"]),
+            ("picture.scale=half", ["number from 0.5 to 1", "`half`"]),
             ("probes.method=theirs", ["grotto, source", "`theirs`"]),
             ("source.weights=even", ["trilinear, direction", "`even`"]),
             ("lights.animate=maybe", ["on or off", "`maybe`"]),

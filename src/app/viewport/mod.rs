@@ -102,7 +102,7 @@ impl Viewport {
         let stage = Stage::build(&gpu, &world)?;
         let layout = layout(&world, &choice.layout);
         let mut frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
-        frame.antialias(&gpu, choice.parameters.picture.antialias)?;
+        frame.antialias(&gpu, &choice.parameters.picture)?;
         frame.prepare_bits(&gpu)?;
         let mut viewport = Self {
             gpu,
@@ -169,8 +169,7 @@ impl Viewport {
             self.choice.layout.clone_from(&next.layout);
             self.choice.parameters.clone_from(&next.parameters);
         }
-        self.frame
-            .antialias(&self.gpu, next.parameters.picture.antialias)?;
+        self.frame.antialias(&self.gpu, &next.parameters.picture)?;
         let size = self.effort.size(next.size);
         let resized = size != self.frame.size();
         if resized {
@@ -219,7 +218,7 @@ impl Viewport {
             let parameters = &self.choice.parameters;
             let size = self.frame.size();
             let mut frame = Frame::new(&gpu, stage, layout, &parameters.probes, size)?;
-            frame.antialias(&gpu, parameters.picture.antialias)?;
+            frame.antialias(&gpu, &parameters.picture)?;
             frame.prepare_bits(&gpu)?;
             self.frame = frame;
             self.world = world;

@@ -1,5 +1,6 @@
 //! Pass `view/antialias`: temporal anti-aliasing between shading and tone mapping.
 
+use super::camera_rays::CameraRays;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 
 crate::shared! {
@@ -12,7 +13,7 @@ crate::shared! {
         /// 1: history is clipped to the neighbours of its pixel.
         pub clips: u32,
         pub forward_ws: [f32; 3],
-        /// Most frames that a pixel averages.
+        /// Most rays that a pixel averages.
         pub most_samples: f32,
         pub right_ws: [f32; 3],
         /// 1: there is no history.
@@ -28,10 +29,11 @@ crate::shared! {
         pub _pad1: u32,
         /// Where this frame's rays go through their pixels: pixels from the centre.
         pub jitter: [f32; 2],
-        pub _pad2: [u32; 2],
+        /// Width and height of the shown picture in pixels. The frame's view has those of the rendered one.
+        pub size: [u32; 2],
     }
 
-    /// Alpha of a picture is this plus the number of frames in it: the tone mapper must not take a number for one of
+    /// Alpha of a picture is this plus the number of rays in it: the tone mapper must not take a number for one of
     /// its marks (SHOWN_AS_ in shaders/frame/view.wesl).
     const COUNT_BASE: f32 = 3.0;
 }
@@ -54,8 +56,9 @@ impl TemporalAntialias {
     /// Bytes of GPU memory per pixel: two pictures and their surfaces.
     pub const BYTES_PER_PIXEL: u64 = 2 * (8 + 8);
 
-    /// For pictures of `size` pixels. `lit` is this frame's radiance and `surfaces` what its camera rays hit; `offer` is
-    /// that of the voxels and the view.
+    /// For shown pictures of `size` pixels. `lit` is this frame's radiance and `surfaces` what its camera rays hit; with
+    /// `upscales` the frame's view may say that they have fewer pixels than are shown. `offer` is that of the voxels and
+    /// the view.
     ///
     /// # Errors
     /// [`GpuError::Shader`], [`GpuError::TooLarge`].
@@ -64,12 +67,14 @@ impl TemporalAntialias {
         size: [u32; 2],
         lit: &wgpu::Texture,
         surfaces: &wgpu::Buffer,
+        upscales: bool,
         offer: &Offer<'_>,
     ) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
                 shader: "view/antialias",
+                overrides: &[("upscales", f64::from(u8::from(upscales)))],
                 ..Default::default()
             },
         )?;
@@ -78,7 +83,9 @@ impl TemporalAntialias {
             gpu.texture("antialiased", [size[0], size[1], 1], format)
         };
         let colours = [colour()?, colour()?];
-        let kept = || gpu.storage_buffer("surfaces_of_history", surfaces.size());
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let bytes = pixels * CameraRays::BYTES_PER_PIXEL;
+        let kept = || gpu.storage_buffer("surfaces_of_history", bytes);
         let kept = [kept()?, kept()?];
         let uniform = gpu.uniform_buffer("history", &GpuHistory::default());
         let views = colours
