@@ -5,7 +5,7 @@ use super::{Frame, FrameError, values::Drawn};
 use crate::{
     gpu::{Gpu, Recorder},
     lights::Lights,
-    parameters::{Antialias, PictureParameters},
+    parameters::{Antialias, PictureParameters, SCALES},
     passes::view::{Inspection, Shot, antialias::GpuHistory},
     world::Camera,
 };
@@ -28,7 +28,7 @@ const STILL_TEXTURE_PIXELS: f32 = 0.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothing {
     pub antialias: Antialias,
-    /// Edge length of the rendered picture over that of the shown one, 0.5 to 1. Below 1 the history fills the shown
+    /// Edge length of the rendered picture over that of the shown one, in [`SCALES`]. Below 1 the history fills the shown
     /// picture; without anti-aliasing neighbours do.
     pub scale: f32,
 }
@@ -263,14 +263,11 @@ impl Frame {
     /// [`FrameError::Gpu`] when the adapter cannot hold the history; the frame is then unchanged.
     ///
     /// # Panics
-    /// With a scale that is not from 0.5 to 1: that is a caller's bug.
+    /// With a scale outside [`SCALES`]: that is a caller's bug.
     pub fn antialias(&mut self, gpu: &Gpu, wanted: impl Into<Smoothing>) -> Result<(), FrameError> {
         let wanted = wanted.into();
         let scale = wanted.scale;
-        assert!(
-            (0.5..=1.0).contains(&scale),
-            "the scale {scale} is in range"
-        );
+        assert!(SCALES.contains(&scale), "the scale {scale} is in range");
         let before = std::mem::replace(&mut self.antialiasing.wanted, wanted);
         if before.passes() != wanted.passes()
             && let Err(error) = self.rebuild_passes(gpu)
@@ -369,6 +366,61 @@ mod tests {
                 assert!(mean.abs() < 0.03, "{mean} from {from}");
             }
         }
+    }
+
+    /// Frames from picture `from` on until each shown pixel had a ray through it.
+    fn frames_to_cover(
+        shown: [u32; 2],
+        scale: f32,
+        from: u32,
+        jitter: impl Fn(u32) -> [f64; 2],
+    ) -> u32 {
+        let rendered = scaled(shown, scale);
+        let mut has_ray = vec![false; (shown[0] * shown[1]) as usize];
+        for frame in 0..1000 {
+            let through = jitter(from + frame);
+            for y in 0..rendered[1] {
+                for x in 0..rendered[0] {
+                    let at = |axis: usize, pixel: u32| {
+                        let ratio = f64::from(shown[axis]) / f64::from(rendered[axis]);
+                        ((f64::from(pixel) + 0.5 + through[axis]) * ratio) as u32
+                    };
+                    let [column, row] = [at(0, x).min(shown[0] - 1), at(1, y).min(shown[1] - 1)];
+                    has_ray[(row * shown[0] + column) as usize] = true;
+                }
+            }
+            if has_ray.iter().all(|&has| has) {
+                return frame + 1;
+            }
+        }
+        u32::MAX
+    }
+
+    #[test]
+    fn every_shown_pixel_soon_has_a_ray() {
+        for (shown, scale) in [
+            ([32, 18], 0.5),
+            ([37, 23], 0.5),
+            ([64, 36], 0.67),
+            ([61, 35], 0.77),
+            ([50, 50], 0.9),
+        ] {
+            let most = (8.0 / (scale * scale)).ceil() as u32;
+            for from in [1, 2, 17, 400, 12_345] {
+                let frames = frames_to_cover(shown, scale, from, jitter);
+                assert!(frames <= most, "{frames} frames at {scale} from {from}");
+            }
+            // The comparator: rays that always go through the centres miss pixels for ever.
+            assert_eq!(frames_to_cover(shown, scale, 1, |_| [0.0; 2]), u32::MAX);
+        }
+    }
+
+    #[test]
+    fn rendered_sizes_are_whole_and_never_nothing() {
+        assert_eq!(scaled([1281, 719], 1.0), [1281, 719]);
+        assert_eq!(scaled([1281, 719], 0.5), [641, 360]);
+        assert_eq!(scaled([1, 0], 0.5), [1, 1]);
+        assert_eq!(rays_per_pixel([8, 6], [4, 3]), 0.25);
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod nearest;
 mod removed;
 mod value;
 
-use std::borrow::Cow;
+use std::{borrow::Cow, ops::RangeInclusive};
 
 use glam::{UVec3, Vec3};
 
@@ -336,7 +336,7 @@ parameters! {
         #[doc = "How edges are smoothed in the window and in render: temporal averages jittered frames and takes 32 bytes per pixel; off shows steps. Tables always measure pixels at their centres."]
         antialias: Antialias = Antialias::Temporal, Antialias::KIND, Nothing;
         #[doc = "Edge length of the rendered picture, as a share of the one that is shown. Below 1 anti-aliasing fills in the other pixels from earlier frames. Time falls with the square of the scale; what has just come into view is coarser."]
-        scale: f32 = 1.0, Kind::Number { min: 0.5, max: 1.0 }, Nothing;
+        scale: f32 = 1.0, Kind::Number { min: *SCALES.start(), max: *SCALES.end() }, Nothing;
     }
 
     #[doc = "Block textures."]
@@ -345,6 +345,9 @@ parameters! {
         enabled: bool = true, Kind::Flag, Nothing;
     }
 }
+
+/// Values of `picture.scale`. Below one half fewer than one pixel of four would have a ray in a frame.
+pub const SCALES: RangeInclusive<f32> = 0.5..=1.0;
 
 /// Fewest rays of an update: the least value of `probes.rays`.
 const LEAST_RAYS: u32 = 8;
