@@ -405,7 +405,7 @@ mod tests {
             ([61, 35], 0.77),
             ([50, 50], 0.9),
         ] {
-            let most = (8.0 / (scale * scale)).ceil() as u32;
+            let most = (8.0 / f32::powi(scale, 2)).ceil() as u32;
             for from in [1, 2, 17, 400, 12_345] {
                 let frames = frames_to_cover(shown, scale, from, jitter);
                 assert!(frames <= most, "{frames} frames at {scale} from {from}");
