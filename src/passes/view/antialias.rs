@@ -1,6 +1,5 @@
 //! Pass `view/antialias`: temporal anti-aliasing between shading and tone mapping.
 
-use super::camera_rays::CameraRays;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 
 crate::shared! {
@@ -56,8 +55,8 @@ impl TemporalAntialias {
     /// Bytes of GPU memory per pixel: two pictures and their surfaces.
     pub const BYTES_PER_PIXEL: u64 = 2 * (8 + 8);
 
-    /// For shown pictures of `size` pixels. `lit` is this frame's radiance and `surfaces` what its camera rays hit; with
-    /// `upscales` the frame's view may say that they have fewer pixels than are shown. `offer` is that of the voxels and
+    /// For shown pictures of `size` pixels. `lit` is this frame's radiance and `surfaces` what its camera rays hit. Both have
+    /// room for all pixels; with `upscales` the frame's view may say that fewer are rendered. `offer` is that of the voxels and
     /// the view.
     ///
     /// # Errors
@@ -83,9 +82,7 @@ impl TemporalAntialias {
             gpu.texture("antialiased", [size[0], size[1], 1], format)
         };
         let colours = [colour()?, colour()?];
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let bytes = pixels * CameraRays::BYTES_PER_PIXEL;
-        let kept = || gpu.storage_buffer("surfaces_of_history", bytes);
+        let kept = || gpu.storage_buffer("surfaces_of_history", surfaces.size());
         let kept = [kept()?, kept()?];
         let uniform = gpu.uniform_buffer("history", &GpuHistory::default());
         let views = colours
