@@ -48,7 +48,6 @@ fn lines(
     aimed: Option<&Target>,
 ) -> [(&'static str, String); 8] {
     let frame = facts.viewport.frame();
-    let [width, height] = frame.size();
     let probes = match &facts.probes {
         Some(counts) => told(counts),
         None => frame.field().volume().probes().to_string(),
@@ -61,7 +60,7 @@ fn lines(
         ),
         ("aims at", target(facts.viewport.world(), aimed)),
         ("time", time(clock)),
-        ("picture", format!("{width} × {height}")),
+        ("picture", facts.picture_in_words()),
         ("quality", facts.effort_in_words()),
         ("probes", probes),
         (

@@ -7,11 +7,11 @@ use std::sync::{
 
 use super::Failure;
 use crate::{
-    frame::{Frame, Stage},
+    frame::{Frame, Smoothing, Stage},
     gpu::{Gpu, Recorder},
     lights::Lights,
     measure::picture::Picture,
-    parameters::{Antialias, Parameters, ProbeParameters},
+    parameters::{Parameters, ProbeParameters},
     passes::view::Shot,
     world::{
         Camera, LayoutSpec, View, World,
@@ -26,7 +26,7 @@ pub struct FrameLoop<'a> {
     layout: LayoutSpec,
     probes: ProbeParameters,
     shot: Shot,
-    antialias: Antialias,
+    smoothing: Smoothing,
     stop: Option<Arc<AtomicBool>>,
 }
 
@@ -47,7 +47,7 @@ impl<'a> FrameLoop<'a> {
             layout: layout.clone(),
             probes,
             shot,
-            antialias: Antialias::Off,
+            smoothing: Smoothing::default(),
             stop: None,
         })
     }
@@ -61,25 +61,27 @@ impl<'a> FrameLoop<'a> {
         let gpu = self.gpu;
         let stage = Stage::build(gpu, world)?;
         let mut frame = Frame::new(gpu, stage, &self.layout, &self.probes, self.shot.size)?;
-        frame.antialias(gpu, self.antialias)?;
+        frame.antialias(gpu, self.smoothing)?;
         Ok(Self {
             gpu,
             frame,
             layout: self.layout.clone(),
             probes: self.probes.clone(),
             shot: self.shot.clone(),
-            antialias: self.antialias,
+            smoothing: self.smoothing,
             stop: self.stop.clone(),
         })
     }
 
-    /// Sets whether the next pictures are anti-aliased; at first they are not. Returns what was set before.
+    /// Sets whether the next pictures are anti-aliased, and how many of their pixels are rendered; at first they are not,
+    /// and all are. Returns what was set before.
     ///
     /// # Errors
     /// When the adapter cannot hold the history.
-    pub fn antialias(&mut self, wanted: Antialias) -> Result<Antialias, Failure> {
+    pub fn antialias(&mut self, wanted: impl Into<Smoothing>) -> Result<Smoothing, Failure> {
+        let wanted = wanted.into();
         self.frame.antialias(self.gpu, wanted)?;
-        Ok(std::mem::replace(&mut self.antialias, wanted))
+        Ok(std::mem::replace(&mut self.smoothing, wanted))
     }
 
     /// Starts no further frame once `stop` is set.
@@ -247,10 +249,11 @@ impl<'a> FrameLoop<'a> {
 /// # Errors
 /// When the adapter fails.
 pub fn smooth(gpu: &Gpu, frame: &mut Frame, shot: &Shot) -> Result<(), Failure> {
-    /// Jittered pictures in the mean.
-    const PICTURES: u32 = 32;
+    /// Rays per pixel in the mean.
+    const RAYS: f32 = 32.0;
     frame.restart_antialiasing();
-    for _ in 0..PICTURES {
+    let pictures = (RAYS / frame.smoothing().scale.powi(2)).ceil() as u32;
+    for _ in 0..pictures {
         let mut recorder = Recorder::new(gpu, None);
         if !frame.smooth(gpu, &mut recorder, shot) {
             break;

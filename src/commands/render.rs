@@ -182,7 +182,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     spinner.finish_and_clear();
     let probes = &setup.parameters.probes;
     let mut frame = Frame::new(&gpu, stage, &setup.layout, probes, options.size)?;
-    frame.antialias(&gpu, setup.parameters.picture.antialias)?;
+    frame.antialias(&gpu, &setup.parameters.picture)?;
     frame.inspect(&gpu, arguments.inspection.with(options.view))?;
     let mut timing = Timing::new(&gpu)?;
     let lights = Lights::at(&setup.world, &setup.lamps, setup.lamp_time_s);
@@ -232,7 +232,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     let frame_ms = FrameTimes::of(&frames_ms).expect("one frame was rendered");
     let passes = median_passes(&times);
     let probe_counts = ProbeCounts::read(&gpu, frame.field())?;
-    let [width, height] = options.size.map(u64::from);
+    let [width, height] = frame.rendered_size().map(u64::from);
     let direct = matches!(options.view, View::Full | View::Direct | View::TexturesOff);
     let faces = frame.faces();
     let rays = Rays {

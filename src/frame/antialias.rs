@@ -1,17 +1,19 @@
-//! Temporal anti-aliasing of a frame: where camera rays go through their pixels, and how long pictures are averaged.
+//! Temporal anti-aliasing of a frame, and the upscaling that uses its history: how many pixels are rendered, where camera
+//! rays go through them, and how long pictures are averaged.
 
-use super::{Frame, FrameError};
+use super::{Frame, FrameError, values::Drawn};
 use crate::{
     gpu::{Gpu, Recorder},
     lights::Lights,
-    parameters::Antialias,
+    parameters::{Antialias, PictureParameters, SCALES},
     passes::view::{Inspection, Shot, antialias::GpuHistory},
     world::Camera,
 };
 
 /// Most frames that a pixel averages while anything changes. More is smoother; less follows sooner.
 const MOST_MOVING: u32 = 16;
-/// The same in a world at rest. With more frames the noise of rounding to f16 would outweigh what they add.
+/// Most rays that a pixel averages in a world at rest. With more of them the noise of rounding to f16 would outweigh what
+/// they add.
 const MOST_STILL: u32 = 64;
 /// Frames after a change in which history is still clipped: light follows a change for some frames.
 const CLIPPED_FRAMES: u32 = 16;
@@ -22,10 +24,66 @@ const MOVING_TEXTURE_PIXELS: f32 = 0.5;
 /// square, and so blurs surfaces that are seen at a slant.
 const STILL_TEXTURE_PIXELS: f32 = 0.0;
 
+/// How pictures are smoothed, and how many of their pixels are rendered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smoothing {
+    pub antialias: Antialias,
+    /// Edge length of the rendered picture over that of the shown one, in [`SCALES`]. Below 1 the history fills the shown
+    /// picture; without anti-aliasing neighbours do.
+    pub scale: f32,
+}
+
+impl Default for Smoothing {
+    fn default() -> Self {
+        Antialias::Off.into()
+    }
+}
+
+impl From<Antialias> for Smoothing {
+    fn from(antialias: Antialias) -> Self {
+        Self {
+            antialias,
+            scale: 1.0,
+        }
+    }
+}
+
+impl From<&PictureParameters> for Smoothing {
+    fn from(parameters: &PictureParameters) -> Self {
+        let PictureParameters {
+            antialias, scale, ..
+        } = *parameters;
+        Self { antialias, scale }
+    }
+}
+
+impl Smoothing {
+    /// Whether pictures are shown as they are shaded.
+    pub fn is_plain(self) -> bool {
+        self.antialias == Antialias::Off && self.scale >= 1.0
+    }
+
+    /// Which passes draw the pictures: those of another scale below 1 are the same.
+    fn passes(self) -> (bool, bool) {
+        (self.is_plain(), self.scale < 1.0)
+    }
+}
+
+/// A size times a scale, in whole pixels and never nothing.
+pub fn scaled(size: [u32; 2], scale: f32) -> [u32; 2] {
+    size.map(|edge| ((edge as f32 * scale).round() as u32).max(1))
+}
+
+/// Rendered pixels per shown pixel: the mean number of rays of a shown pixel in a frame.
+fn rays_per_pixel(shown: [u32; 2], rendered: [u32; 2]) -> f32 {
+    let ratio = |axis: usize| rendered[axis] as f32 / shown[axis] as f32;
+    ratio(0) * ratio(1)
+}
+
 /// What the pictures so far have shown.
 #[derive(Default)]
 pub(super) struct Antialiasing {
-    pub wanted: Antialias,
+    pub wanted: Smoothing,
     /// Pictures since the history began.
     pictures: u32,
     /// Frames since the camera, the lights or the voxels changed, or the probes were still warming up.
@@ -40,6 +98,8 @@ pub(super) struct Antialiasing {
 
 /// How the next picture is drawn.
 pub(super) struct Jittered {
+    /// Width and height in pixels of what is rendered.
+    pub size: [u32; 2],
     /// Where camera rays go through their pixels: pixels from the centre.
     pub jitter: [f64; 2],
     /// Width over which rays average textures, in pixels.
@@ -72,8 +132,8 @@ impl Antialiasing {
         self.bits_changed = true;
     }
 
-    /// The next picture; `None` if it is not anti-aliased. Views of data are exact at the centres of pixels, and so are
-    /// probes that are drawn over a picture. `lights`: `None` if the light is that of the last picture. `is_warming`: the
+    /// The next picture; `None` if it is shown as it is shaded. Views of data are exact at the centres of pixels, and so
+    /// are probes that are drawn over a picture. `lights`: `None` if the light is that of the last picture. `is_warming`: the
     /// probes are new, and their light still rises.
     pub fn next(
         &mut self,
@@ -83,9 +143,15 @@ impl Antialiasing {
         is_warming: bool,
     ) -> Option<Jittered> {
         let has_marks = inspected.probes.is_some() || inspected.atlas.is_some();
-        if self.wanted == Antialias::Off || shot.view.is_data() || has_marks {
+        if self.wanted.is_plain() || shot.view.is_data() || has_marks {
             self.restart();
             return None;
+        }
+        let size = scaled(shot.size, self.wanted.scale);
+        let rays = rays_per_pixel(shot.size, size);
+        if self.wanted.antialias == Antialias::Off {
+            self.restart();
+            return Some(Jittered::without_history(shot, size));
         }
         let shows_same = |(before, _): &(Shot, _)| shows_same(before, shot);
         let before = self.before.take().filter(shows_same);
@@ -104,13 +170,13 @@ impl Antialiasing {
             // Nothing changes but the jitter.
             None => u32::MAX,
             // Half of the time since the last change: what the light was during the change must not stay.
-            Some(_) => (self.still / 2).clamp(MOST_MOVING, MOST_STILL),
+            Some(_) => (self.still / 2).clamp(MOST_MOVING, (MOST_STILL as f32 / rays) as u32),
         };
         self.pictures += 1;
         let jitter = jitter(self.pictures);
         let mut history = history_of(before.as_ref().map(|(shot, _)| &shot.camera), shot);
         history.clips = u32::from(is_clipped);
-        history.most_samples = most_samples.min(MOST_COUNTED) as f32;
+        history.most_samples = (most_samples as f32 * rays).min(MOST_COUNTED as f32);
         history.jitter = jitter.map(|pixels| pixels as f32);
         (history.edited_first, history.edited_last) = edited.unwrap_or(([1; 3], [0; 3]));
         let lights = match lights {
@@ -119,9 +185,11 @@ impl Antialiasing {
         };
         self.before = Some((shot.clone(), lights));
         Some(Jittered {
+            size,
             jitter,
             texture_pixels: match is_clipped {
-                true => MOVING_TEXTURE_PIXELS,
+                // A share of the shown pixel.
+                true => MOVING_TEXTURE_PIXELS * rays.sqrt(),
                 false => STILL_TEXTURE_PIXELS,
             },
             which: self.pictures as usize % 2,
@@ -130,7 +198,22 @@ impl Antialiasing {
     }
 }
 
-/// Largest number of frames that f16 counts exactly, with room for the base of the count.
+impl Jittered {
+    /// A picture of rays through the centres of the rendered pixels.
+    fn without_history(shot: &Shot, size: [u32; 2]) -> Self {
+        let mut history = history_of(None, shot);
+        history.most_samples = 1.0;
+        Self {
+            size,
+            jitter: [0.0; 2],
+            texture_pixels: 1.0,
+            which: 0,
+            history,
+        }
+    }
+}
+
+/// Largest number of rays that f16 counts exactly, with room for the base of the count.
 const MOST_COUNTED: u32 = 1024;
 
 /// Whether the pictures differ only by camera and light. Exposure comes after the average.
@@ -148,6 +231,8 @@ fn history_of(before: Option<&Camera>, shot: &Shot) -> GpuHistory {
         up_ws: basis.up.as_vec3().to_array(),
         forgets: u32::from(before.is_none()),
         moved: u32::from(before.is_some_and(|before| *before != shot.camera)),
+        size: shot.size,
+        edited_first: [1; 3],
         ..Default::default()
     }
 }
@@ -170,20 +255,42 @@ fn r2(number: u32) -> [f64; 2] {
 }
 
 impl Frame {
-    /// Sets whether the next pictures are anti-aliased. Views of data, and pictures with probes drawn over them, never
-    /// are.
+    /// Sets whether the next pictures are anti-aliased, and how many of their pixels are rendered. Views of data, and
+    /// pictures with probes drawn over them, are never anti-aliased, and all of their pixels are rendered. A change
+    /// between two scales below 1 keeps the history.
     ///
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold the history; the frame is then unchanged.
-    pub fn antialias(&mut self, gpu: &Gpu, wanted: Antialias) -> Result<(), FrameError> {
+    ///
+    /// # Panics
+    /// With a scale outside [`SCALES`]: that is a caller's bug.
+    pub fn antialias(&mut self, gpu: &Gpu, wanted: impl Into<Smoothing>) -> Result<(), FrameError> {
+        let wanted = wanted.into();
+        let scale = wanted.scale;
+        assert!(SCALES.contains(&scale), "the scale {scale} is in range");
         let before = std::mem::replace(&mut self.antialiasing.wanted, wanted);
-        if before != wanted
+        if before.passes() != wanted.passes()
             && let Err(error) = self.rebuild_passes(gpu)
         {
             self.antialiasing.wanted = before;
             return Err(error);
         }
         Ok(())
+    }
+
+    /// How the next pictures are smoothed.
+    pub fn smoothing(&self) -> Smoothing {
+        self.antialiasing.wanted
+    }
+
+    /// Width and height in pixels of what was rendered for the last picture, which has [`size`](Self::size).
+    pub fn rendered_size(&self) -> [u32; 2] {
+        self.drawn.size
+    }
+
+    /// Rays per shown pixel in the last picture.
+    pub(super) fn rays_per_pixel(&self) -> f32 {
+        rays_per_pixel(self.size, self.drawn.size)
     }
 
     /// Begins a new average of pictures of [`smooth`](Self::smooth).
@@ -201,27 +308,32 @@ impl Frame {
             return false;
         };
         self.look(gpu, shot, Some(&jittered));
-        self.passes.record_picture(recorder, shot, self.shown);
+        self.passes.record_picture(recorder, shot, self.drawn);
         true
     }
 
     /// Records the picture of a shot by the lights and the probes of the last frame, without updates and without
-    /// anti-aliasing. The shot's size must be the frame's.
+    /// anti-aliasing, with all pixels. The shot's size must be the frame's.
     pub fn show(&mut self, gpu: &Gpu, recorder: &mut Recorder<'_>, shot: &Shot) {
         debug_assert_eq!(shot.size, self.size, "the shot's size is the frame's");
         self.look(gpu, shot, None);
-        self.passes.record_picture(recorder, shot, None);
+        self.passes.record_picture(recorder, shot, self.drawn);
     }
 
     /// Tells the GPU about the next picture.
     pub(super) fn look(&mut self, gpu: &Gpu, shot: &Shot, jittered: Option<&Jittered>) {
         let uniform = match jittered {
-            Some(jittered) => shot.to_gpu_jittered(jittered.jitter, jittered.texture_pixels),
+            Some(jittered) => {
+                shot.to_gpu_jittered(jittered.size, jittered.jitter, jittered.texture_pixels)
+            }
             None => shot.to_gpu(),
         };
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
-        self.shown = jittered.map(|jittered| jittered.which);
+        self.drawn = Drawn {
+            size: jittered.map_or(shot.size, |jittered| jittered.size),
+            smoothed: jittered.map(|jittered| jittered.which),
+        };
         if let (Some(jittered), Some(pass)) = (jittered, &self.passes.antialias) {
             pass.set(gpu, &jittered.history);
         }
@@ -254,6 +366,61 @@ mod tests {
                 assert!(mean.abs() < 0.03, "{mean} from {from}");
             }
         }
+    }
+
+    /// Frames from picture `from` on until each shown pixel had a ray through it.
+    fn frames_to_cover(
+        shown: [u32; 2],
+        scale: f32,
+        from: u32,
+        jitter: impl Fn(u32) -> [f64; 2],
+    ) -> u32 {
+        let rendered = scaled(shown, scale);
+        let mut has_ray = vec![false; (shown[0] * shown[1]) as usize];
+        for frame in 0..1000 {
+            let through = jitter(from + frame);
+            for y in 0..rendered[1] {
+                for x in 0..rendered[0] {
+                    let at = |axis: usize, pixel: u32| {
+                        let ratio = f64::from(shown[axis]) / f64::from(rendered[axis]);
+                        ((f64::from(pixel) + 0.5 + through[axis]) * ratio) as u32
+                    };
+                    let [column, row] = [at(0, x).min(shown[0] - 1), at(1, y).min(shown[1] - 1)];
+                    has_ray[(row * shown[0] + column) as usize] = true;
+                }
+            }
+            if has_ray.iter().all(|&has| has) {
+                return frame + 1;
+            }
+        }
+        u32::MAX
+    }
+
+    #[test]
+    fn every_shown_pixel_soon_has_a_ray() {
+        for (shown, scale) in [
+            ([32, 18], 0.5),
+            ([37, 23], 0.5),
+            ([64, 36], 0.67),
+            ([61, 35], 0.77),
+            ([50, 50], 0.9),
+        ] {
+            let most = (8.0 / f32::powi(scale, 2)).ceil() as u32;
+            for from in [1, 2, 17, 400, 12_345] {
+                let frames = frames_to_cover(shown, scale, from, jitter);
+                assert!(frames <= most, "{frames} frames at {scale} from {from}");
+            }
+            // The comparator: rays that always go through the centres miss pixels for ever.
+            assert_eq!(frames_to_cover(shown, scale, 1, |_| [0.0; 2]), u32::MAX);
+        }
+    }
+
+    #[test]
+    fn rendered_sizes_are_whole_and_never_nothing() {
+        assert_eq!(scaled([1281, 719], 1.0), [1281, 719]);
+        assert_eq!(scaled([1281, 719], 0.5), [641, 360]);
+        assert_eq!(scaled([1, 0], 0.5), [1, 1]);
+        assert_eq!(rays_per_pixel([8, 6], [4, 3]), 0.25);
     }
 
     #[test]

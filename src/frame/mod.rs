@@ -18,10 +18,12 @@ mod lost;
 mod memory;
 mod order;
 mod passes;
+mod pictures;
 mod stage;
 mod traced;
 mod values;
 
+pub use antialias::{Smoothing, scaled};
 pub use stage::{BuildReport, Stage};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
@@ -31,12 +33,11 @@ use inspect::Inspect;
 use order::FrameOrder;
 use passes::{Passes, Wanted};
 pub use passes::{offer, resources};
-use values::Update;
+use values::{Drawn, Update};
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
     lights::{CommonGain, LampRanks, Lights, RestingLamps, table::LightsOfFrame},
-    measure::picture::Picture,
     parameters::ProbeParameters,
     passes::{
         bench::shadow_count::{self, Senders},
@@ -90,8 +91,7 @@ pub struct Frame {
     order: FrameOrder,
     antialiasing: Antialiasing,
     bits: DrawnBits,
-    /// Index of the anti-aliased picture that is shown; `None` for a picture as it is shaded.
-    shown: Option<usize>,
+    drawn: Drawn,
 }
 
 impl Frame {
@@ -127,7 +127,10 @@ impl Frame {
             order: FrameOrder::default(),
             antialiasing: Antialiasing::default(),
             bits: DrawnBits::default(),
-            shown: None,
+            drawn: Drawn {
+                size,
+                smoothed: None,
+            },
         })
     }
 
@@ -190,7 +193,12 @@ impl Frame {
             age: self.frames,
             changes: &self.field.changes,
         };
-        self.faces.begin_frame(gpu, probes, &next);
+        // Fewer pixels list fewer faces.
+        let of_faces = &ProbeParameters {
+            face_share: probes.face_share * self.rays_per_pixel(),
+            ..probes.clone()
+        };
+        self.faces.begin_frame(gpu, of_faces, &next);
         let update = Update {
             lists_lamps: ranked.is_new,
             places_probes: self.field.misplaced(),
@@ -199,7 +207,7 @@ impl Frame {
             shades_early: self.order.shades_early(&shot.camera, is_calm),
         };
         self.field.set_placed();
-        self.passes.record(recorder, update, shot, self.shown);
+        self.passes.record(recorder, update, shot, self.drawn);
         self.frames += 1;
     }
 
@@ -240,7 +248,7 @@ impl Frame {
         let resources = resources(&self.stage, &self.view, &self.lights);
         let wanted = Wanted {
             inspection: self.passes.inspect.wanted,
-            antialias: self.antialiasing.wanted,
+            smoothing: self.antialiasing.wanted,
             bits: self.bits.wanted,
         };
         self.passes = Passes::new(
@@ -254,7 +262,7 @@ impl Frame {
         )?;
         self.size = size;
         self.antialiasing.restart();
-        self.shown = None;
+        self.drawn.smoothed = None;
         Ok(())
     }
 
@@ -276,7 +284,7 @@ impl Frame {
                 atlas: None,
                 ..self.passes.inspect.wanted
             },
-            antialias: self.antialiasing.wanted,
+            smoothing: self.antialiasing.wanted,
             bits: self.bits.wanted,
         };
         self.passes = Passes::new(
@@ -297,7 +305,7 @@ impl Frame {
         self.ranks.forget();
         self.lights_before = None;
         self.antialiasing.restart();
-        self.shown = None;
+        self.drawn.smoothed = None;
         Ok(())
     }
 
@@ -340,35 +348,6 @@ impl Frame {
         self.resize(gpu, self.size)
     }
 
-    /// The picture after tone mapping: `rgba8unorm`, sRGB-encoded.
-    pub fn display(&self) -> &wgpu::Texture {
-        &self.passes.tonemap.display
-    }
-
-    /// The picture after tone mapping, as display values in [0, 1].
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn read_display(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
-        self.passes.tonemap.read_back(gpu)
-    }
-
-    /// The linear radiance before tone mapping, after anti-aliasing.
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn read_radiance(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
-        let texels: Vec<[half::f16; 4]> = gpu.read_texture(self.passes.radiance(self.shown))?;
-        Ok(Picture {
-            width: self.size[0],
-            height: self.size[1],
-            rgb: texels
-                .iter()
-                .map(|[r, g, b, _]| [r.to_f32(), g.to_f32(), b.to_f32()])
-                .collect(),
-        })
-    }
-
     pub fn field(&self) -> &ProbeField {
         &self.field
     }
@@ -386,7 +365,7 @@ impl Frame {
     pub fn count_shadow_rays(&self, gpu: &Gpu, pixels: bool) -> Result<u64, GpuError> {
         let senders = Senders {
             surfaces: &self.passes.camera_rays.surfaces,
-            pixels: pixels.then_some(self.size),
+            pixels: pixels.then_some(self.drawn.size),
             probe_rays: self.field.atlas().slots * self.field.rays_per_probe(),
             face_groups: (self.faces.is_used()).then(|| self.faces.rays_most(self.size)),
         };

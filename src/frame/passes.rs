@@ -4,15 +4,15 @@ use std::thread::{self, ScopedJoinHandle};
 
 use super::{
     FrameError, Stage,
+    antialias::Smoothing,
     inspect::Inspect,
     values::{
-        ActiveList, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes, ProbeLight,
-        ProbeRays, Radiance, SeenFaces, Surfaces, Update,
+        ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
+        ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update,
     },
 };
 use crate::{
     gpu::{Gpu, Offer, Recorder},
-    parameters::Antialias,
     passes::{
         probes::{
             ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
@@ -56,7 +56,7 @@ pub(super) struct Passes {
 #[derive(Clone, Copy, Default)]
 pub(super) struct Wanted {
     pub inspection: Inspection,
-    pub antialias: Antialias,
+    pub smoothing: Smoothing,
     pub bits: bool,
 }
 
@@ -96,11 +96,13 @@ impl Passes {
                 .bits
                 .then(|| Bits::new(gpu, &shade.hdr, &camera_rays.surfaces, &offer))
                 .transpose()?;
-            let antialias = match wanted.antialias {
-                Antialias::Off => None,
-                Antialias::Temporal => {
-                    let surfaces = &camera_rays.surfaces;
-                    let made = TemporalAntialias::new(gpu, size, &shade.hdr, surfaces, &offer);
+            let Smoothing { scale, .. } = wanted.smoothing;
+            let antialias = match wanted.smoothing.is_plain() {
+                true => None,
+                false => {
+                    let (hdr, surfaces) = (&shade.hdr, &camera_rays.surfaces);
+                    let upscales = scale < 1.0;
+                    let made = TemporalAntialias::new(gpu, size, hdr, surfaces, upscales, &offer);
                     Some(made?)
                 }
             };
@@ -135,19 +137,12 @@ impl Passes {
 }
 
 impl Passes {
-    /// A whole frame. Passes inside `concurrent` do not depend on each other. `smoothed` is the index of the anti-aliased
-    /// picture that the frame writes; `None` leaves the picture as it is shaded.
-    pub fn record(
-        &self,
-        recorder: &mut Recorder<'_>,
-        update: Update,
-        shot: &Shot,
-        smoothed: Option<usize>,
-    ) {
+    /// A whole frame. Passes inside `concurrent` do not depend on each other.
+    pub fn record(&self, recorder: &mut Recorder<'_>, update: Update, shot: &Shot, drawn: Drawn) {
         self.list_lamps(recorder, update.lists_lamps);
         let placed = self.place_probes(recorder, update);
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
-            let surfaces = self.trace_camera(recorder);
+            let surfaces = self.trace_camera(recorder, drawn);
             (surfaces, self.list_probes(recorder, placed))
         });
         let (active, seen_faces) = recorder.concurrent(|recorder| {
@@ -155,43 +150,44 @@ impl Passes {
             (active, self.allocate_seen(recorder, &surfaces))
         });
         let listed_faces = self.allocate_requested(recorder, seen_faces);
+        let before = (ProbeLight, FaceLight);
         let (probe_rays, face_rays, early) = recorder.concurrent(|recorder| {
             let probe_rays = self.trace_probes(recorder, &active);
             let face_rays = self.trace_faces(recorder, &listed_faces);
-            let before = (ProbeLight, FaceLight);
-            let early = (update.shades_early)
-                .then(|| (self.shade(recorder, &surfaces, &before, shot), before));
-            (probe_rays, face_rays, early)
+            let shaded = || self.shade(recorder, &surfaces, &before, shot, drawn);
+            (probe_rays, face_rays, update.shades_early.then(shaded))
         });
-        if let Some((radiance, before)) = early {
-            let radiance = self.draw_over(recorder, radiance, (surfaces, before), shot);
+        if let Some(radiance) = early {
+            let radiance = self.draw_over(recorder, radiance, (surfaces, before), shot, drawn);
             recorder.concurrent(|recorder| {
                 let probe_light = self.blend_probes(recorder, active, probe_rays);
-                self.display(recorder, radiance, smoothed);
+                self.display(recorder, radiance, drawn);
                 self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
             });
             return;
         }
         let probe_light = self.blend_probes(recorder, active, probe_rays);
         let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
-        let light = (probe_light, face_light);
-        let radiance = self.shade(recorder, &surfaces, &light, shot);
-        let radiance = self.draw_over(recorder, radiance, (surfaces, light), shot);
-        self.display(recorder, radiance, smoothed);
+        self.show(recorder, surfaces, (probe_light, face_light), shot, drawn);
     }
 
-    /// A picture of another shot, by the light of the last frame. `smoothed` as in [`record`](Self::record).
-    pub fn record_picture(
+    /// A picture of another shot, by the light of the last frame.
+    pub fn record_picture(&self, recorder: &mut Recorder<'_>, shot: &Shot, drawn: Drawn) {
+        let surfaces = self.trace_camera(recorder, drawn);
+        self.show(recorder, surfaces, (ProbeLight, FaceLight), shot, drawn);
+    }
+
+    fn show(
         &self,
         recorder: &mut Recorder<'_>,
+        surfaces: Surfaces,
+        light: (ProbeLight, FaceLight),
         shot: &Shot,
-        smoothed: Option<usize>,
+        drawn: Drawn,
     ) {
-        let surfaces = self.trace_camera(recorder);
-        let light = (ProbeLight, FaceLight);
-        let radiance = self.shade(recorder, &surfaces, &light, shot);
-        let radiance = self.draw_over(recorder, radiance, (surfaces, light), shot);
-        self.display(recorder, radiance, smoothed);
+        let radiance = self.shade(recorder, &surfaces, &light, shot, drawn);
+        let radiance = self.draw_over(recorder, radiance, (surfaces, light), shot, drawn);
+        self.display(recorder, radiance, drawn);
     }
 
     fn draw_over(
@@ -200,14 +196,15 @@ impl Passes {
         radiance: Radiance,
         lit: (Surfaces, (ProbeLight, FaceLight)),
         shot: &Shot,
+        drawn: Drawn,
     ) -> Radiance {
-        let radiance = self.draw_bits(recorder, radiance, lit, shot);
+        let radiance = self.draw_bits(recorder, radiance, lit, shot, drawn);
         self.inspect(recorder, radiance)
     }
 
-    fn display(&self, recorder: &mut Recorder<'_>, radiance: Radiance, smoothed: Option<usize>) {
-        let radiance = self.antialias(recorder, radiance, smoothed);
-        self.tonemap(recorder, radiance, smoothed);
+    fn display(&self, recorder: &mut Recorder<'_>, radiance: Radiance, drawn: Drawn) {
+        let radiance = self.antialias(recorder, radiance, drawn);
+        self.tonemap(recorder, radiance, drawn);
     }
 
     /// Linear HDR radiance of the last picture: anti-aliased, with an index, or as it was shaded.
@@ -247,8 +244,8 @@ impl Passes {
         PlacedProbes
     }
 
-    fn trace_camera(&self, recorder: &mut Recorder<'_>) -> Surfaces {
-        self.camera_rays.record(recorder);
+    fn trace_camera(&self, recorder: &mut Recorder<'_>, drawn: Drawn) -> Surfaces {
+        self.camera_rays.record(recorder, drawn.size);
         Surfaces
     }
 
@@ -321,8 +318,10 @@ impl Passes {
         _: &Surfaces,
         _: &(ProbeLight, FaceLight),
         shot: &Shot,
+        drawn: Drawn,
     ) -> Radiance {
-        self.inspect.shade(recorder, &self.shade, shot.view);
+        let (shade, size) = (&self.shade, drawn.size);
+        self.inspect.shade(recorder, shade, shot.view, size);
         Radiance
     }
 
@@ -333,9 +332,10 @@ impl Passes {
         radiance: Radiance,
         _: (Surfaces, (ProbeLight, FaceLight)),
         shot: &Shot,
+        drawn: Drawn,
     ) -> Radiance {
         if let Some(bits) = self.bits.as_ref().filter(|_| Bits::are_in(shot.view)) {
-            bits.record(recorder);
+            bits.record(recorder, drawn.size);
         }
         radiance
     }
@@ -346,22 +346,17 @@ impl Passes {
         radiance
     }
 
-    /// Averages jittered pictures.
-    fn antialias(
-        &self,
-        recorder: &mut Recorder<'_>,
-        radiance: Radiance,
-        smoothed: Option<usize>,
-    ) -> Radiance {
-        if let (Some(pass), Some(which)) = (&self.antialias, smoothed) {
+    /// Averages jittered pictures; of those with fewer pixels than are shown it makes one of all.
+    fn antialias(&self, recorder: &mut Recorder<'_>, radiance: Radiance, drawn: Drawn) -> Radiance {
+        if let (Some(pass), Some(which)) = (&self.antialias, drawn.smoothed) {
             pass.record(recorder, which);
         }
         radiance
     }
 
-    fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance, smoothed: Option<usize>) {
-        self.tonemap
-            .record(recorder, smoothed.map_or(0, |which| 1 + which));
+    fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance, drawn: Drawn) {
+        let which = drawn.smoothed.map_or(0, |which| 1 + which);
+        self.tonemap.record(recorder, which);
     }
 }
 

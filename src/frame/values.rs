@@ -15,6 +15,16 @@ pub(super) struct Update {
     pub shades_early: bool,
 }
 
+/// How a picture is drawn.
+#[derive(Clone, Copy)]
+pub(super) struct Drawn {
+    /// Width and height in pixels of what is rendered.
+    pub size: [u32; 2],
+    /// Index of the anti-aliased picture, of the frame's size, that is written and shown; `None` shows the picture as it
+    /// is shaded.
+    pub smoothed: Option<usize>,
+}
+
 /// Values of a frame. Their data lies in the buffers and textures that the passes bind by name.
 pub(super) struct PlacedProbes;
 pub(super) struct ListedProbes;

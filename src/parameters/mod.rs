@@ -9,7 +9,7 @@ mod nearest;
 mod removed;
 mod value;
 
-use std::borrow::Cow;
+use std::{borrow::Cow, ops::RangeInclusive};
 
 use glam::{UVec3, Vec3};
 
@@ -335,6 +335,8 @@ parameters! {
         exposure_ev: f32 = 0.0, Kind::Number { min: -20.0, max: 20.0 }, Nothing;
         #[doc = "How edges are smoothed in the window and in render: temporal averages jittered frames and takes 32 bytes per pixel; off shows steps. Tables always measure pixels at their centres."]
         antialias: Antialias = Antialias::Temporal, Antialias::KIND, Nothing;
+        #[doc = "Edge length of the rendered picture, as a share of the one that is shown. Below 1 anti-aliasing fills in the other pixels from earlier frames. Time falls with the square of the scale; what has just come into view is coarser."]
+        scale: f32 = 1.0, Kind::Number { min: *SCALES.start(), max: *SCALES.end() }, Nothing;
     }
 
     #[doc = "Block textures."]
@@ -343,6 +345,9 @@ parameters! {
         enabled: bool = true, Kind::Flag, Nothing;
     }
 }
+
+/// Values of `picture.scale`. Below one half fewer than one pixel of four would have a ray in a frame.
+pub const SCALES: RangeInclusive<f32> = 0.5..=1.0;
 
 /// Fewest rays of an update: the least value of `probes.rays`.
 const LEAST_RAYS: u32 = 8;
@@ -497,6 +502,10 @@ mod tests {
                 "probes.alive_frames=0",
                 ["whole number from 1 to 100000", "`0`"],
             ),
+            ("picture.scale=0.4", ["number from 0.5 to 1", "`0.4`"]),
+            ("picture.scale=2", ["number from 0.5 to 1", "`2`"]),
+            ("picture.scale=nan", ["number from 0.5 to 1", "`nan`"]),
+            ("picture.scale=half", ["number from 0.5 to 1", "`half`"]),
             ("probes.method=theirs", ["grotto, source", "`theirs`"]),
             ("source.weights=even", ["trilinear, direction", "`even`"]),
             ("lights.animate=maybe", ["on or off", "`maybe`"]),

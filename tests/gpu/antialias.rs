@@ -3,6 +3,7 @@
 
 use glam::{UVec3, Vec3};
 use grotto::{
+    frame::Smoothing,
     gpu::{Gpu, Recorder},
     measure::picture::Picture,
     parameters::{Antialias, ProbeParameters},
@@ -11,9 +12,9 @@ use grotto::{
 
 use crate::support::{frames::Drawn, gpu, parsed, scenes::lattice, with_faults};
 
-const SIZE: [u32; 2] = [48, 32];
+pub const SIZE: [u32; 2] = [48, 32];
 /// Rays along each edge of a pixel of the box filter.
-const FINE: u32 = 8;
+pub const FINE: u32 = 8;
 
 /// A sphere and a pillar in the sun: edges and shadows in every direction.
 fn world() -> World {
@@ -31,7 +32,7 @@ fn world() -> World {
     )
 }
 
-fn drawn_of(gpu: Gpu, size: [u32; 2], wanted: Antialias) -> Drawn {
+pub fn drawn_of(gpu: Gpu, size: [u32; 2], wanted: impl Into<Smoothing>) -> Drawn {
     let layout = lattice(UVec3::splat(2), Vec3::splat(12.0), Vec3::new(0.0, 8.0, 0.0));
     let probes = ProbeParameters {
         rays: 8,
@@ -48,8 +49,8 @@ fn smoothed(gpu: Gpu) -> Drawn {
 }
 
 /// What `like` shows, with FINE × FINE rays per pixel.
-fn fine(like: &Drawn, dug: Option<Vec3>) -> Picture {
-    let size = SIZE.map(|edge| edge * FINE);
+pub fn fine(like: &Drawn, dug: Option<Vec3>) -> Picture {
+    let size = like.shot.size.map(|edge| edge * FINE);
     let mut drawn = drawn_of(like.gpu.clone(), size, Antialias::Off);
     drawn.shot.camera = like.shot.camera.clone();
     if let Some(centre) = dug {
@@ -60,18 +61,19 @@ fn fine(like: &Drawn, dug: Option<Vec3>) -> Picture {
 }
 
 /// The picture that the frame of `like` should converge to.
-fn box_filtered(like: &Drawn) -> Picture {
+pub fn box_filtered(like: &Drawn) -> Picture {
     box_filter(&fine(like, None))
 }
 
-fn box_filter(picture: &Picture) -> Picture {
-    let mut mean = Picture::new(SIZE[0], SIZE[1]);
+pub fn box_filter(picture: &Picture) -> Picture {
+    let mut mean = Picture::new(picture.width / FINE, picture.height / FINE);
+    let width = mean.width;
     for (index, rgb) in picture.rgb.iter().enumerate() {
         let (x, y) = (
             index as u32 % picture.width / FINE,
             index as u32 / picture.width / FINE,
         );
-        let sum = &mut mean.rgb[(y * SIZE[0] + x) as usize];
+        let sum = &mut mean.rgb[(y * width + x) as usize];
         for (sum, value) in sum.iter_mut().zip(rgb) {
             *sum += value / (FINE * FINE) as f32;
         }
@@ -80,22 +82,22 @@ fn box_filter(picture: &Picture) -> Picture {
 }
 
 /// The picture without anti-aliasing of what `like` shows.
-fn plain(like: &Drawn) -> Picture {
-    let mut drawn = drawn_of(like.gpu.clone(), SIZE, Antialias::Off);
+pub fn plain(like: &Drawn) -> Picture {
+    let mut drawn = drawn_of(like.gpu.clone(), like.shot.size, Antialias::Off);
     drawn.shot.camera = like.shot.camera.clone();
     drawn.draw(2);
     drawn.radiance()
 }
 
 /// Mean over the pixels of the absolute difference, sum over RGB.
-fn apart(a: &Picture, b: &Picture) -> f64 {
+pub fn apart(a: &Picture, b: &Picture) -> f64 {
     let all = a.rgb.as_flattened().iter().zip(b.rgb.as_flattened());
     let sum: f64 = all.map(|(a, b)| f64::from((a - b).abs())).sum();
     sum / a.rgb.len() as f64
 }
 
 /// Removes a ball of voxels (grid space).
-fn dig(drawn: &mut Drawn, centre: Vec3) {
+pub fn dig(drawn: &mut Drawn, centre: Vec3) {
     let mut voxels = drawn.frame.stage.read_back(&drawn.gpu).expect("reads back");
     let edit = voxels.fill_sphere(centre, 3.0, 0);
     let applied = drawn.frame.apply(&drawn.gpu, &voxels, &edit);

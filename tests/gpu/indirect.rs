@@ -169,8 +169,8 @@ impl Stage {
         let offer = frame::offer(&self.field, &faces, &resources);
         let shade = Shade::new(&self.gpu, size, surfaces, &offer).expect("compiles");
         let mut recorder = Recorder::new(&self.gpu, None);
-        camera.record(&mut recorder);
-        shade.record(&mut recorder);
+        camera.record(&mut recorder, size);
+        shade.record(&mut recorder, size);
         recorder.submit(&self.gpu).expect("submits");
         let texels: Vec<[f16; 4]> = self.gpu.read_texture(&shade.hdr).expect("reads back");
         texels

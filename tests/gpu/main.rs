@@ -24,4 +24,5 @@ mod placed_lamps;
 mod probe_views;
 mod probes;
 mod tonemap;
+mod upscale;
 mod voxelise;

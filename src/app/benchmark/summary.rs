@@ -15,6 +15,8 @@ pub struct Surroundings {
     pub layout: String,
     /// Width and height of the picture in pixels.
     pub size: [u32; 2],
+    /// The same of what was rendered for it.
+    pub rendered: [u32; 2],
     pub adapter: String,
     /// Whether the adapter is software: a CPU does the work of the GPU.
     pub software: bool,
@@ -73,8 +75,12 @@ impl Summary {
     /// What was drawn.
     fn subject(&self) -> String {
         let of = &self.surroundings;
-        let [width, height] = of.size;
-        format!("{} · {} · {width} × {height}", of.world, of.layout)
+        let words = |[width, height]: [u32; 2]| format!("{width} × {height}");
+        let mut picture = words(of.size);
+        if of.rendered != of.size {
+            picture += &format!(" from {}", words(of.rendered));
+        }
+        format!("{} · {} · {picture}", of.world, of.layout)
     }
 
     fn run(&self) -> String {
@@ -214,6 +220,8 @@ mod tests {
         wall.push(40.0);
         let surroundings = Surroundings {
             world: "cave".into(),
+            size: [640, 360],
+            rendered: [320, 180],
             presented: "Fifo".into(),
             paced: true,
             ..Surroundings::default()
@@ -222,6 +230,7 @@ mod tests {
         let text = both.expect("frames").text();
         for part in [
             "cave",
+            "640 × 360 from 320 × 180",
             "100 frames",
             "GPU · median 2.00 ms · 500 FPS",
             "wall clock · median 10.0 ms · 100 FPS",

@@ -66,7 +66,6 @@ pub fn figures(ui: &mut Ui, facts: &Facts<'_>) {
             gpu.summary.kind, gpu.summary.backend, gpu.summary.driver
         ));
     let frame = facts.viewport.frame();
-    let [width, height] = frame.size();
     if gpu.summary.is_software() {
         ui.colored_label(WARNING, "Software adapter: a CPU does the work of the GPU.");
     }
@@ -81,7 +80,7 @@ pub fn figures(ui: &mut Ui, facts: &Facts<'_>) {
             ui.label(value);
             ui.end_row();
         };
-        line("picture", format!("{width} × {height}"));
+        line("picture", facts.picture_in_words());
         line(
             "probes",
             format!("{states}, {} rays each", facts.rays_per_update()),

@@ -29,8 +29,6 @@ pub struct Settings {
     pub inspection: Inspection,
     /// The preset that was chosen last.
     pub preset: Preset,
-    /// Edge length of the picture relative to the window's.
-    pub scale: f32,
     /// Whether a frame time is held, by less work than the preset asks for.
     pub auto: bool,
     /// That frame time (milliseconds).
@@ -47,7 +45,6 @@ impl Settings {
             choice,
             inspection,
             preset: Preset::High,
-            scale: Preset::High.scale(),
             auto: false,
             target_ms: Auto::default_target_ms(false),
             vsync: false,
@@ -56,10 +53,9 @@ impl Settings {
         }
     }
 
-    /// Sets the parameters and the scale of a preset; all others stay.
+    /// Sets the parameters of a preset; all others stay.
     pub fn choose_preset(&mut self, preset: Preset) {
         self.preset = preset;
-        self.scale = preset.scale();
         preset.apply(&mut self.choice.parameters);
     }
 }
@@ -84,6 +80,17 @@ impl Facts<'_> {
     fn rays_per_update(&self) -> u32 {
         let chosen = &self.viewport.choice().parameters.probes;
         self.viewport.effort().probes(chosen).rays_per_update()
+    }
+
+    /// Size of the picture, and of what was rendered for it.
+    pub fn picture_in_words(&self) -> String {
+        let frame = self.viewport.frame();
+        let words = |[width, height]: [u32; 2]| format!("{width} × {height}");
+        let shown = words(frame.size());
+        match frame.rendered_size() {
+            rendered if rendered == frame.size() => shown,
+            rendered => format!("{shown} from {}", words(rendered)),
+        }
     }
 
     /// How much of what was chosen is done.

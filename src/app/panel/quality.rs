@@ -3,10 +3,12 @@
 use egui::{DragValue, Slider, Ui};
 
 use super::{Facts, Settings, grid};
-use crate::app::{
-    quality::{Auto, Preset},
-    settings::PICTURE_SCALES,
-    widgets,
+use crate::{
+    app::{
+        quality::{Auto, Preset},
+        widgets,
+    },
+    parameters::SCALES,
 };
 
 pub fn quality(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
@@ -23,7 +25,7 @@ pub fn quality(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
             {
                 settings.choose_preset(*preset);
             }
-            if !before.is(&settings.choice.parameters, settings.scale) {
+            if !before.is(&settings.choice.parameters) {
                 ui.weak("changed").on_hover_text(
                     "Some of what the preset sets has another value. Choose the preset again to undo that.",
                 );
@@ -32,10 +34,10 @@ pub fn quality(ui: &mut Ui, facts: &Facts<'_>, settings: &mut Settings) {
         ui.end_row();
 
         ui.label("resolution").on_hover_text(
-            "Edge length of the picture relative to the window's; time grows with its square",
+            "Edge length of the rendered picture, as a share of the window's: picture.scale. Time grows with its square.",
         );
         ui.add(
-            Slider::new(&mut settings.scale, PICTURE_SCALES)
+            Slider::new(&mut settings.choice.parameters.picture.scale, SCALES)
                 .custom_formatter(|scale, _| format!("{:.0} %", 100.0 * scale))
                 .custom_parser(|text| {
                     let percent: f64 = text.trim_end_matches('%').trim().parse().ok()?;

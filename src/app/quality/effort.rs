@@ -1,11 +1,14 @@
 //! Shares of a preset's work, as steps of one ladder.
 
-use crate::parameters::ProbeParameters;
+use crate::{
+    frame::{Smoothing, scaled},
+    parameters::{PictureParameters, ProbeParameters, SCALES},
+};
 
 /// Shares of what a preset asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// Of the picture's edge length.
+    /// Of the edge length of the rendered picture.
     pub scale: f32,
     /// Of the rays of a probe, and of the rays that faces may send.
     pub rays: f32,
@@ -46,9 +49,20 @@ impl Effort {
         LADDER[step]
     }
 
-    /// The size of the picture for a chosen one.
-    pub fn size(self, chosen: [u32; 2]) -> [u32; 2] {
-        scaled(chosen, self.scale)
+    /// The size of the shown picture for a chosen one, and how it is smoothed. The scale falls first; where it would be
+    /// less than a history can fill, the shown picture becomes smaller, and is stretched.
+    pub fn picture(
+        self,
+        chosen: [u32; 2],
+        parameters: &PictureParameters,
+    ) -> ([u32; 2], Smoothing) {
+        let all = self.scale * parameters.scale;
+        let scale = all.max(*SCALES.start());
+        let smoothing = Smoothing {
+            scale,
+            ..parameters.into()
+        };
+        (scaled(chosen, all / scale), smoothing)
     }
 
     /// The parameters of the probes for chosen ones.
@@ -59,11 +73,6 @@ impl Effort {
             ..chosen.clone()
         }
     }
-}
-
-/// A size times a scale, in whole pixels and never nothing.
-pub fn scaled(size: [u32; 2], scale: f32) -> [u32; 2] {
-    size.map(|edge| ((edge as f32 * scale).round() as u32).max(1))
 }
 
 #[cfg(test)]
@@ -91,14 +100,39 @@ mod tests {
     fn the_full_effort_changes_nothing() {
         let probes = ProbeParameters::default();
         assert_eq!(Effort::FULL.probes(&probes), probes);
-        assert_eq!(Effort::FULL.size([1281, 719]), [1281, 719]);
+        let chosen = PictureParameters {
+            scale: 0.6,
+            ..Default::default()
+        };
+        let picture = Effort::FULL.picture([1281, 719], &chosen);
+        assert_eq!(picture, ([1281, 719], (&chosen).into()));
+    }
+
+    #[test]
+    fn the_scale_falls_before_the_shown_picture() {
+        let chosen = PictureParameters::default();
+        let of = |scale, chosen: &PictureParameters| {
+            Effort { scale, rays: 1.0 }.picture([1000, 600], chosen)
+        };
+        let (size, smoothing) = of(0.76, &chosen);
+        assert_eq!((size, smoothing.scale), ([1000, 600], 0.76));
+        let halved = PictureParameters {
+            scale: 0.5,
+            ..chosen
+        };
+        let (size, smoothing) = of(0.6, &halved);
+        assert_eq!((size, smoothing.scale), ([600, 360], 0.5));
     }
 
     #[test]
     fn no_picture_shrinks_to_nothing() {
         let least = Effort::of_step(Effort::LOWEST);
-        assert_eq!(least.size([1, 1]), [1, 1]);
-        assert_eq!(least.size([0, 0]), [1, 1]);
+        let chosen = PictureParameters {
+            scale: 0.5,
+            ..Default::default()
+        };
+        assert_eq!(least.picture([1, 1], &chosen).0, [1, 1]);
+        assert_eq!(least.picture([0, 0], &chosen).0, [1, 1]);
         let rays = least.probes(&ProbeParameters::default()).rays_per_update();
         assert_eq!(rays, 32);
     }

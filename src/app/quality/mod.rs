@@ -1,6 +1,6 @@
 //! How much work a picture gets: presets, and the control that holds a frame time.
 //!
-//! A [`Preset`] is a choice of parameters and of the picture's scale. [`Auto`] works below it: it chooses an
+//! A [`Preset`] is a choice of parameters, the picture's scale among them. [`Auto`] works below it: it chooses an
 //! [`Effort`], a share of the preset's scale, rays and faces, from the times of frames. An effort is no parameter and no
 //! input of a run: neither saves nor records know it.
 
@@ -11,7 +11,7 @@ mod preset;
 use std::{fmt, str::FromStr};
 
 pub use auto::Auto;
-pub use effort::{Effort, scaled};
+pub use effort::Effort;
 pub use preset::Preset;
 
 use serde::{Deserialize, Serialize};

@@ -11,11 +11,12 @@ pub enum Preset {
     Ultra,
 }
 
-/// Edge length of the picture relative to the window's, by preset.
-const SCALES: [f32; 4] = [0.4, 0.7, 1.0, 1.0];
+/// The key of the picture's scale.
+const SCALE: &str = "picture.scale";
 
 /// What the presets set, in the order of [`Preset::ALL`]. docs/notes/quality.md has the same table with what was measured.
 const TABLE: &[(&str, [&str; 4])] = &[
+    (SCALE, ["0.5", "0.67", "1", "1"]),
     ("probes.rays", ["128", "128", "128", "256"]),
     ("probes.ray_share", ["0.25", "0.5", "1", "1"]),
     ("probes.face_share", ["0.25", "0.5", "1", "1"]),
@@ -34,9 +35,11 @@ impl Preset {
         }
     }
 
-    /// Edge length of the picture relative to the window's.
-    pub const fn scale(self) -> f32 {
-        SCALES[self as usize]
+    /// Edge length of the rendered picture, as a share of the shown one.
+    pub fn scale(self) -> f32 {
+        let mut parameters = Parameters::default();
+        self.apply(&mut parameters);
+        parameters.picture.scale
     }
 
     /// Sets the parameters that presets choose; all others stay.
@@ -48,16 +51,17 @@ impl Preset {
         }
     }
 
-    /// Whether the parameters and the scale are this preset's.
-    pub fn is(self, parameters: &Parameters, scale: f32) -> bool {
-        scale == self.scale() && keys().all(|key| key.get(parameters) == self.value(key))
+    /// Whether what presets choose is as this one has it.
+    pub fn is(self, parameters: &Parameters) -> bool {
+        keys().all(|key| key.get(parameters) == self.value(key))
     }
 
     /// The parameters without what this preset sets: what belongs to the world rather than to the machine. Values
-    /// other than the preset's stay.
+    /// other than the preset's stay, except the scale, which always belongs to the machine.
     pub fn without(self, parameters: &Parameters) -> Parameters {
         let mut rest = parameters.clone();
-        for key in keys().filter(|key| key.get(parameters) == self.value(key)) {
+        let is_left_out = |key: &&Key| key.name == SCALE || key.get(parameters) == self.value(key);
+        for key in keys().filter(is_left_out) {
             key.set(&mut rest, key.default())
                 .expect("defaults are valid");
         }
@@ -87,9 +91,9 @@ mod tests {
         for preset in Preset::ALL {
             let mut parameters = Parameters::default();
             preset.apply(&mut parameters);
-            assert!(preset.is(&parameters, preset.scale()), "{preset:?}");
+            assert!(preset.is(&parameters), "{preset:?}");
             for other in Preset::ALL.into_iter().filter(|other| *other != preset) {
-                assert!(!other.is(&parameters, other.scale()), "{other:?}");
+                assert!(!other.is(&parameters), "{other:?}");
             }
         }
         assert!(keys().all(|key| key.remake < Remake::World));
@@ -100,7 +104,6 @@ mod tests {
         let mut parameters = Parameters::default();
         Preset::High.apply(&mut parameters);
         assert_eq!(parameters, Parameters::default());
-        assert_eq!(Preset::High.scale(), 1.0);
     }
 
     #[test]
@@ -122,6 +125,7 @@ mod tests {
         Preset::Low.apply(&mut parameters);
         parameters.probes.rays = 16;
         parameters.picture.exposure_ev = 1.0;
+        parameters.picture.scale = 0.8;
         let rest = Preset::Low.without(&parameters);
         let mut expected = Parameters::default();
         expected.probes.rays = 16;
@@ -129,7 +133,7 @@ mod tests {
         assert_eq!(rest, expected);
     }
 
-    /// The rows of the note's table that name a key or the scale.
+    /// The rows of the note's table that name a key.
     #[test]
     fn the_note_has_the_same_table() {
         let note = include_str!("../../../docs/notes/quality.md");
@@ -137,7 +141,6 @@ mod tests {
             let row = format!("| `{name}` | {} |", values.join(" | "));
             assert!(note.contains(&row), "docs/notes/quality.md lacks: {row}");
         };
-        row("scale", SCALES.map(|scale| scale.to_string()));
         for (name, values) in TABLE {
             row(name, values.map(str::to_owned));
         }

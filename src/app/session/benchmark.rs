@@ -62,6 +62,7 @@ impl Session {
             world: self.viewport.world().name.clone(),
             layout: self.viewport.choice().layout.clone(),
             size: self.viewport.frame().size(),
+            rendered: self.viewport.frame().rendered_size(),
             adapter: summary.name.clone(),
             software: summary.is_software(),
             presented: format!("{mode:?}"),

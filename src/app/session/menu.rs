@@ -213,6 +213,8 @@ impl Session {
         };
         self.preferences
             .apply_to(&mut parameters, &self.set_at_start);
+        // It belongs to the machine, not to a world.
+        parameters.picture.scale = self.settings.choice.parameters.picture.scale;
         // Alt and the digits jump to the world's own cameras.
         world
             .cameras

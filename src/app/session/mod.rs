@@ -36,7 +36,7 @@ use super::{
     messages::Messages,
     pace::Pace,
     panel::{PassMeans, Settings},
-    quality::{Auto, scaled},
+    quality::Auto,
     reload::Watch,
     saving::Saving,
     screen::{self, Acquired, Screen},
@@ -143,19 +143,22 @@ impl Session {
         let is_software = gpu.summary.is_software();
         let quality = options.quality.unwrap_or(preferences.quality);
         let preset = quality.preset_on(is_software);
-        let scale = match options.quality {
-            Some(_) => preset.scale(),
-            None => preferences::scale(&preferences, preset),
-        };
         let mut parameters = quality::parameters_at_start(options, preset);
         // A replay has the parameters of its record.
         if options.replay.is_none() {
-            preferences.apply_to(&mut parameters, &options.set);
+            let of_picture = Preferences {
+                // A quality that the command line names has a scale of its own.
+                picture_scale: preferences
+                    .picture_scale
+                    .filter(|_| options.quality.is_none()),
+                ..preferences.clone()
+            };
+            of_picture.apply_to(&mut parameters, &options.set);
         }
         let choice = Choice {
             parameters: parameters.clone(),
             layout: options.layout.clone(),
-            size: scaled(screen.size(), scale),
+            size: screen.size().map(|edge| edge.max(1)),
             traced: options.traced,
         };
         let mut messages = Messages::default();
@@ -174,7 +177,6 @@ impl Session {
             choice: viewport.choice().clone(),
             inspection: options.inspection,
             preset,
-            scale,
             auto: quality.auto,
             target_ms: options
                 .target_ms

@@ -42,7 +42,7 @@ impl Session {
             if let Some(menu) = &mut self.menu {
                 let mut shown = Shown {
                     preferences: &mut self.preferences,
-                    scale: self.settings.scale,
+                    scale: self.settings.choice.parameters.picture.scale,
                     played: self.saving.written(),
                 };
                 chosen = menu.show(ui, &mut shown).or(chosen.take());

@@ -9,8 +9,8 @@ use crate::app::{
     input::Input, pace::Attention, quality::Preset, settings::Preferences, texts::toasts,
 };
 
-/// Edge length of the picture relative to the window's: the user's choice, or the preset's.
-pub(super) fn scale(preferences: &Preferences, preset: Preset) -> f32 {
+/// Edge length of the rendered picture, as a share of the window's: the user's choice, or the preset's.
+fn scale(preferences: &Preferences, preset: Preset) -> f32 {
     preferences.picture_scale.unwrap_or(preset.scale())
 }
 
@@ -47,10 +47,10 @@ impl Session {
             let is_software = self.viewport.gpu.summary.is_software();
             settings.auto = now.quality.auto;
             settings.choose_preset(now.quality.preset_on(is_software));
-            settings.scale = scale(now, settings.preset);
+            settings.choice.parameters.picture.scale = scale(now, settings.preset);
         }
         if now.picture_scale != before.picture_scale {
-            settings.scale = scale(now, settings.preset);
+            settings.choice.parameters.picture.scale = scale(now, settings.preset);
         }
         if now.vsync != before.vsync {
             settings.vsync = now.vsync;

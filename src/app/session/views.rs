@@ -4,7 +4,7 @@ use clap::ValueEnum as _;
 
 use super::Session;
 use crate::{
-    app::{quality::scaled, texts::toasts, views::name},
+    app::{texts::toasts, views::name},
     parameters::Remake,
     passes::view::{Inspection, ProbeColour},
 };
@@ -18,7 +18,7 @@ impl Session {
         next.size = if dragging || minimised {
             self.viewport.choice().size
         } else {
-            scaled(self.screen.size(), self.settings.scale)
+            self.screen.size()
         };
         let shown = self.viewport.choice();
         let remake = shown.parameters.remake_for(&next.parameters);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::{controls::Bindings, quality::Quality};
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, SCALES};
 
 pub use file::Store;
 
@@ -40,7 +40,7 @@ pub struct Preferences {
     /// Brightness of the picture (stops).
     pub exposure_ev: f32,
     pub textures: bool,
-    /// Edge length of the picture relative to the window's; `None`: as it suits the adapter.
+    /// Edge length of the rendered picture, as a share of the window's; `None`: as it suits the adapter.
     pub picture_scale: Option<f32>,
     /// Loudness, 0 to 1.
     pub volume: f32,
@@ -57,8 +57,6 @@ pub const FRAME_LIMITS: RangeInclusive<u32> = 30..=500;
 pub const UNFOCUSED_LIMITS: RangeInclusive<u32> = 1..=500;
 pub const UI_SCALES: RangeInclusive<f32> = 0.5..=3.0;
 pub const EXPOSURES_EV: RangeInclusive<f32> = -4.0..=4.0;
-/// Edge lengths of the picture, relative to the window's.
-pub const PICTURE_SCALES: RangeInclusive<f32> = 0.1..=1.0;
 pub const VOLUMES: RangeInclusive<f32> = 0.0..=1.0;
 const WINDOW_EDGES: RangeInclusive<u32> = 64..=16_384;
 
@@ -185,7 +183,7 @@ impl Preferences {
             field_of_view_deg,
             FIELDS_OF_VIEW_DEG,
         ));
-        notes.extend(given("picture_scale", picture_scale, PICTURE_SCALES));
+        notes.extend(given("picture_scale", picture_scale, SCALES));
         let limit = frame_limit.as_mut();
         notes.extend(limit.and_then(|limit| clamp("frame_limit", limit, &FRAME_LIMITS)));
         for (name, value, range) in [
@@ -222,6 +220,11 @@ impl Preferences {
         };
         if self.exposure_ev != first.exposure_ev && !is_set("picture.exposure_ev") {
             parameters.picture.exposure_ev = self.exposure_ev;
+        }
+        if let Some(scale) = self.picture_scale
+            && !is_set("picture.scale")
+        {
+            parameters.picture.scale = scale;
         }
         if self.textures != first.textures && !is_set("textures.enabled") {
             parameters.textures.enabled = self.textures;

@@ -12,7 +12,7 @@ use miette::{GraphicalReportHandler, GraphicalTheme, Report};
 use self::fitting::{fitting, layout};
 use super::{quality::Effort, reference_view::ReferenceView};
 use crate::{
-    frame::{Frame, FrameError, Stage},
+    frame::{Frame, FrameError, Stage, scaled},
     gpu::{Gpu, GpuError, Recorder, ShaderLibrary},
     lights::Lights,
     measure::picture::Picture,
@@ -31,10 +31,18 @@ pub struct Choice {
     pub parameters: Parameters,
     /// Name of a probe layout of the world.
     pub layout: String,
-    /// Width and height of the picture in pixels; an [`Effort`] may make it smaller.
+    /// Width and height of the shown picture in pixels; an [`Effort`] may make it smaller. Of the path-traced picture the
+    /// share `picture.scale` is made.
     pub size: [u32; 2],
     /// Show the path-traced picture in place of the one lit by probes.
     pub traced: bool,
+}
+
+impl Choice {
+    /// Width and height of the path-traced picture in pixels.
+    fn traced_size(&self) -> [u32; 2] {
+        scaled(self.size, self.parameters.picture.scale)
+    }
 }
 
 /// Why a choice or an edit cannot be shown; the previous picture stays.
@@ -102,7 +110,7 @@ impl Viewport {
         let stage = Stage::build(&gpu, &world)?;
         let layout = layout(&world, &choice.layout);
         let mut frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
-        frame.antialias(&gpu, choice.parameters.picture.antialias)?;
+        frame.antialias(&gpu, &choice.parameters.picture)?;
         frame.prepare_bits(&gpu)?;
         let mut viewport = Self {
             gpu,
@@ -123,9 +131,10 @@ impl Viewport {
 
     /// The path tracer for this choice, if the choice is path-traced.
     fn traced(&self, choice: &Choice) -> Result<Option<ReferenceView>, GpuError> {
+        let size = choice.traced_size();
         choice
             .traced
-            .then(|| ReferenceView::new(&self.gpu, &self.frame.stage, choice.size))
+            .then(|| ReferenceView::new(&self.gpu, &self.frame.stage, size))
             .transpose()
     }
 
@@ -169,20 +178,14 @@ impl Viewport {
             self.choice.layout.clone_from(&next.layout);
             self.choice.parameters.clone_from(&next.parameters);
         }
-        self.frame
-            .antialias(&self.gpu, next.parameters.picture.antialias)?;
-        let size = self.effort.size(next.size);
-        let resized = size != self.frame.size();
-        if resized {
-            self.frame.resize(&self.gpu, size)?;
-        }
+        let resized = self.fit(self.effort, next.size, &next.parameters.picture)?;
         let changed = next.traced != self.choice.traced;
         if changed
             || (next.traced
                 && self
                     .reference_view
                     .as_ref()
-                    .is_none_or(|reference_view| reference_view.size() != next.size))
+                    .is_none_or(|reference_view| reference_view.size() != next.traced_size()))
         {
             self.reference_view = self.traced(&next).map_err(FrameError::from)?;
         }
@@ -219,7 +222,7 @@ impl Viewport {
             let parameters = &self.choice.parameters;
             let size = self.frame.size();
             let mut frame = Frame::new(&gpu, stage, layout, &parameters.probes, size)?;
-            frame.antialias(&gpu, parameters.picture.antialias)?;
+            frame.antialias(&gpu, self.frame.smoothing())?;
             frame.prepare_bits(&gpu)?;
             self.frame = frame;
             self.world = world;

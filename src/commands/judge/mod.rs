@@ -133,13 +133,19 @@ impl Arguments {
     }
 
     /// # Errors
-    /// Where the parameters contradict `--displayed`.
+    /// Where the parameters contradict `--displayed`, or need it.
     fn check_displayed(&self, parameters: &Parameters) -> Result<(), Failure> {
         if self.displayed && parameters.picture.antialias == Antialias::Off {
             return Err(Failure::bad_input(
                 "--displayed judges anti-aliased pictures, and picture.antialias=off asks for none; leave one of \
                  them out",
             ));
+        }
+        let scale = parameters.picture.scale;
+        if !self.displayed && scale < 1.0 {
+            return Err(Failure::bad_input(format!(
+                "picture.scale={scale} is part of what players see: add --displayed, or leave it out",
+            )));
         }
         Ok(())
     }

@@ -187,7 +187,7 @@ impl Judge<'_> {
         )?;
         frame_loop.stop_at(self.stop);
         if arguments.displayed {
-            frame_loop.antialias(case.parameters.picture.antialias)?;
+            frame_loop.antialias(&case.parameters.picture)?;
         }
         let mut tracer = Tracer {
             world: &case.world,

@@ -12,7 +12,7 @@ crate::shared! {
         /// 1: history is clipped to the neighbours of its pixel.
         pub clips: u32,
         pub forward_ws: [f32; 3],
-        /// Most frames that a pixel averages.
+        /// Most rays that a pixel averages.
         pub most_samples: f32,
         pub right_ws: [f32; 3],
         /// 1: there is no history.
@@ -28,10 +28,11 @@ crate::shared! {
         pub _pad1: u32,
         /// Where this frame's rays go through their pixels: pixels from the centre.
         pub jitter: [f32; 2],
-        pub _pad2: [u32; 2],
+        /// Width and height of the shown picture in pixels. The frame's view has those of the rendered one.
+        pub size: [u32; 2],
     }
 
-    /// Alpha of a picture is this plus the number of frames in it: the tone mapper must not take a number for one of
+    /// Alpha of a picture is this plus the number of rays in it: the tone mapper must not take a number for one of
     /// its marks (SHOWN_AS_ in shaders/frame/view.wesl).
     const COUNT_BASE: f32 = 3.0;
 }
@@ -54,8 +55,9 @@ impl TemporalAntialias {
     /// Bytes of GPU memory per pixel: two pictures and their surfaces.
     pub const BYTES_PER_PIXEL: u64 = 2 * (8 + 8);
 
-    /// For pictures of `size` pixels. `lit` is this frame's radiance and `surfaces` what its camera rays hit; `offer` is
-    /// that of the voxels and the view.
+    /// For shown pictures of `size` pixels. `lit` is this frame's radiance and `surfaces` what its camera rays hit. Both have
+    /// room for all pixels; with `upscales` the frame's view may say that fewer are rendered. `offer` is that of the voxels and
+    /// the view.
     ///
     /// # Errors
     /// [`GpuError::Shader`], [`GpuError::TooLarge`].
@@ -64,12 +66,14 @@ impl TemporalAntialias {
         size: [u32; 2],
         lit: &wgpu::Texture,
         surfaces: &wgpu::Buffer,
+        upscales: bool,
         offer: &Offer<'_>,
     ) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
                 shader: "view/antialias",
+                overrides: &[("upscales", f64::from(u8::from(upscales)))],
                 ..Default::default()
             },
         )?;

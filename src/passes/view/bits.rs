@@ -39,7 +39,6 @@ pub struct Bits {
     bit_count: wgpu::Buffer,
     lights: wgpu::Buffer,
     count: u32,
-    tiles: [u32; 2],
 }
 
 impl Bits {
@@ -82,16 +81,13 @@ impl Bits {
             let bindings = kernel.bind(gpu, &all.resources);
             Ok::<_, GpuError>((kernel, bindings))
         };
-        let (light, draw) = (bound("light")?, bound("draw")?);
-        let [columns, rows] = draw.0.groups_of([hdr.width(), hdr.height()]);
         Ok(Self {
-            light,
-            draw,
+            light: bound("light")?,
+            draw: bound("draw")?,
             bits,
             bit_count,
             lights,
             count: 0,
-            tiles: rectangle(columns * rows),
         })
     }
 
@@ -112,12 +108,13 @@ impl Bits {
         }
     }
 
-    /// After pass `view/shade`. Without bits nothing is recorded.
-    pub fn record(&self, recorder: &mut Recorder<'_>) {
+    /// After pass `view/shade`, for a view of `size` pixels. Without bits nothing is recorded.
+    pub fn record(&self, recorder: &mut Recorder<'_>, size: [u32; 2]) {
         if self.count > 0 {
             let groups = (self.count * BIT_FACES).div_ceil(self.light.0.workgroup_size[0]);
             recorder.run(&self.light.0, &self.light.1, rectangle(groups));
-            recorder.run(&self.draw.0, &self.draw.1, self.tiles);
+            let [columns, rows] = self.draw.0.groups_of(size);
+            recorder.run(&self.draw.0, &self.draw.1, rectangle(columns * rows));
         }
     }
 

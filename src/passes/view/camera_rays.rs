@@ -8,14 +8,13 @@ pub struct CameraRays {
     kernel: Kernel,
     bindings: Bindings,
     pub surfaces: wgpu::Buffer,
-    size: [u32; 2],
 }
 
 impl CameraRays {
     /// Bytes per pixel of the largest buffer of a picture.
     pub const BYTES_PER_PIXEL: u64 = 8;
 
-    /// For pictures of `size` pixels. `resources` are those of the voxels and the view.
+    /// For pictures of at most `size` pixels. `resources` are those of the voxels and the view.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].
@@ -39,12 +38,12 @@ impl CameraRays {
             bindings: kernel.bind(gpu, &all),
             kernel,
             surfaces,
-            size,
         })
     }
 
-    pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let groups = self.kernel.groups_of(self.size);
+    /// `size` is that of the frame's view.
+    pub fn record(&self, recorder: &mut Recorder<'_>, size: [u32; 2]) {
+        let groups = self.kernel.groups_of(size);
         recorder.run(&self.kernel, &self.bindings, groups);
     }
 }

@@ -11,7 +11,7 @@ pub struct Shade {
 }
 
 impl Shade {
-    /// For pictures of `size` pixels. `surfaces` is what the camera rays hit; `offer` is that of the scene, the probes
+    /// For pictures of at most `size` pixels. `surfaces` is what the camera rays hit; `offer` is that of the scene, the probes
     /// and the surface cache.
     ///
     /// # Errors
@@ -44,8 +44,9 @@ impl Shade {
         })
     }
 
-    pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let [columns, rows] = self.kernel.groups_of([self.hdr.width(), self.hdr.height()]);
+    /// `size` is that of the frame's view.
+    pub fn record(&self, recorder: &mut Recorder<'_>, size: [u32; 2]) {
+        let [columns, rows] = self.kernel.groups_of(size);
         recorder.run(&self.kernel, &self.bindings, rectangle(columns * rows));
     }
 }

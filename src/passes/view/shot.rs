@@ -77,15 +77,25 @@ impl Shot {
         }
     }
 
-    /// The same, with rays that go through their pixels at `jitter` (pixels from the centre). Jitter averages textures
-    /// too, so each ray averages less of them.
-    pub fn to_gpu_jittered(&self, jitter: [f64; 2], texture_pixels: f32) -> GpuShot {
-        let [width, height] = self.size.map(f64::from);
-        let basis = self.camera.basis(width / height);
+    /// The same for rendering `size` pixels, with rays that go through them at `jitter` (pixels from the centre). Jitter
+    /// averages textures too, so each ray averages less of them. What the picture shows does not depend on `size`, so its
+    /// pixels are square only as far as whole numbers allow.
+    pub fn to_gpu_jittered(
+        &self,
+        size: [u32; 2],
+        jitter: [f64; 2],
+        texture_pixels: f32,
+    ) -> GpuShot {
+        let [shown_width, shown_height] = self.size.map(f64::from);
+        let [width, height] = size.map(f64::from);
+        let basis = self.camera.basis(shown_width / shown_height);
         let forward = basis.forward + basis.right * (2.0 * jitter[0] / width)
             - basis.up * (2.0 * jitter[1] / height);
         GpuShot {
             forward_ws: forward.as_vec3().to_array(),
+            width: size[0],
+            height: size[1],
+            pixel_angle: (2.0 * basis.up.length() / height) as f32,
             texture_pixels,
             ..self.to_gpu()
         }

@@ -101,5 +101,9 @@ fn what_is_not_displayed_cannot_be_judged() {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("--displayed") && said.contains("picture.antialias=off"));
+    let output = bench.judge(&[MINIMAL, "--set", "picture.scale=0.5"]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("--displayed") && said.contains("picture.scale=0.5"));
     assert!(!bench.path("cache").exists(), "nothing was traced");
 }

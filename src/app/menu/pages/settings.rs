@@ -5,13 +5,16 @@ use std::ops::RangeInclusive;
 use egui::{ComboBox, Grid, RichText, ScrollArea, Slider, Ui, emath::Numeric};
 
 use super::{GAP, Shown};
-use crate::app::{
-    quality::{Preset, Quality},
-    settings::{
-        EXPOSURES_EV, FIELDS_OF_VIEW_DEG, FRAME_LIMITS, PICTURE_SCALES, Preferences, SENSITIVITIES,
-        UI_SCALES, UNFOCUSED_LIMITS, VOLUMES,
+use crate::{
+    app::{
+        quality::{Preset, Quality},
+        settings::{
+            EXPOSURES_EV, FIELDS_OF_VIEW_DEG, FRAME_LIMITS, Preferences, SENSITIVITIES, UI_SCALES,
+            UNFOCUSED_LIMITS, VOLUMES,
+        },
+        texts::settings as texts,
     },
-    texts::settings as texts,
+    parameters::SCALES,
 };
 
 /// What a value begins with that was left to the world or to the machine.
@@ -62,7 +65,7 @@ fn picture(ui: &mut Ui, preferences: &mut Preferences, scale: f32) {
     ui.label(texts::SCALE);
     ui.horizontal(|ui| {
         let given = &mut preferences.picture_scale;
-        optional(ui, given, texts::AUTOMATIC, scale, PICTURE_SCALES, 2);
+        optional(ui, given, texts::AUTOMATIC, scale, SCALES, 2);
     });
     ui.end_row();
     ui.label(texts::FIELD_OF_VIEW);

@@ -94,7 +94,7 @@ impl Judging<'_> {
             spp: self.spp,
             seed: rig.seed,
             textures: spec.parameters.textures.enabled,
-            antialias: false,
+            antialias: !spec.smoothing().is_plain(),
         };
         let truth = tracer.truth(&film, &rig.frame.stage)?;
         Ok(Target::new(truth, spec.parameters.picture.exposure_ev))

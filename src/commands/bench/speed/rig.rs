@@ -87,7 +87,8 @@ impl<'a> Rig<'a> {
         })
     }
 
-    /// Replaces the probes by fresh ones of the spec, and resizes the picture.
+    /// Replaces the probes by fresh ones of the spec, and resizes the picture. Pictures are taken at the centres of their
+    /// pixels, unless the spec asks for fewer pixels.
     ///
     /// # Errors
     /// When the adapter cannot hold them.
@@ -95,6 +96,8 @@ impl<'a> Rig<'a> {
         if self.frame.size() != size {
             self.frame.resize(self.gpu, size)?;
         }
+        let smoothing = spec.smoothing();
+        self.frame.antialias(self.gpu, smoothing)?;
         let probes = &spec.parameters.probes;
         Ok(self.frame.replace_probes(self.gpu, &spec.layout, probes)?)
     }

@@ -240,7 +240,8 @@ impl Facts {
     fn of(rig: &Rig<'_>, spec: &RowSpec) -> Result<Self, Failure> {
         let (gpu, frame) = (rig.gpu, &rig.frame);
         let counts = ProbeCounts::read(gpu, frame.field())?;
-        let pixels = u64::from(spec.size[0]) * u64::from(spec.size[1]);
+        let [width, height] = frame.rendered_size().map(u64::from);
+        let pixels = width * height;
         let probe_rays =
             u64::from(counts.updated) * u64::from(spec.parameters.probes.rays_per_update());
         let mut rays: BTreeMap<String, u64> = [

@@ -14,6 +14,7 @@ use super::super::{
     model::{Varied, WorldRecord},
 };
 use crate::{
+    frame::Smoothing,
     parameters::{KEYS, Parameters},
     world::{Camera, Lamp, LampPreset, LayoutSpec, World},
 };
@@ -185,6 +186,14 @@ impl RowSpec {
             size,
             varied: BTreeMap::new(),
         })
+    }
+
+    /// How its pictures are smoothed: not at all, unless they have fewer pixels than are shown.
+    pub fn smoothing(&self) -> Smoothing {
+        match Smoothing::from(&self.parameters.picture) {
+            fewer if fewer.scale < 1.0 => fewer,
+            _ => Smoothing::default(),
+        }
     }
 
     /// Gives the row another name: the part after the suite and the world.
