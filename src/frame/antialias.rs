@@ -44,6 +44,8 @@ pub(super) struct Jittered {
     pub jitter: [f64; 2],
     /// Width over which rays average textures, in pixels.
     pub texture_pixels: f32,
+    /// Its number, from 1 on.
+    pub picture: u32,
     /// Index of the picture that is written.
     pub which: usize,
     pub history: GpuHistory,
@@ -124,6 +126,7 @@ impl Antialiasing {
                 true => MOVING_TEXTURE_PIXELS,
                 false => STILL_TEXTURE_PIXELS,
             },
+            picture: self.pictures,
             which: self.pictures as usize % 2,
             history,
         })
@@ -216,7 +219,12 @@ impl Frame {
     /// Tells the GPU about the next picture.
     pub(super) fn look(&mut self, gpu: &Gpu, shot: &Shot, jittered: Option<&Jittered>) {
         let uniform = match jittered {
-            Some(jittered) => shot.to_gpu_jittered(jittered.jitter, jittered.texture_pixels),
+            Some(Jittered {
+                jitter,
+                texture_pixels,
+                picture,
+                ..
+            }) => shot.to_gpu_jittered(*jitter, *texture_pixels, *picture),
             None => shot.to_gpu(),
         };
         gpu.queue

@@ -91,6 +91,7 @@ fn lamps() -> Vec<LampState> {
         direction_ws: direction_ws.normalize_or_zero(),
         intensity,
         radius: 0.5,
+        soft_radius: 0.0,
     };
     let spot = LampShape::Spot {
         cos_inner: 0.9,
