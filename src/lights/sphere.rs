@@ -65,7 +65,10 @@ mod tests {
         for sin_squared in [1e-4, 0.01, 0.2, 0.5, 0.9, 0.999, 1.0] {
             for degrees in [0.0f64, 20.0, 50.0, 80.0, 89.0, 90.0, 92.0, 120.0, 179.0] {
                 let cosine = degrees.to_radians().cos();
-                let (found, truth) = (form_factor(cosine, sin_squared), summed(cosine, sin_squared));
+                let (found, truth) = (
+                    form_factor(cosine, sin_squared),
+                    summed(cosine, sin_squared),
+                );
                 assert!(
                     (found - truth).abs() < 2e-4 * sin_squared.max(truth),
                     "{degrees}° from a cone of sin² {sin_squared}: {found}, not {truth}"

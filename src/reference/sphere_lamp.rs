@@ -80,7 +80,10 @@ mod tests {
             let ray = sample(offset, 1.2, DVec3::Y, &mut random);
             let end = ray.towards * ray.distance;
             assert!((end.distance(offset) - 1.2).abs() < 1e-6, "{end}");
-            assert!(end.dot(offset) < offset.length_squared(), "on the near side");
+            assert!(
+                end.dot(offset) < offset.length_squared(),
+                "on the near side"
+            );
         }
     }
 }

@@ -23,5 +23,6 @@ mod octree;
 mod placed_lamps;
 mod probe_views;
 mod probes;
+mod soft_shadows;
 mod tonemap;
 mod voxelise;
