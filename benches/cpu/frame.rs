@@ -74,6 +74,7 @@ impl Recording {
             view: View::Full,
             time_s: self.time_s,
             textures: true,
+            soft_rays: 4,
         };
         let lights = Lights::at(&self.world, &self.world.lamp_presets[0], self.time_s);
         let mut recorder = Recorder::new(&self.gpu, None);

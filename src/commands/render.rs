@@ -199,6 +199,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
         view: options.view,
         time_s: setup.time_s,
         textures: setup.parameters.textures.enabled,
+        soft_rays: setup.parameters.lights.soft_rays,
     };
     for index in 0..=settling {
         let start = Instant::now();

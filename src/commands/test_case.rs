@@ -189,6 +189,7 @@ impl TestCase {
             view: View::Full,
             time_s: self.options.time_s,
             textures: self.parameters.textures.enabled,
+            soft_rays: self.parameters.lights.soft_rays,
         }
     }
 }

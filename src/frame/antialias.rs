@@ -104,6 +104,8 @@ pub(super) struct Jittered {
     pub jitter: [f64; 2],
     /// Width over which rays average textures, in pixels.
     pub texture_pixels: f32,
+    /// Its number among those that are averaged, from 1 on; 0 if it stands alone.
+    pub picture: u32,
     /// Index of the picture that is written.
     pub which: usize,
     pub history: GpuHistory,
@@ -192,6 +194,7 @@ impl Antialiasing {
                 true => MOVING_TEXTURE_PIXELS * rays.sqrt(),
                 false => STILL_TEXTURE_PIXELS,
             },
+            picture: self.pictures,
             which: self.pictures as usize % 2,
             history,
         })
@@ -207,6 +210,7 @@ impl Jittered {
             size,
             jitter: [0.0; 2],
             texture_pixels: 1.0,
+            picture: 0,
             which: 0,
             history,
         }
@@ -323,9 +327,12 @@ impl Frame {
     /// Tells the GPU about the next picture.
     pub(super) fn look(&mut self, gpu: &Gpu, shot: &Shot, jittered: Option<&Jittered>) {
         let uniform = match jittered {
-            Some(jittered) => {
-                shot.to_gpu_jittered(jittered.size, jittered.jitter, jittered.texture_pixels)
-            }
+            Some(jittered) => shot.to_gpu_jittered(
+                jittered.size,
+                jittered.jitter,
+                jittered.texture_pixels,
+                jittered.picture,
+            ),
             None => shot.to_gpu(),
         };
         gpu.queue

@@ -68,7 +68,7 @@ pub fn trace(
     progress: &dyn Fn(u64, u64),
     cancel: &AtomicBool,
 ) -> Result<Traced, GpuError> {
-    let blocks = request.blocks();
+    let blocks = request.blocks(lights);
     let all = 0..blocks.count();
     let sampled = trace_blocks(gpu, stage, lights, request, &all, progress, cancel)?;
     Ok(Traced {
@@ -96,7 +96,7 @@ pub fn trace_blocks(
 ) -> Result<Sampled, GpuError> {
     let mut frame = TracedFrame::new(gpu, stage, request.size, request.antialias)?;
     frame.look(gpu, &request.shot(), lights);
-    let blocks = request.blocks();
+    let blocks = request.blocks(lights);
     frame
         .pass
         .trace_blocks(gpu, blocks, wanted, progress, cancel)
@@ -104,8 +104,8 @@ pub fn trace_blocks(
 
 impl TraceRequest<'_> {
     /// The blocks of the picture: none where nothing about the picture is random.
-    pub fn blocks(&self) -> Blocks {
-        let is_random = self.antialias || self.view.is_random();
+    pub fn blocks(&self, lights: &Lights) -> Blocks {
+        let is_random = self.antialias || self.view.is_random(lights.has_spheres());
         Blocks::of(if is_random { self.spp } else { 0 })
     }
 
@@ -119,6 +119,7 @@ impl TraceRequest<'_> {
             view: self.view,
             time_s: 0.0,
             textures: self.textures,
+            soft_rays: 1,
         }
     }
 }
@@ -176,7 +177,7 @@ impl TracedFrame {
         if self.look(gpu, shot, lights) {
             self.pass.restart(gpu)?;
         }
-        if shot.view.is_random() {
+        if shot.view.is_random(lights.has_spheres()) {
             self.pass.step(gpu, recorder);
         }
         Ok(())

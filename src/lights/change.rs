@@ -93,6 +93,7 @@ mod tests {
             direction_ws: DVec3::ZERO,
             intensity: DVec3::splat(power),
             radius: 0.5,
+            soft_radius: 0.0,
         }
     }
 

@@ -82,6 +82,7 @@ mod tests {
             direction_ws: DVec3::ZERO,
             intensity: DVec3::from_array(*power),
             radius: 0.1,
+            soft_radius: 0.0,
         };
         Lights {
             lamps: powers.iter().map(lamp).collect(),

@@ -4,7 +4,10 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::motion::{self, Moment};
+use super::{
+    motion::{self, Moment},
+    sphere,
+};
 use crate::world::{
     Lamp, LampKind, LampPreset, PlacedLamp, Sun, World, materials::hash::hash_voxel,
 };
@@ -26,8 +29,10 @@ pub struct LampState {
     /// Linear RGB. Point and spot: radiant intensity W/(4π) per steradian. Directional: irradiance
     /// on a facing surface.
     pub intensity: DVec3,
-    /// Smaller distances count as this one. At least [`MIN_RADIUS`].
+    /// Smaller distances count as this one. At least [`MIN_RADIUS`]. Unused by spheres.
     pub radius: f64,
+    /// Point and spot: radius of the sphere that shines (voxels); 0 for a point.
+    pub soft_radius: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,11 +50,11 @@ pub enum LampShape {
 /// unblocked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LampRay {
-    /// Unit vector from the point towards the lamp (zero at the lamp itself).
+    /// Unit vector from the point towards the lamp's centre (zero at the lamp itself).
     pub towards_ws: DVec3,
     /// Voxels to the lamp; infinite for directional lamps.
     pub distance: f64,
-    /// On a surface that faces the lamp (linear RGB).
+    /// On a surface that faces the lamp (linear RGB). Of a sphere: as if all of its light came from its centre.
     pub irradiance: DVec3,
 }
 
@@ -96,6 +101,11 @@ impl LampState {
             direction_ws: direction.normalize_or_zero(),
             intensity,
             radius: f64::from(lamp.radius).max(MIN_RADIUS),
+            soft_radius: match shape {
+                LampShape::Directional => 0.0,
+                _ if lamp.soft_radius < MIN_RADIUS as f32 => 0.0,
+                LampShape::Point | LampShape::Spot { .. } => f64::from(lamp.soft_radius),
+            },
         }
     }
 
@@ -114,7 +124,13 @@ impl LampState {
             direction_ws: -sun.towards.as_dvec3().normalize_or_zero(),
             intensity: sun.irradiance.as_dvec3(),
             radius: MIN_RADIUS,
+            soft_radius: 0.0,
         }
+    }
+
+    /// Whether the lamp is a sphere, whose shadows are soft.
+    pub fn is_soft(&self) -> bool {
+        self.soft_radius > 0.0
     }
 
     /// Sum of the channels of the intensity.
@@ -134,7 +150,12 @@ impl LampState {
         let offset = self.position_ws - point_ws;
         let distance = offset.length();
         let towards_ws = offset.normalize_or_zero();
-        let falloff = 1.0 / distance.max(self.radius).powi(2);
+        let nearest = if self.is_soft() {
+            self.soft_radius
+        } else {
+            self.radius
+        };
+        let falloff = 1.0 / distance.max(nearest).powi(2);
         let spot = self.spot_factor(-towards_ws);
         LampRay {
             towards_ws,
@@ -146,11 +167,16 @@ impl LampState {
     /// Unshadowed irradiance (linear RGB) on a surface with this unit normal.
     pub fn irradiance(&self, point_ws: DVec3, normal_ws: DVec3) -> DVec3 {
         let ray = self.ray_from(point_ws);
-        ray.irradiance * normal_ws.dot(ray.towards_ws).max(0.0)
+        let cosine = normal_ws.dot(ray.towards_ws);
+        if self.is_soft() {
+            let share = sphere::irradiance(self.soft_radius, ray.distance, cosine);
+            return self.intensity * (self.spot_factor(-ray.towards_ws) * share);
+        }
+        ray.irradiance * cosine.max(0.0)
     }
 
     /// Share of the full intensity that leaves along a unit direction.
-    fn spot_factor(&self, leaving_ws: DVec3) -> f64 {
+    pub fn spot_factor(&self, leaving_ws: DVec3) -> f64 {
         match self.shape {
             LampShape::Spot {
                 cos_inner,
@@ -180,6 +206,7 @@ mod tests {
             colour: Vec3::new(1.0, 0.5, 0.25),
             power: 100.0,
             radius: 0.25,
+            soft_radius: 0.0,
             motion,
         }
     }
@@ -245,6 +272,40 @@ mod tests {
         assert_eq!(at(0.1), at(0.25));
         assert!(at(0.26) < at(0.25));
         assert!(at(0.0).is_finite());
+    }
+
+    /// Where all of a sphere is above a surface's horizon, it lights the surface as a point lamp does.
+    #[test]
+    fn a_sphere_over_a_plane_is_a_point_lamp() {
+        let point = still(LampKind::Point);
+        let sphere = |soft_radius| LampState {
+            soft_radius,
+            ..point
+        };
+        for r in [0.0, 1.0, 3.0, 10.0] {
+            let at = DVec3::new(1.0 + r, 0.0, -2.0);
+            let truth = point.irradiance(at, DVec3::Y);
+            let error = (sphere(1.5).irradiance(at, DVec3::Y) - truth).length() / truth.length();
+            assert!(error < 1e-12, "{error} at {r}");
+        }
+        // Half of it is below the horizon of a wall that points at it edge on.
+        let edge = sphere(1.5).irradiance(DVec3::new(1.0, 0.0, -2.0), DVec3::X);
+        assert!(edge.x > 0.0 && point.irradiance(DVec3::new(1.0, 0.0, -2.0), DVec3::X).x == 0.0);
+    }
+
+    #[test]
+    fn spheres_too_small_to_matter_are_points_and_directional_lamps_have_none() {
+        let with = |kind, soft_radius| {
+            let lamp = Lamp {
+                soft_radius,
+                ..lamp(kind, Vec::new())
+            };
+            LampState::at(&lamp, 0.0, 0).soft_radius
+        };
+        assert_eq!(with(LampKind::Point, 0.005), 0.0);
+        assert_eq!(with(SPOT, 2.0), 2.0);
+        let direction = Vec3::NEG_Y;
+        assert_eq!(with(LampKind::Directional { direction }, 2.0), 0.0);
     }
 
     #[test]

@@ -105,6 +105,7 @@ mod tests {
             direction_ws: DVec3::ZERO,
             intensity: DVec3::splat(power / 3.0),
             radius: 0.1,
+            soft_radius: 0.0,
         };
         Lights {
             lamps: powers.iter().map(lamp).collect(),

@@ -12,6 +12,7 @@ pub mod lists;
 pub mod motion;
 pub mod rest;
 pub mod sky;
+pub mod sphere;
 pub mod table;
 
 pub use emitters::Emitters;
@@ -32,6 +33,11 @@ pub struct Lights {
 }
 
 impl Lights {
+    /// Whether any lamp is a sphere: its direct light is an estimate.
+    pub fn has_spheres(&self) -> bool {
+        self.lamps.iter().any(LampState::is_soft)
+    }
+
     /// The lights of `world` under one of its presets at world time `time_s`.
     pub fn at(world: &World, preset: &LampPreset, time_s: f64) -> Self {
         let mut lamps = evaluate(preset, time_s, world.seed);

@@ -53,6 +53,7 @@ mod tests {
             direction_ws: DVec3::ZERO,
             intensity: DVec3::splat(power),
             radius: 0.1,
+            soft_radius: 0.0,
         };
         Lights {
             lamps: lamps.iter().map(lamp).collect(),

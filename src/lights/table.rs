@@ -25,16 +25,22 @@ crate::shared! {
     /// `GpuLampSlot::lamp` of a slot without a lamp.
     pub const NO_LAMP as NO_LAMP: u32 = u32::MAX;
 
+    /// What a lamp is: `GpuLamp::kind`.
+    const LAMP_POINT: u32 = 0;
+    const LAMP_DIRECTIONAL: u32 = 1;
+    /// A sphere, whose shadows are soft.
+    const LAMP_SPHERE: u32 = 2;
+
     /// One lamp. The spot's edge is folded into a ramp,
     /// clamp(cos · spot_scale + spot_offset), which is 1 for lamps that are not spots.
     pub struct GpuLamp as Lamp {
         pub position_ws: [f32; 3],
-        /// Smaller distances count as this one.
+        /// Of a sphere its radius; of other lamps, smaller distances count as this one.
         pub radius: f32,
         /// Unit vector along which the light goes.
         pub direction_ws: [f32; 3],
-        /// 1 for lamps without position and falloff, else 0.
-        pub directional: u32,
+        /// One of the LAMP_ constants. A directional lamp has neither position nor falloff.
+        pub kind: u32,
         /// Radiant intensity (linear RGB, W/sr).
         pub intensity: [f32; 3],
         /// The spot's edge: clamp(cos · spot_scale + spot_offset); 0 and 1 for lamps that are not
@@ -86,7 +92,8 @@ pub struct GpuLightsHeader {
     pub list_frame: u32,
     /// 1: lamps that stay in a list keep their slots.
     pub keeps_slots: u32,
-    pub _pad: u32,
+    /// Number of lamps that are spheres.
+    pub soft_lamps: u32,
 }
 
 /// Byte of the lists in the buffer: behind the header and the lamps.
@@ -157,7 +164,7 @@ impl Lights {
             all_brightest: before as f32,
             list_frame: of_frame.list_frame,
             keeps_slots: u32::from(of_frame.keeps_slots),
-            ..Default::default()
+            soft_lamps: self.lamps.iter().filter(|lamp| lamp.is_soft()).count() as u32,
         };
         [
             bytemuck::bytes_of(&header),
@@ -180,11 +187,16 @@ impl From<&LampState> for GpuLamp {
             }
             LampShape::Point | LampShape::Directional => (0.0, 1.0),
         };
+        let (kind, radius) = match lamp.shape {
+            LampShape::Directional => (LAMP_DIRECTIONAL, lamp.radius),
+            _ if lamp.is_soft() => (LAMP_SPHERE, lamp.soft_radius),
+            LampShape::Point | LampShape::Spot { .. } => (LAMP_POINT, lamp.radius),
+        };
         Self {
             position_ws: array(lamp.position_ws),
-            radius: lamp.radius as f32,
+            radius: radius as f32,
             direction_ws: array(lamp.direction_ws),
-            directional: u32::from(lamp.shape == LampShape::Directional),
+            kind,
             intensity: array(lamp.intensity),
             spot_scale,
             spot_offset,

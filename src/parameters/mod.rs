@@ -327,6 +327,8 @@ parameters! {
         animate: bool = true, Kind::Flag, Nothing;
         #[doc = "Only this many lamps of the preset are lit, the first ones. Fewer are faster, above all when they move."]
         max_lamps: u32 = 65_536, Kind::Count { min: 0, max: 65_536 }, Nothing;
+        #[doc = "Shadow rays per pixel to each lamp with a soft_radius, where a voxel face sees it in part. More is less grainy and costs as much more; with picture.antialias=off there are four times as many, because no frames are averaged."]
+        soft_rays: u32 = 4, Kind::Count { min: 1, max: 256 }, Nothing;
     }
 
     #[doc = "From linear light to the display."]

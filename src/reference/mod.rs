@@ -9,6 +9,7 @@ pub mod march;
 pub mod path_trace;
 pub mod random;
 pub mod render;
+pub mod sphere_lamp;
 
 pub use path_trace::TracedWorld;
 pub use render::{FilmOptions, RenderOptions, render, render_scene};

@@ -1,7 +1,7 @@
 //! Unbiased light transport: path tracing after Kajiya 1986, in f64.
 //!
 //! Surfaces are Lambertian and emit the same radiance in every direction. Lamps and the sun cannot
-//! be hit and are sampled at every vertex (next-event estimation); emissive voxels and the sky have
+//! be hit and are sampled at every vertex (next-event estimation), one point of a lamp that is a sphere; emissive voxels and the sky have
 //! extent and are found by hitting them, so no light is ever counted twice.
 
 use std::f64::consts::PI;
@@ -10,6 +10,7 @@ use glam::{DVec3, IVec3};
 
 use super::march::{FACE_NORMALS, Hit, Outcome, Ray, march};
 use super::random::Pcg;
+use super::sphere_lamp;
 use crate::lights::{Lights, sky};
 use crate::world::materials::MaterialSet;
 use crate::world::voxels::Voxels;
@@ -108,25 +109,45 @@ impl TracedWorld<'_> {
         }
     }
 
-    /// Radiance that a surface reflects of the direct light from lamps and sun: the sum over all of
-    /// them, with shadows. Nothing in it is random.
+    /// Radiance that a surface reflects of the direct light from the sun and from lamps that are no spheres: the sum
+    /// over all of them, with shadows. Nothing in it is random.
     pub fn lamps_reflected(&self, vertex: &Vertex) -> DVec3 {
         (0..self.lights.lamps.len())
+            .filter(|&lamp| !self.lights.lamps[lamp].is_soft())
             .map(|lamp| self.lamp_reflected(vertex, lamp))
             .sum()
     }
 
-    /// An unbiased estimate of [`Self::lamps_reflected`] from one lamp, chosen with a probability
+    /// Radiance that a surface reflects of the direct light from lamps that are spheres, each by one sample.
+    pub fn spheres_reflected(&self, vertex: &Vertex, random: &mut Pcg) -> DVec3 {
+        (0..self.lights.lamps.len())
+            .filter(|&lamp| self.lights.lamps[lamp].is_soft())
+            .map(|lamp| self.sphere_reflected(vertex, lamp, random))
+            .sum()
+    }
+
+    /// An unbiased estimate of the light of all lamps from one lamp, chosen with a probability
     /// proportional to its unshadowed contribution.
     fn one_lamp_reflected(&self, vertex: &Vertex, random: &mut Pcg) -> DVec3 {
-        let weight = |lamp: usize| self.unshadowed(vertex, lamp).0.element_sum();
+        let point_ws = vertex.position + self.origin.as_dvec3();
+        let weight = |lamp: usize| match &self.lights.lamps[lamp] {
+            sphere if sphere.is_soft() => {
+                let irradiance = sphere.irradiance(point_ws, vertex.normal());
+                irradiance.element_sum()
+            }
+            _ => self.unshadowed(vertex, lamp).0.element_sum(),
+        };
         let lamps = self.lights.lamps.len();
         let total: f64 = (0..lamps).map(weight).sum();
         let mut left = random.unit() * total;
         for lamp in 0..lamps {
             let weight = weight(lamp);
             if left < weight {
-                return self.lamp_reflected(vertex, lamp) * (total / weight);
+                let light = match self.lights.lamps[lamp].is_soft() {
+                    true => self.sphere_reflected(vertex, lamp, random),
+                    false => self.lamp_reflected(vertex, lamp),
+                };
+                return light * (total / weight);
             }
             left -= weight;
         }
@@ -141,6 +162,23 @@ impl TracedWorld<'_> {
         }
         match march(self.voxels, &vertex.ray(towards, distance)) {
             Outcome::Miss => vertex.albedo / PI * irradiance,
+            Outcome::Hit(_) | Outcome::Inside(_) => DVec3::ZERO,
+        }
+    }
+
+    /// An unbiased estimate of the light of a sphere, by a ray to one of its points.
+    fn sphere_reflected(&self, vertex: &Vertex, lamp: usize, random: &mut Pcg) -> DVec3 {
+        let lamp = &self.lights.lamps[lamp];
+        let offset = lamp.position_ws - self.origin.as_dvec3() - vertex.position;
+        let sample = sphere_lamp::sample(offset, lamp.soft_radius, vertex.normal(), random);
+        let cosine = vertex.normal().dot(sample.towards);
+        if cosine <= 0.0 {
+            return DVec3::ZERO;
+        }
+        // The cone of a spot starts at its centre.
+        let spot = lamp.spot_factor(-offset.normalize_or_zero());
+        match march(self.voxels, &vertex.ray(sample.towards, sample.distance)) {
+            Outcome::Miss => vertex.albedo / PI * lamp.intensity * (spot * sample.weight * cosine),
             Outcome::Hit(_) | Outcome::Inside(_) => DVec3::ZERO,
         }
     }

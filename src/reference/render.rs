@@ -161,7 +161,7 @@ impl<'a> Film<'a> {
     fn new(scene: &TracedWorld<'a>, options: &'a FilmOptions<'a>) -> Self {
         let [width, height] = options.size.map(f64::from);
         let camera = options.camera.basis(width / height);
-        let random = options.antialias || options.view.is_random();
+        let random = options.antialias || options.view.is_random(scene.lights.has_spheres());
         Self {
             scene: TracedWorld {
                 textures: scene.textures && options.view != View::TexturesOff,
@@ -190,7 +190,7 @@ impl<'a> Film<'a> {
                 Some(look) => look,
                 None => &self.look(corner + DVec2::new(random.unit(), random.unit())),
             };
-            *sum += look.sure + self.bounced(look, &mut random);
+            *sum += look.sure + self.sampled(look, &mut random);
         }
     }
 
@@ -226,19 +226,26 @@ impl<'a> Film<'a> {
         }
     }
 
-    fn bounced(&self, look: &Look, random: &mut Pcg) -> DVec3 {
+    /// One sample of the light that is random.
+    fn sampled(&self, look: &Look, random: &mut Pcg) -> DVec3 {
         let Some(vertex) = &look.surface else {
             return DVec3::ZERO;
         };
         let view = self.options.view;
-        if !view.is_random() {
-            return DVec3::ZERO;
+        let direct = match view {
+            View::Full | View::TexturesOff | View::Direct => {
+                self.scene.spheres_reflected(vertex, random)
+            }
+            _ => DVec3::ZERO,
+        };
+        if !view.shows_bounces() {
+            return direct;
         }
         let reflectance = match view {
             View::Irradiance => DVec3::ONE,
             _ => vertex.albedo,
         };
         let max_bounces = self.options.max_bounces;
-        reflectance * self.scene.bounced(vertex, max_bounces, random)
+        direct + reflectance * self.scene.bounced(vertex, max_bounces, random)
     }
 }

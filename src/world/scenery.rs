@@ -5,6 +5,9 @@ use glam::{IVec3, UVec3, Vec3};
 /// Most lamps of one preset, not counting the sun.
 pub const MAX_LAMPS: usize = 65_536;
 
+/// Largest radius of a lamp that is a sphere (voxels).
+pub const MAX_SOFT_RADIUS: f32 = 64.0;
+
 /// Most probes of one layout (8 kB of maps and history each).
 pub const MAX_PROBES: u32 = 1 << 20;
 
@@ -39,6 +42,9 @@ pub struct Lamp {
     pub power: f32,
     /// Smaller distances count as this radius, which bounds 1/d².
     pub radius: f32,
+    /// Point and spot: radius of the sphere that shines (voxels), at most [`MAX_SOFT_RADIUS`]; 0 for a point. Its power
+    /// is that of the point lamp.
+    pub soft_radius: f32,
     /// Applied in order as a function of world time.
     pub motion: Vec<Motion>,
 }

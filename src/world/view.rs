@@ -55,8 +55,13 @@ impl View {
         !matches!(self, Self::Steps | Self::Cage | Self::States)
     }
 
-    /// Whether a path tracer's samples of one camera ray differ.
-    pub fn is_random(self) -> bool {
+    /// Whether a path tracer's samples of one camera ray differ. Direct light is random where lamps are spheres.
+    pub fn is_random(self, has_spheres: bool) -> bool {
+        self.shows_bounces() || (self == Self::Direct && has_spheres)
+    }
+
+    /// Whether it shows light that has met another surface before.
+    pub fn shows_bounces(self) -> bool {
         use View::{Full, Indirect, Irradiance, TexturesOff};
         matches!(self, Full | Indirect | Irradiance | TexturesOff)
     }

@@ -71,6 +71,7 @@ fn lamp(position_ws: DVec3, intensity: f64) -> LampState {
         direction_ws: DVec3::ZERO,
         intensity: DVec3::splat(intensity),
         radius: 0.1,
+        soft_radius: 0.0,
     }
 }
 

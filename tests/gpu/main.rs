@@ -23,6 +23,7 @@ mod octree;
 mod placed_lamps;
 mod probe_views;
 mod probes;
+mod soft_shadows;
 mod tonemap;
 mod upscale;
 mod voxelise;

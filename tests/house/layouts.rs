@@ -92,7 +92,8 @@ fn lights_are_a_header_lamps_and_lists() {
         list_shift,
         all_brightest,
         list_frame,
-        keeps_slots
+        keeps_slots,
+        soft_lamps
     });
     header
         .members

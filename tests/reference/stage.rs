@@ -193,6 +193,7 @@ pub fn point_lamp(position: Vec3, power: f32) -> Lamp {
         colour: Vec3::ONE,
         power,
         radius: 0.01,
+        soft_radius: 0.0,
         motion: Vec::new(),
     }
 }

@@ -23,6 +23,7 @@ pub fn shot(camera: Camera, size: [u32; 2]) -> Shot {
         view: View::Full,
         time_s: 0.0,
         textures: true,
+        soft_rays: 4,
     }
 }
 

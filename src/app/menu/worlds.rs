@@ -31,6 +31,7 @@ built_in![
     "door",
     "split",
     "beam",
+    "soft_shadows",
     "corner",
     "sealed",
     "furnace",

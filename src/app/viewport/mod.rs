@@ -349,6 +349,7 @@ impl Viewport {
             view: self.inspection.view,
             time_s,
             textures: parameters.textures.enabled,
+            soft_rays: parameters.lights.soft_rays,
         };
         let lamp_time_s = self.lamp_time_s(time_s);
         let lights = Lights::at(&self.world, &self.lamps(), lamp_time_s);

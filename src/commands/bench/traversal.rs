@@ -242,6 +242,7 @@ fn still(camera: &Camera, size: [u32; 2]) -> Shot {
         view: View::Full,
         time_s: 0.0,
         textures: true,
+        soft_rays: 1,
     }
 }
 

@@ -130,7 +130,7 @@ pub fn run(job: &Job<'_>, file: PartFile, cancel: &AtomicBool) -> Result<(), Fai
     let (arguments, run) = (job.arguments, &job.arguments.run);
     let shard = file.shard();
     let request = job.request();
-    let blocks = request.blocks();
+    let blocks = request.blocks(&job.lights);
     let mine = shard.range(blocks.count());
     let bar = output::progress(run, "tiles × samples", 1);
     let progress = |done, total| {

@@ -105,6 +105,7 @@ impl<'a> Play<'a> {
                 view: View::Full,
                 time_s: case.script.start_s,
                 textures: parameters.textures.enabled,
+                soft_rays: parameters.lights.soft_rays,
             },
             probes,
             elapsed_s: 0.0,

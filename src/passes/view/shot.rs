@@ -33,7 +33,10 @@ crate::shared! {
         pub textures: u32,
         /// Width over which textures are averaged, in pixels.
         pub texture_pixels: f32,
-        pub _pad: [u32; 2],
+        /// Shadow rays of a pixel to each lamp that is a sphere.
+        pub soft_rays: u32,
+        /// Number of the picture among those that are averaged; 0 for a picture that stands alone.
+        pub picture: u32,
     }
 }
 
@@ -52,7 +55,13 @@ pub struct Shot {
     pub time_s: f64,
     /// Whether faces show their textures; else each face shows the mean of its texture.
     pub textures: bool,
+    /// Shadow rays of a pixel to each lamp that is a sphere, in pictures that are averaged. A picture that stands alone
+    /// has [`ALONE`] times as many.
+    pub soft_rays: u32,
 }
+
+/// How many times as many rays to soft lamps a picture has that no other is averaged with.
+const ALONE: u32 = 4;
 
 impl Shot {
     pub fn to_gpu(&self) -> GpuShot {
@@ -73,18 +82,21 @@ impl Shot {
             time_s: self.time_s as f32,
             textures: u32::from(self.textures && self.view != View::TexturesOff),
             texture_pixels: 1.0,
-            ..Default::default()
+            soft_rays: self.soft_rays * ALONE,
+            picture: 0,
         }
     }
 
     /// The same for rendering `size` pixels, with rays that go through them at `jitter` (pixels from the centre). Jitter
     /// averages textures too, so each ray averages less of them. What the picture shows does not depend on `size`, so its
-    /// pixels are square only as far as whole numbers allow.
+    /// pixels are square only as far as whole numbers allow. `picture` is its number among those that are averaged, from
+    /// 1 on; 0 if it stands alone.
     pub fn to_gpu_jittered(
         &self,
         size: [u32; 2],
         jitter: [f64; 2],
         texture_pixels: f32,
+        picture: u32,
     ) -> GpuShot {
         let [shown_width, shown_height] = self.size.map(f64::from);
         let [width, height] = size.map(f64::from);
@@ -97,6 +109,8 @@ impl Shot {
             height: size[1],
             pixel_angle: (2.0 * basis.up.length() / height) as f32,
             texture_pixels,
+            soft_rays: self.soft_rays * if picture == 0 { ALONE } else { 1 },
+            picture,
             ..self.to_gpu()
         }
     }

@@ -8,7 +8,7 @@ use super::resolve::Reader;
 use super::schema;
 use super::values::{Read, or};
 use crate::world::materials::hash::hash;
-use crate::world::scenery::MAX_LAMPS;
+use crate::world::scenery::{MAX_LAMPS, MAX_SOFT_RADIUS};
 use crate::world::sdf::Shape;
 use crate::world::{Lamp, LampKind, LampPreset, Motion};
 
@@ -81,8 +81,22 @@ impl Reader<'_> {
                 source.not_negative3(v, "colour")
             })?,
             radius: or(&lamp.radius, 0.5, |leaf| source.positive(leaf, "radius"))?,
+            soft_radius: or(&lamp.soft_radius, 0.0, |leaf| self.soft_radius(leaf, lamp))?,
             motion: motion.collect::<Read<_>>()?,
         })
+    }
+
+    fn soft_radius(&self, leaf: &Leaf, lamp: &schema::Lamp) -> Read<f32> {
+        let source = self.source;
+        if matches!(lamp.kind, schema::LampKind::Directional { .. }) {
+            return Err(source.at(
+                leaf,
+                "a directional lamp has no `soft_radius`: it is infinitely far away",
+                "remove it, or make the lamp `Point` or `Spot(…)`",
+            ));
+        }
+        let most = f64::from(MAX_SOFT_RADIUS);
+        Ok(source.number_in(leaf, "soft_radius", 0.0..=most)? as f32)
     }
 
     fn lamp_kind(&self, kind: &schema::LampKind) -> Read<LampKind> {

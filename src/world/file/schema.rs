@@ -360,6 +360,8 @@ pub struct Lamp {
     pub power: Leaf,
     /// Voxels; smaller distances count as this radius. Default 0.5.
     pub radius: Option<Leaf>,
+    /// Point and spot lamps: radius of the sphere that shines, voxels. Default 0: a point, with hard shadows.
+    pub soft_radius: Option<Leaf>,
     #[serde(default)]
     pub motion: Vec<Motion>,
 }

@@ -248,6 +248,7 @@ impl PlacedLamp {
             colour: self.colour(),
             power: self.block.power / (voxel_m * voxel_m),
             radius: self.block.radius,
+            soft_radius: 0.0,
             motion: self.block.motion.motions(),
         }
     }

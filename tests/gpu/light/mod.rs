@@ -91,12 +91,35 @@ fn lamps() -> Vec<LampState> {
         direction_ws: direction_ws.normalize_or_zero(),
         intensity,
         radius: 0.5,
+        soft_radius: 0.0,
     };
     let spot = LampShape::Spot {
         cos_inner: 0.9,
         cos_outer: 0.4,
     };
+    let sphere = |soft_radius, lamp| LampState {
+        soft_radius,
+        ..lamp
+    };
     vec![
+        sphere(
+            4.0,
+            lamp(
+                spot,
+                DVec3::new(3.0, 5.0, -4.0),
+                DVec3::new(-0.2, -1.0, 0.3),
+                DVec3::new(6.0, 2.0, 9.0),
+            ),
+        ),
+        sphere(
+            2.0,
+            lamp(
+                LampShape::Point,
+                DVec3::new(-5.0, 1.0, 2.0),
+                DVec3::ZERO,
+                DVec3::new(2.0, 7.0, 3.0),
+            ),
+        ),
         lamp(
             LampShape::Point,
             DVec3::new(1.0, 2.0, 3.0),
@@ -151,9 +174,10 @@ fn lamps_light_the_same_on_both_sides() {
         places.iter().map(sum).collect()
     };
     let error = worst(&on_gpu, &on_cpu(&lamps()), 1e-2);
-    assert!(error < 1e-4, "{error}");
+    // WGSL lets acos and atan2, which spheres at the horizon need, be off by 4096 units in the last place.
+    assert!(error < 1e-3, "{error}");
     // The comparison must notice a lamp that the GPU lacks.
-    assert!(worst(&on_gpu, &on_cpu(&lamps()[..2]), 1e-2) > 0.01);
+    assert!(worst(&on_gpu, &on_cpu(&lamps()[..4]), 1e-2) > 0.01);
 }
 
 #[test]

@@ -113,6 +113,7 @@ fn cameras_stand_in_the_air_and_see_something() {
         "minimal",
         "sealed",
         "small_emitter",
+        "soft_shadows",
         "split",
     ];
     for name in names {

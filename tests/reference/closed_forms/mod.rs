@@ -4,6 +4,7 @@
 mod emitters;
 mod open_air;
 mod plates;
+pub mod spheres;
 
 use std::f64::consts::PI;
 
@@ -19,6 +20,10 @@ use open_air::{
     a_uniform_sky_over_a_plane, sun_through_a_square_hole,
 };
 use plates::{an_emissive_plate_over_a_floor, plates_that_light_each_other, two_facing_plates};
+use spheres::{
+    a_penumbra_behind_a_wall, a_sphere_larger_than_the_room, a_sphere_over_a_plane,
+    a_sphere_that_the_horizon_cuts,
+};
 
 #[track_caller]
 fn assert_agrees(estimate: MeanEstimate, truth: f64) {
@@ -137,6 +142,10 @@ on_the_cpu! {
     an_emissive_plate_over_a_floor
     a_glowing_box_over_a_floor
     a_ball_of_voxels_is_a_sphere_from_afar
+    a_sphere_over_a_plane
+    a_sphere_that_the_horizon_cuts
+    a_sphere_larger_than_the_room
+    a_penumbra_behind_a_wall
 }
 
 /// The comparison above can fail: it notices 3 % too little light.

@@ -8,7 +8,7 @@ use grotto::world::{Camera, View};
 use super::super::pictures::room;
 use super::super::stage::{Cpu, Stage, Tracer, options, point_lamp, square_camera};
 use super::OnGpu;
-use super::scenes::{glow, outdoors};
+use super::scenes::{glow, outdoors, soft};
 use crate::support::with_faults;
 
 /// Pictures of independent seeds.
@@ -85,6 +85,7 @@ fn it_agrees_with_the_cpu_in_every_world() {
         ("glow", glow()),
         ("outdoors", outdoors()),
         ("cornell", cornell),
+        ("soft", soft()),
     ] {
         let [on_gpu, on_cpu] =
             [&tracer as &dyn Tracer, &Cpu].map(|tracer| runs(tracer, &scene, View::Full, false));
@@ -107,6 +108,17 @@ fn it_agrees_with_the_cpu_in_every_view() {
             [&tracer as &dyn Tracer, &Cpu].map(|tracer| runs(tracer, &scene, view, antialias));
         agree(&on_gpu, &on_cpu).unwrap_or_else(|difference| panic!("{view:?}: {difference}"));
     }
+    // Lamps that are spheres are random at the first surface too, however samples are spread.
+    let scene = soft();
+    for (view, antialias) in [
+        (View::Direct, false),
+        (View::Direct, true),
+        (View::Full, true),
+    ] {
+        let [on_gpu, on_cpu] =
+            [&tracer as &dyn Tracer, &Cpu].map(|tracer| runs(tracer, &scene, view, antialias));
+        agree(&on_gpu, &on_cpu).unwrap_or_else(|difference| panic!("{view:?}: {difference}"));
+    }
     // Results without randomness agree pixel by pixel.
     for view in [View::Direct, View::Albedo, View::Normal, View::Depth] {
         for (name, (stage, camera)) in [("room", room()), ("outdoors", outdoors())] {
@@ -124,6 +136,34 @@ fn it_agrees_with_the_cpu_in_every_view() {
             // A ray that grazes an edge may pass on either side of it.
             assert!(differing.count() <= 2, "{name}, {view:?}");
         }
+    }
+}
+
+/// Faults in how spheres are sampled are found.
+#[test]
+fn planted_faults_of_spheres_are_found() {
+    let tracer = OnGpu::open();
+    let truth = runs(&Cpu, &soft(), View::Direct, false);
+    for (sound, faulty) in [
+        // The cone a tenth too bright.
+        ("2.0 * cone.falloff /", "2.2 * cone.falloff /"),
+        // Directions towards the middle alone: hard shadows.
+        (
+            "let below = random.x * height;",
+            "let below = 0.0 * random.x * height;",
+        ),
+        // Shadow rays that do not end at the sphere.
+        (
+            "return max(middle - sqrt(",
+            "return 100.0 + max(middle - sqrt(",
+        ),
+    ] {
+        let mutant = OnGpu {
+            gpu: with_faults(&tracer.gpu, &[("light/sphere.wesl", sound, faulty)]),
+            world: tracer.world.clone(),
+        };
+        let found = agree(&runs(&mutant, &soft(), View::Direct, false), &truth);
+        assert!(found.is_err(), "`{faulty}` makes no difference");
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::world::{Camera, Colour, Lamp, LampKind, Material, Pattern, Sky, Sun};
 
+use super::super::closed_forms::spheres::sphere_lamp;
 use super::super::stage::{Stage, flat, point_lamp, square_camera};
 
 fn coloured(albedo: Vec3, emission: Vec3, pattern: Pattern) -> Material {
@@ -80,4 +81,38 @@ pub fn outdoors() -> (Stage, Camera) {
     };
     let camera = square_camera(low.as_dvec3() + DVec3::new(12.0, 5.0, 22.0), 15.0, -15.0);
     (stage.lit_by(&[spot], Some(sun)).under(sky), camera)
+}
+
+/// A room with pillars under lamps of every size: one in the open, one that a wall cuts, one that is a spot, and a point.
+pub fn soft() -> (Stage, Camera) {
+    let list = vec![
+        coloured(Vec3::new(0.7, 0.6, 0.5), Vec3::ZERO, Pattern::Plain),
+        coloured(Vec3::new(0.5, 0.6, 0.8), Vec3::ZERO, Pattern::Plain),
+    ];
+    let stage = Stage::of(UVec3::splat(20), list, |voxel| {
+        let wall = voxel.cmpeq(IVec3::ZERO) | voxel.cmpeq(IVec3::splat(19));
+        let pillar = voxel.x % 5 == 3 && voxel.z % 6 == 4 && voxel.y < 9;
+        if pillar { 2 } else { u8::from(wall.any()) }
+    });
+    let spot = Lamp {
+        kind: LampKind::Spot {
+            direction: Vec3::new(0.1, -1.0, 0.2),
+            inner_deg: 25.0,
+            outer_deg: 55.0,
+        },
+        colour: Vec3::new(0.3, 1.0, 0.5),
+        ..sphere_lamp(Vec3::new(6.0, 17.0, 12.0), 500.0, 0.8)
+    };
+    let in_the_wall = Lamp {
+        colour: Vec3::new(1.0, 0.4, 0.2),
+        ..sphere_lamp(Vec3::new(17.5, 6.0, 6.0), 120.0, 2.25)
+    };
+    let lamps = [
+        sphere_lamp(Vec3::new(9.0, 13.0, 8.0), 400.0, 1.5),
+        in_the_wall,
+        spot,
+        point_lamp(Vec3::new(3.0, 9.0, 3.0), 80.0),
+    ];
+    let camera = square_camera(DVec3::new(9.5, 8.0, 17.5), 5.0, -15.0);
+    (stage.lit_by(&lamps, None), camera)
 }

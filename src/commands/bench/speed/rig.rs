@@ -132,6 +132,7 @@ impl<'a> Rig<'a> {
             view,
             time_s,
             textures: spec.parameters.textures.enabled,
+            soft_rays: spec.parameters.lights.soft_rays,
         }
     }
 

@@ -95,6 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             view: View::Full,
             time_s: scene.time_s,
             textures: scene.parameters.textures.enabled,
+            soft_rays: scene.parameters.lights.soft_rays,
         };
         let mut recorder = Recorder::new(&gpu, Some(&mut timing));
         frame.record(&gpu, &mut recorder, &shot, &lights, probes);
