@@ -105,7 +105,10 @@ impl Frame {
         size: [u32; 2],
     ) -> Result<Self, FrameError> {
         let view = Shot::buffer(gpu);
-        let lights = GpuLights::new(gpu, Some(stage.voxels.size))?;
+        let mut lights = GpuLights::new(gpu, Some(stage.voxels.size))?;
+        if !stage.has_spheres {
+            lights = lights.without_spheres();
+        }
         let field = ProbeField::new(gpu, stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let resources = resources(&stage, &view, &lights);

@@ -61,8 +61,8 @@ pub(super) struct Wanted {
 }
 
 impl Passes {
-    /// `scene` are the resources of the voxels, the materials, the lights and the view. Pipelines take most of the time
-    /// to the first frame, so they are compiled side by side.
+    /// `scene` are the resources of voxels, materials, lights and view. Pipelines take most of the time to the first frame:
+    /// they are compiled side by side.
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
@@ -72,7 +72,8 @@ impl Passes {
         lights: &GpuLights,
         scene: &[(&'static str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, FrameError> {
-        let offer = offer(field, cache, scene);
+        let mut offer = offer(field, cache, scene);
+        offer.constants.extend(lights.constants());
         let requests_apart = offer.with([field.requests_of_faces()]);
         let of_pixels = offer.with([field.requests_of_pixels()]);
         thread::scope(|threads| {
@@ -82,7 +83,7 @@ impl Passes {
             let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
             let seed = threads.spawn(|| ProbeSeed::new(gpu, field, scene));
             let walk = threads.spawn(|| SourceWalk::new(gpu, field, scene));
-            let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, scene));
+            let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, &offer));
             let blend = threads.spawn(|| ProbeBlend::new(gpu, field));
             let surface_trace =
                 threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &requests_apart));
@@ -96,16 +97,11 @@ impl Passes {
                 .bits
                 .then(|| Bits::new(gpu, &shade.hdr, &camera_rays.surfaces, &offer))
                 .transpose()?;
-            let Smoothing { scale, .. } = wanted.smoothing;
-            let antialias = match wanted.smoothing.is_plain() {
-                true => None,
-                false => {
-                    let (hdr, surfaces) = (&shade.hdr, &camera_rays.surfaces);
-                    let upscales = scale < 1.0;
-                    let made = TemporalAntialias::new(gpu, size, hdr, surfaces, upscales, &offer);
-                    Some(made?)
-                }
-            };
+            let upscales = wanted.smoothing.scale < 1.0;
+            let (hdr, surfaces) = (&shade.hdr, &camera_rays.surfaces);
+            let antialias = (!wanted.smoothing.is_plain())
+                .then(|| TemporalAntialias::new(gpu, size, hdr, surfaces, upscales, &offer))
+                .transpose()?;
             let smoothed = antialias.iter().flat_map(|pass| &pass.colours);
             let lit: Vec<_> = std::iter::once(&shade.hdr)
                 .chain(smoothed)

@@ -23,6 +23,8 @@ pub struct Stage {
     pub emitters: GpuEmitters,
     /// The cost of building the voxels; `None` for voxels from the CPU.
     pub built: Option<BuildReport>,
+    /// Whether a lamp of any preset is a sphere. Lamps that a player places are points.
+    pub has_spheres: bool,
 }
 
 /// Buffers that larger ones have replaced.
@@ -80,6 +82,7 @@ impl Stage {
             materials: bake(gpu, world)?,
             emitters: GpuEmitters::upload(gpu, emitters)?,
             built: Some(built),
+            has_spheres: has_spheres(world),
         })
     }
 
@@ -93,6 +96,7 @@ impl Stage {
             materials: bake(gpu, world)?,
             emitters: GpuEmitters::upload(gpu, Emitters::find(voxels, &world.materials))?,
             built: None,
+            has_spheres: has_spheres(world),
         })
     }
 
@@ -147,6 +151,11 @@ impl Stage {
         let voxels = self.read_back(gpu)?;
         Ok(Volume::octree_of(layout, &voxels, self.voxels.origin)?)
     }
+}
+
+fn has_spheres(world: &World) -> bool {
+    let mut lamps = world.lamp_presets.iter().flat_map(|preset| &preset.lamps);
+    lamps.any(|lamp| lamp.soft_radius > 0.0)
 }
 
 fn bake(gpu: &Gpu, world: &World) -> Result<GpuMaterials, GpuError> {

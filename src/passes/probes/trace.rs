@@ -1,7 +1,7 @@
 //! Pass `probes/trace`: traces every ray of the active probes and shades its hit.
 
 use super::ProbeField;
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
 pub struct ProbeTrace {
     kernel: Kernel,
@@ -11,33 +11,26 @@ pub struct ProbeTrace {
 }
 
 impl ProbeTrace {
-    /// `resources` are those of the voxels, the lights and the materials.
+    /// `offer` is that of the scene and the probes.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(
-        gpu: &Gpu,
-        field: &ProbeField,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
-    ) -> Result<Self, GpuError> {
-        let mut overrides = vec![("COHERENT", 0.0)];
-        overrides.extend(field.gather_constants());
+    pub fn new(gpu: &Gpu, field: &ProbeField, offer: &Offer<'_>) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
                 shader: "probes/trace",
-                overrides: &overrides,
+                overrides: &[("COHERENT", 0.0)],
+                offered: &offer.constants,
                 ..Default::default()
             },
         )?;
-        let mut all = resources.to_vec();
-        all.extend(field.resources());
-        all.push(("probe_rays_out", field.rays().as_entire_binding()));
+        let all = offer.with([("probe_rays_out", field.rays().as_entire_binding())]);
         // The buffer of the rays fits a binding, so the number of rays fits a u32.
         let rays = field.atlas().slots * field.rays_per_probe();
         let groups = rays.div_ceil(kernel.workgroup_size[0]);
         Ok(Self {
-            bindings: kernel.bind(gpu, &all),
+            bindings: kernel.bind(gpu, &all.resources),
             kernel,
             most: rectangle(groups),
             dispatch: field.dispatch().clone(),

@@ -5,7 +5,7 @@ use glam::UVec3;
 use crate::{
     gpu::{Gpu, GpuError},
     lights::{
-        Lights, lists,
+        LampState, Lights, lists,
         table::{GpuLampSlot, LISTED, LISTS_OFFSET, LightsOfFrame},
     },
 };
@@ -16,6 +16,7 @@ pub struct GpuLights {
     /// Cells that have lists of lamps, and log2 of the voxels along a cell.
     cells: UVec3,
     shift: u32,
+    has_spheres: bool,
 }
 
 impl GpuLights {
@@ -38,11 +39,30 @@ impl GpuLights {
             buffer,
             cells,
             shift,
+            has_spheres: true,
         })
+    }
+
+    /// For a world in which no lamp is a sphere: kernels leave out what spheres need.
+    #[must_use]
+    pub fn without_spheres(self) -> Self {
+        Self {
+            has_spheres: false,
+            ..self
+        }
+    }
+
+    /// The constant of kernels that are made for these lights.
+    pub fn constants(&self) -> [(&'static str, f64); 1] {
+        [("SPHERES", f64::from(u8::from(self.has_spheres)))]
     }
 
     /// Sets the lights of the next frames.
     pub fn set(&self, gpu: &Gpu, lights: &Lights, of_frame: &LightsOfFrame) {
+        debug_assert!(
+            self.has_spheres || !lights.lamps.iter().any(LampState::is_soft),
+            "kernels were made for lamps that are no spheres"
+        );
         let bytes = lights.to_bytes(of_frame, self.cells, self.shift);
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
     }
