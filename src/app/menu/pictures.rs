@@ -31,6 +31,9 @@ pub const SIZE: [u32; 2] = [256, 144];
 /// Frames until the light of a picture has settled well enough.
 const FRAMES: u32 = 24;
 
+/// Worlds of more voxels than this come last.
+const LARGE: u64 = 1 << 23;
+
 /// The pictures that have been made so far.
 pub struct Pictures {
     images: BTreeMap<String, ColorImage>,
@@ -66,7 +69,7 @@ impl Pictures {
                 return;
             }
             // A large world takes minutes on a software adapter: the others do not wait for it.
-            missing.sort_by_cached_key(voxels);
+            missing.sort_by_cached_key(|entry| voxels(entry) > LARGE);
             // A device of its own: a window's surface can be configured only while its device has nothing to do.
             let Some(Ok(gpu)) = gpu.map(|gpu| gpu.reopened(None)) else {
                 return;
