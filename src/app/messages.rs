@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::controls::Bindings;
+use super::{controls::Bindings, texts::diagnostics as texts};
 use egui::{Align2, Area, Color32, Frame, Id, RichText, ScrollArea, Ui, Window};
 
 /// How long a toast is shown.
@@ -15,6 +15,8 @@ const ERROR: Color32 = Color32::from_rgb(255, 120, 100);
 pub struct Messages {
     /// What is wrong with the world file; the last good world is shown.
     pub world: Option<String>,
+    /// Why a save cannot be opened.
+    pub save: Option<String>,
     /// What is wrong with the shaders; the last good ones run.
     pub shaders: Option<String>,
     /// What is in progress, while it lasts.
@@ -80,18 +82,9 @@ impl Messages {
         if !self.toasts.is_empty() {
             toasts(ui, &self.toasts, keys);
         }
-        diagnostic(
-            ui,
-            "The world file has an error; the last good world is shown",
-            0.3,
-            &mut self.world,
-        );
-        diagnostic(
-            ui,
-            "The shaders do not compile; the last good ones run",
-            0.7,
-            &mut self.shaders,
-        );
+        diagnostic(ui, texts::WORLD, 0.3, &mut self.world);
+        diagnostic(ui, texts::SAVE, 0.5, &mut self.save);
+        diagnostic(ui, texts::SHADERS, 0.7, &mut self.shaders);
     }
 }
 
@@ -222,8 +215,7 @@ mod tests {
             let mut output = context.run_ui(input, |ui| messages.show(ui, &Bindings::default()));
             output.textures_delta.clear();
         }
-        let title = "The world file has an error; the last good world is shown";
-        let rect = context.memory(|memory| memory.area_rect(Id::unique(title)));
+        let rect = context.memory(|memory| memory.area_rect(Id::unique(texts::WORLD)));
         let rect = rect.expect("it is shown");
         assert!(rect.top() >= 0.0 && rect.bottom() <= size.y, "{rect:?}");
     }

@@ -7,9 +7,10 @@ use super::{
     clock::WorldClock,
     hands::aim::Target,
     panel::{Facts, digits, told},
+    texts::readout as texts,
     time_graph,
 };
-use crate::world::{Camera, World};
+use crate::world::{Camera, PlacedLamp, World, placed};
 
 const WIDTH: f32 = 236.0;
 const FILL: Color32 = Color32::from_black_alpha(150);
@@ -53,19 +54,22 @@ fn lines(
         None => frame.field().volume().probes().to_string(),
     };
     [
-        ("at", place(facts.camera)),
+        (texts::AT, place(facts.camera)),
         (
-            "looks",
+            texts::LOOKS,
             direction(facts.camera.yaw_deg, facts.camera.pitch_deg),
         ),
-        ("aims at", target(facts.viewport.world(), aimed)),
-        ("time", time(clock)),
-        ("picture", facts.picture_in_words()),
-        ("quality", facts.effort_in_words()),
-        ("probes", probes),
+        (texts::AIMS_AT, target(facts.viewport.world(), aimed)),
+        (texts::TIME, time(clock)),
+        (texts::PICTURE, facts.picture_in_words()),
+        (texts::QUALITY, facts.effort_in_words()),
+        (texts::PROBES, probes),
         (
-            "sound",
-            facts.silence.clone().unwrap_or_else(|| "on".to_owned()),
+            texts::SOUND,
+            facts
+                .silence
+                .clone()
+                .unwrap_or_else(|| texts::HEARD.to_owned()),
         ),
     ]
 }
@@ -83,18 +87,26 @@ fn direction(yaw_deg: f32, pitch_deg: f32) -> String {
 
 fn target(world: &World, aimed: Option<&Target>) -> String {
     let Some(target) = aimed else {
-        return "nothing in reach".to_owned();
+        return texts::NOTHING.to_owned();
     };
-    let IVec3 { x, y, z } = target.voxel + world.origin;
-    let index = usize::from(target.material).checked_sub(1);
-    let material = index.and_then(|index| world.materials.get(index));
-    let name = material.map_or("?", |material| &*material.name);
+    let voxel = target.voxel + world.origin;
+    let IVec3 { x, y, z } = voxel;
+    let name = match usize::from(target.material).checked_sub(1) {
+        Some(index) => (world.materials.get(index)).map(|material| material.name.clone()),
+        None => placed::at(&world.restored.lamps, voxel).map(lamp),
+    };
+    let name = name.unwrap_or_else(|| "?".to_owned());
     format!("{name}  ({x}, {y}, {z})")
+}
+
+fn lamp(lamp: &PlacedLamp) -> String {
+    let off = if lamp.is_on { "" } else { texts::LAMP_OFF };
+    format!("{}{off}", lamp.block.name())
 }
 
 fn time(clock: &WorldClock) -> String {
     let pace = match (clock.paused, clock.rate) {
-        (true, _) => ", paused".to_owned(),
+        (true, _) => texts::PAUSED.to_owned(),
         (false, 1.0) => String::new(),
         (false, rate) => format!(", × {rate}"),
     };
@@ -111,7 +123,7 @@ mod tests {
     #[test]
     fn the_target_is_told_in_world_space_by_the_name_of_its_material() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
-        let world = file::load(&path, &Overrides::default()).expect("it loads");
+        let mut world = file::load(&path, &Overrides::default()).expect("it loads");
         let aimed = Target {
             voxel: IVec3::new(1, 2, 3) - world.origin,
             face: Some(0),
@@ -125,6 +137,15 @@ mod tests {
             ..aimed
         };
         assert!(target(&world, Some(&unknown)).starts_with('?'));
+        let mut hung = placed::tests::lamp(IVec3::new(1, 2, 3));
+        hung.is_on = false;
+        world.restored.lamps.push(hung);
+        let at_lamp = Target {
+            material: 0,
+            ..aimed
+        };
+        let told = target(&world, Some(&at_lamp));
+        assert_eq!(told, format!("{}, off  (1, 2, 3)", hung.block.name()));
     }
 
     #[test]

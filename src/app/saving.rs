@@ -8,7 +8,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{clock::WorldClock, messages::Messages, quality::Preset, texts::toasts};
+use super::{
+    clock::WorldClock,
+    messages::Messages,
+    quality::Preset,
+    texts::{saving as texts, toasts},
+};
 use crate::parameters::Parameters;
 use crate::world::{
     Overlay, PlacedLamp, file,
@@ -99,12 +104,10 @@ impl Saving {
         };
         let trouble = match &folder {
             Some(folder) => folder.check_writable().err().map(|error| error.to_string()),
-            None => Some(format!(
-                "this user has no home folder: name a folder for saves by {VARIABLE}"
-            )),
+            None => Some(texts::no_home(VARIABLE)),
         };
         if let Some(trouble) = trouble.filter(|_| options.automatic) {
-            let text = format!("Nothing can be saved here: {trouble}");
+            let text = texts::impossible(&trouble);
             tracing::error!("{text}");
             messages.toast_error(text);
         }
@@ -136,7 +139,7 @@ impl Saving {
     /// Saves because the user wants it.
     pub fn save(&mut self, kept: Kept, messages: &mut Messages) {
         if self.writer.is_some() {
-            messages.toast("The last save is still being written");
+            messages.toast(texts::BUSY);
             return;
         }
         match self.file() {

@@ -1,5 +1,6 @@
-//! The English texts of the menu and of messages, in one place, so that they can be translated. The names of actions and
-//! what they do stand in their table, in `controls`.
+//! The English texts of the menu, of messages and of what is drawn over the picture, in one place, so that they can be
+//! translated. Names of actions in braces stand for their keys. The names of actions and what they do stand in their
+//! table, in `controls`; the panel and the benchmark, which are for engineers, keep their own texts.
 
 /// The column of buttons.
 pub mod column {
@@ -207,5 +208,99 @@ pub mod toasts {
 
     pub fn unkept_settings(reason: &str) -> String {
         format!("The settings cannot be kept. {reason}")
+    }
+}
+
+/// Diagnostics that stay until they are closed.
+pub mod diagnostics {
+    pub const WORLD: &str = "The world file has an error; the last good world is shown";
+    pub const SAVE: &str = "The save cannot be opened";
+    pub const SHADERS: &str = "The shaders do not compile; the last good ones run";
+}
+
+/// What the player is told about the body.
+pub mod body {
+    pub const RETURNED: &str = "You fell out of the world, and are back where you last stood";
+    pub const FREED: &str = "Voxels closed around you: you were moved out of them";
+    pub const STUCK: &str = "Voxels closed around you and there is no room nearby: dig, or press {no_clip} to pass through";
+    pub const WALKS: &str = "Walking: {up} jumps, {down} sneaks, {fly} flies";
+    pub const FLIES: &str = "Flying: {up} rises, {down} sinks, {fly} walks";
+    pub const PASSES: &str = "Passing through voxels: {no_clip} ends it";
+    pub const NO_ROOM: &str = "There is no room here: fly out of the voxels first";
+}
+
+/// Why a lamp cannot be placed.
+pub mod lamps {
+    pub const INSIDE: &str = "There is no room for a lamp inside of a voxel";
+    pub const OUTSIDE: &str = "Nothing can be placed outside of the world";
+    pub const TAKEN: &str = "Something is in the place of the lamp already";
+    pub const EYES: &str = "A lamp cannot be where your eyes are: step back";
+
+    pub fn too_many(most: usize) -> String {
+        format!("A world holds no more than {most} lamps")
+    }
+}
+
+/// Brushes and copies, in words.
+pub mod hands {
+    pub const VOXEL: &str = "one voxel";
+    pub const CORNER: &str = "box: aim at its other corner";
+
+    pub fn ball(radius: f32) -> String {
+        format!("ball of radius {radius}")
+    }
+
+    pub fn cube(edge: i32) -> String {
+        format!("box of {edge} × {edge} × {edge}")
+    }
+
+    pub fn copy(size: &str, with_air: bool) -> String {
+        let air = if with_air { " with air" } else { "" };
+        format!("copy of {size}{air}")
+    }
+}
+
+/// The inventory.
+pub mod inventory {
+    pub const HEADING: &str = "Inventory";
+    pub const ABOUT: &str = "A click puts it into the selected slot; {inventory} or Esc closes";
+    pub const MATERIALS: &str = "Materials";
+    pub const LAMPS: &str = "Lamps";
+    pub const KIND: &str = "kind";
+    pub const POWER: &str = "power";
+    pub const COLOUR: &str = "colour";
+    pub const RADIUS: &str = "radius";
+    pub const RADIUS_HINT: &str =
+        "Smaller distances count as this one: how bright the lamp gets from near (voxels)";
+    pub const MOTION: &str = "motion";
+    pub const TAKE: &str = "Take this lamp";
+}
+
+/// The readout.
+pub mod readout {
+    pub const AT: &str = "at";
+    pub const LOOKS: &str = "looks";
+    pub const AIMS_AT: &str = "aims at";
+    pub const TIME: &str = "time";
+    pub const PICTURE: &str = "picture";
+    pub const QUALITY: &str = "quality";
+    pub const PROBES: &str = "probes";
+    pub const SOUND: &str = "sound";
+    pub const HEARD: &str = "on";
+    pub const NOTHING: &str = "nothing in reach";
+    pub const LAMP_OFF: &str = ", off";
+    pub const PAUSED: &str = ", paused";
+}
+
+/// Saving, while a run is played.
+pub mod saving {
+    pub const BUSY: &str = "The last save is still being written";
+
+    pub fn no_home(variable: &str) -> String {
+        format!("this user has no home folder: name a folder for saves by {variable}")
+    }
+
+    pub fn impossible(trouble: &str) -> String {
+        format!("Nothing can be saved here: {trouble}")
     }
 }

@@ -4,7 +4,7 @@
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     frame,
-    gpu::{Gpu, Recorder},
+    gpu::{Gpu, Offer, Recorder},
     lights::{LampShape, LampState, Lights, table::LightsOfFrame},
     parameters::{FinalGather, ProbeParameters, ProbeStates as States, Relocation},
     passes::{
@@ -107,7 +107,11 @@ impl Stage {
         }
         recorder.submit(&gpu).expect("submits");
         let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
-        let rays = ProbeTrace::new(&gpu, &field, &resources).expect("compiles");
+        let offer = Offer {
+            resources: resources.into_iter().chain(field.resources()).collect(),
+            constants: field.gather_constants().to_vec(),
+        };
+        let rays = ProbeTrace::new(&gpu, &field, &offer).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field).expect("compiles");
         Self {
             voxels,

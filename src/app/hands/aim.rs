@@ -107,7 +107,9 @@ impl Reach {
 /// Where a ray from outside enters a voxel: the distance, and the face. By slabs (Kay & Kajiya 1986).
 fn entry(ray: &Ray, voxel: IVec3) -> Option<(f64, u8)> {
     let low = voxel.as_dvec3();
-    let inverse = 1.0 / ray.direction;
+    // Of a ray along an axis that lies in a side, 0·∞ would make neither side its own.
+    let along = ray.direction.cmpeq(DVec3::ZERO);
+    let inverse = 1.0 / DVec3::select(along, DVec3::splat(f64::MIN_POSITIVE), ray.direction);
     let (a, b) = (
         (low - ray.origin) * inverse,
         (low + DVec3::ONE - ray.origin) * inverse,
@@ -207,5 +209,14 @@ mod tests {
         assert_eq!(aim(6.4), None);
         let met = aim(6.6).expect("the other lamp");
         assert_eq!((met.voxel.z, met.face), (10, Some(4)));
+    }
+
+    #[test]
+    fn a_ray_along_the_side_of_a_lamp_meets_it() {
+        let lamp = lamp(ORIGIN + IVec3::new(3, 3, 10));
+        let ray = Ray::new(DVec3::new(3.5, 3.0, 3.5), DVec3::Z);
+        assert_eq!(entry(&ray, lamp.voxel - ORIGIN), Some((6.5, 4)));
+        let above = Ray::new(DVec3::new(3.5, 4.0, 3.5), DVec3::Z);
+        assert_eq!(entry(&above, lamp.voxel - ORIGIN), None);
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::history::Changes;
 use crate::{
-    app::views,
+    app::{texts::hands as texts, views},
     world::voxels::{Edit, Voxels},
 };
 
@@ -119,9 +119,9 @@ impl Brush {
     /// The shape and its size, in words.
     pub fn text(&self) -> String {
         match self.shape {
-            Shape::Voxel => "one voxel".to_owned(),
-            Shape::Ball => format!("ball of radius {}", self.radius()),
-            Shape::Box => format!("box of {0} × {0} × {0}", 2 * self.reach() + 1),
+            Shape::Voxel => texts::VOXEL.to_owned(),
+            Shape::Ball => texts::ball(self.radius()),
+            Shape::Box => texts::cube(2 * self.reach() + 1),
         }
     }
 

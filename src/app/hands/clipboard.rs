@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{aim::Target, brush::Stroked, history::Changes};
 use crate::{
+    app::texts::hands as texts,
     reference::march::FACE_NORMALS,
     world::{Material, voxels::Voxels},
 };
@@ -89,11 +90,10 @@ impl Clipboard {
         if self.corner.is_some() {
             let extent = target.and_then(|target| self.extent(origin, target));
             let size = extent.map(|(low, high)| size_text(high - low + 1));
-            return Some(size.unwrap_or_else(|| "box: aim at its other corner".to_owned()));
+            return Some(size.unwrap_or_else(|| texts::CORNER.to_owned()));
         }
         let copied = self.copied.as_ref().filter(|_| self.is_out)?;
-        let air = if self.with_air { " with air" } else { "" };
-        Some(format!("copy of {}{air}", size_text(copied.size)))
+        Some(texts::copy(&size_text(copied.size), self.with_air))
     }
 }
 

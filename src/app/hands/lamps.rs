@@ -6,6 +6,7 @@ use glam::IVec3;
 
 use super::aim::Target;
 use crate::{
+    app::texts::lamps as texts,
     reference::march::FACE_NORMALS,
     world::{
         PlacedLamp, World,
@@ -61,7 +62,7 @@ pub fn hung(
     eye: IVec3,
 ) -> Result<LampChange, String> {
     let Some((before, face)) = target.before().zip(target.face) else {
-        return Err("There is no room for a lamp inside of a voxel".to_owned());
+        return Err(texts::INSIDE.to_owned());
     };
     let lamp = PlacedLamp {
         voxel: before + world.origin,
@@ -71,16 +72,16 @@ pub fn hung(
     };
     let lamps = &world.restored.lamps;
     if !lamp.is_within(world.origin, world.size) {
-        return Err("Nothing can be placed outside of the world".to_owned());
+        return Err(texts::OUTSIDE.to_owned());
     }
     if voxels.material(before) != 0 || placed::at(lamps, lamp.voxel).is_some() {
-        return Err("Something is in the place of the lamp already".to_owned());
+        return Err(texts::TAKEN.to_owned());
     }
     if lamp.voxel == eye {
-        return Err("A lamp cannot be where your eyes are: step back".to_owned());
+        return Err(texts::EYES.to_owned());
     }
     if lamps.len() == MOST_PLACED {
-        return Err(format!("A world holds no more than {MOST_PLACED} lamps"));
+        return Err(texts::too_many(MOST_PLACED));
     }
     Ok(LampChange {
         voxel: lamp.voxel,

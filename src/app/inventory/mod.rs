@@ -15,8 +15,10 @@ use bar::Bar;
 use pictures::Pictures;
 
 use super::{
+    controls::Bindings,
     hands::{Hotbar, Item},
     input::Input,
+    texts::inventory as texts,
     widgets,
 };
 use crate::world::{
@@ -65,10 +67,12 @@ impl Items {
     }
 
     /// Draws the hotbar, and the inventory if it is open. Returns what was chosen in them.
-    pub fn show(&mut self, ui: &Ui, world: &World, hotbar: &Hotbar) -> Vec<Input> {
+    ///
+    /// Hints name the keys of `keys`.
+    pub fn show(&mut self, ui: &Ui, world: &World, hotbar: &Hotbar, keys: &Bindings) -> Vec<Input> {
         let clicked = self.bar.show(ui, world, hotbar, &mut self.pictures);
         let inventory = self.inventory.as_mut();
-        let taken = inventory.and_then(|one| one.show(ui, world, hotbar, &mut self.pictures));
+        let taken = inventory.and_then(|one| one.show(ui, world, hotbar, keys, &mut self.pictures));
         let item = taken.map(|item| Input::Item {
             slot: hotbar.selected(),
             item,
@@ -118,11 +122,12 @@ impl Inventory {
         ui: &Ui,
         world: &World,
         hotbar: &Hotbar,
+        keys: &Bindings,
         pictures: &mut Pictures,
     ) -> Option<Item> {
         let mut taken = None;
         let room = ui.ctx().content_rect().size();
-        Window::new("Inventory")
+        Window::new(texts::HEADING)
             .id(Id::unique("inventory"))
             .anchor(Align2::CENTER_CENTER, [0.0, -0.5 * bar::HEIGHT])
             .collapsible(false)
@@ -130,13 +135,13 @@ impl Inventory {
             .show(ui.ctx(), |ui| {
                 let height = (room.y - bar::HEIGHT - 180.0).max(80.0);
                 ScrollArea::vertical().max_height(height).show(ui, |ui| {
-                    ui.weak("A click puts it into the selected slot; E or Esc closes");
+                    ui.weak(keys.fill(texts::ABOUT));
                     ui.add_space(GAP);
-                    ui.strong("Materials");
+                    ui.strong(texts::MATERIALS);
                     let materials: Vec<Item> = Item::materials(world).collect();
                     taken = cells(ui, "materials", world, hotbar, pictures, &materials);
                     ui.add_space(GAP);
-                    ui.strong("Lamps");
+                    ui.strong(texts::LAMPS);
                     let lamps: Vec<Item> = self.kinds().map(Item::Lamp).collect();
                     if let Some(item) = cells(ui, "lamps", world, hotbar, pictures, &lamps) {
                         if let Item::Lamp(block) = item {
@@ -183,23 +188,38 @@ impl Inventory {
                 .spacing([10.0, 4.0])
                 .show(ui, |ui| {
                     let block = &mut self.block;
-                    ui.label("kind");
+                    ui.label(texts::KIND);
                     choose(ui, "form", &mut block.form, &LampForm::ALL, LampForm::name);
-                    ui.label("power");
-                    ui.add(Slider::new(&mut block.power, POWERS).logarithmic(true).fixed_decimals(0).suffix(" W"));
-                    ui.end_row();
-                    ui.label("colour");
-                    choose(ui, "colour", &mut block.colour, &LampColour::ALL, LampColour::name);
-                    ui.label("radius").on_hover_text(
-                        "Smaller distances count as this one: how bright the lamp gets from near (voxels)",
+                    ui.label(texts::POWER);
+                    ui.add(
+                        Slider::new(&mut block.power, POWERS)
+                            .logarithmic(true)
+                            .fixed_decimals(0)
+                            .suffix(" W"),
                     );
+                    ui.end_row();
+                    ui.label(texts::COLOUR);
+                    choose(
+                        ui,
+                        "colour",
+                        &mut block.colour,
+                        &LampColour::ALL,
+                        LampColour::name,
+                    );
+                    ui.label(texts::RADIUS).on_hover_text(texts::RADIUS_HINT);
                     ui.add(Slider::new(&mut block.radius, RADII).fixed_decimals(2));
                     ui.end_row();
-                    ui.label("motion");
-                    choose(ui, "motion", &mut block.motion, &LampMotion::ALL, LampMotion::name);
+                    ui.label(texts::MOTION);
+                    choose(
+                        ui,
+                        "motion",
+                        &mut block.motion,
+                        &LampMotion::ALL,
+                        LampMotion::name,
+                    );
                     ui.end_row();
                 });
-            if !in_hand && ui.button("Take this lamp").clicked() {
+            if !in_hand && ui.button(texts::TAKE).clicked() {
                 taken = Some(Item::Lamp(self.block));
             }
         });

@@ -20,13 +20,19 @@ use crate::{
     gpu::{DeviceErrors, Gpu, Recorder},
     measure::{picture::Picture, picture_file, whole_file},
     parameters::Parameters,
-    world::file::{self, Overrides},
+    world::{
+        World,
+        file::{self, Overrides},
+    },
 };
 
 /// Width and height (pixels).
 pub const SIZE: [u32; 2] = [256, 144];
 /// Frames until the light of a picture has settled well enough.
 const FRAMES: u32 = 24;
+
+/// Worlds of more voxels than this come last.
+const LARGE: u64 = 1 << 23;
 
 /// The pictures that have been made so far.
 pub struct Pictures {
@@ -49,7 +55,7 @@ impl Pictures {
                 // Without a receiver the menu is gone, and `stop` is set.
                 let _ = sender.send((name.to_owned(), image_of(picture)));
             };
-            let missing: Vec<_> = entries
+            let mut missing: Vec<_> = entries
                 .into_iter()
                 .filter(|entry| match kept(entry, &cache) {
                     Some(picture) => {
@@ -62,6 +68,8 @@ impl Pictures {
             if missing.is_empty() {
                 return;
             }
+            // A large world takes minutes on a software adapter: the others do not wait for it.
+            missing.sort_by_cached_key(|entry| voxels(entry) > LARGE);
             // A device of its own: a window's surface can be configured only while its device has nothing to do.
             let Some(Ok(gpu)) = gpu.map(|gpu| gpu.reopened(None)) else {
                 return;
@@ -144,16 +152,25 @@ fn keep(entry: &Entry, cache: &Path, picture: &Picture) {
     }
 }
 
+/// How many voxels its world has; none if the file is wrong.
+fn voxels(entry: &Entry) -> u64 {
+    parsed(entry).map_or(0, |world| world.size.as_u64vec3().element_product())
+}
+
+fn parsed(entry: &Entry) -> Option<World> {
+    let folder = match &entry.origin {
+        Origin::File(path) => path.parent(),
+        Origin::BuiltIn(_) => None,
+    };
+    file::parse(&entry.text()?, &entry.name, folder, &Overrides::default()).ok()
+}
+
 /// The world from its first camera; `None` when it cannot be built, and when the menu is gone.
 fn rendered(gpu: &Gpu, entry: &Entry, stop: &AtomicBool) -> Option<Picture> {
     if stop.load(Ordering::Relaxed) {
         return None;
     }
-    let folder = match &entry.origin {
-        Origin::File(path) => path.parent(),
-        Origin::BuiltIn(_) => None,
-    };
-    let world = file::parse(&entry.text()?, &entry.name, folder, &Overrides::default()).ok()?;
+    let world = parsed(entry)?;
     let camera = world.cameras.first()?.clone();
     let choice = Choice {
         parameters: Parameters::default(),

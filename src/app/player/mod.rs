@@ -17,9 +17,10 @@ use gait::Gait;
 pub use gait::{Contact, Footfall};
 
 use super::{
-    body::{Body, Event, Intent, Measures, Mode, Terrain},
+    body::{Body, Event, Intent, Measures, Mode, Terrain, to_units},
     input::{Input, Key},
     settings::FIELDS_OF_VIEW_DEG,
+    texts::body as texts,
 };
 use crate::world::{Camera, World};
 
@@ -38,6 +39,9 @@ const FAST: f64 = 5.0;
 const FLY_SPEEDS: std::ops::RangeInclusive<f64> = 0.5..=500.0;
 const SPEED_PER_NOTCH: f64 = 1.2;
 
+/// A run begins on foot no higher above the ground than this (metres, for a player of 1.77): a fall of a second.
+const LANDING_M: f64 = 12.0;
+
 const DEGREES_PER_PIXEL: f32 = 0.1;
 /// One degree short of straight up and down, where left and right would trade places.
 const STEEPEST_DEG: f32 = 89.0;
@@ -55,17 +59,13 @@ impl Notice {
     /// Names of actions in braces stand for their keys.
     pub fn text(self) -> &'static str {
         match self {
-            Self::Body(Event::Returned) => {
-                "You fell out of the world, and are back where you last stood"
-            }
-            Self::Body(Event::Freed) => "Voxels closed around you: you were moved out of them",
-            Self::Body(Event::Stuck) => {
-                "Voxels closed around you and there is no room nearby: dig, or press {no_clip} to pass through"
-            }
-            Self::Moves(Mode::Walk) => "Walking: {up} jumps, {down} sneaks, {fly} flies",
-            Self::Moves(Mode::Fly) => "Flying: {up} rises, {down} sinks, {fly} walks",
-            Self::Moves(Mode::NoClip) => "Passing through voxels: {no_clip} ends it",
-            Self::NoRoom => "There is no room here: fly out of the voxels first",
+            Self::Body(Event::Returned) => texts::RETURNED,
+            Self::Body(Event::Freed) => texts::FREED,
+            Self::Body(Event::Stuck) => texts::STUCK,
+            Self::Moves(Mode::Walk) => texts::WALKS,
+            Self::Moves(Mode::Fly) => texts::FLIES,
+            Self::Moves(Mode::NoClip) => texts::PASSES,
+            Self::NoRoom => texts::NO_ROOM,
         }
     }
 }
@@ -145,6 +145,16 @@ impl Player {
             steps: 0,
             gait: Gait::default(),
             footfalls: Vec::new(),
+        }
+    }
+
+    /// Ends the flight that a run begins with where the ground is close below: who enters a cave walks.
+    pub fn land(&mut self, terrain: &impl Terrain) {
+        let near = to_units(LANDING_M * self.body.measures.scale);
+        let falls_on_ground = self.body.shape().sweep(terrain, 1, -near) != -near;
+        if self.body.mode == Mode::Fly && falls_on_ground {
+            self.notices.clear();
+            self.toggle(Mode::Fly, terrain);
         }
     }
 

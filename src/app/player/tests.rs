@@ -232,3 +232,20 @@ fn the_users_field_of_view_takes_the_place_of_every_cameras() {
     assert_eq!(seen_with(Some(f32::NAN)), 70.0);
     assert_eq!(seen_with(None), 70.0);
 }
+
+#[test]
+fn who_enters_a_world_walks_where_the_ground_is_close() {
+    let (world, voxels) = scene();
+    let ground = Ground {
+        voxels: &voxels,
+        origin: world.origin,
+    };
+    for (above, mode) in [(0.0, Mode::Walk), (9.0, Mode::Walk), (14.0, Mode::Fly)] {
+        let mut player = Player::new(&camera(ON_GROUND_Y + above), &world, &ground);
+        player.land(&ground);
+        assert_eq!(player.take_notices(), [Notice::Moves(mode)], "{above}");
+        player.advance(3 * NS_PER_S, &ground);
+        let fell = player.view(&ground).position.y < ON_GROUND_Y + 0.1;
+        assert_eq!(fell, mode == Mode::Walk, "{above}");
+    }
+}

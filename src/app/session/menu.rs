@@ -37,6 +37,9 @@ const SWING_S: f64 = 40.0;
 enum EnterError {
     #[error(transparent)]
     World(#[from] ViewportError),
+    /// The diagnostic of a save that cannot be read.
+    #[error("{0}")]
+    Restored(String),
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -108,7 +111,14 @@ impl Session {
                 let path = entry.path(&self.folders).map_err(EnterError::from);
                 path.and_then(|path| self.enter(&path))
             }
-            Action::Continue(path) => self.enter(&path),
+            Action::Continue(path) => {
+                let entered = self.enter(&path);
+                // A damaged save was set aside.
+                if let (Err(_), Some(menu)) = (&entered, &mut self.menu) {
+                    menu.list_saves();
+                }
+                entered
+            }
             Action::Preview(cave) => self.preview(&cave),
             Action::Create(cave, name) => {
                 let path = menu::create(&cave, &name, &self.folders).map_err(EnterError::from);
@@ -180,6 +190,7 @@ impl Session {
             Err(EnterError::World(error @ ViewportError::World(_))) => {
                 self.messages.world = Some(error.to_string());
             }
+            Err(EnterError::Restored(text)) => self.messages.save = Some(text),
             Err(error) => self.messages.toast_error(error.to_string()),
         }
     }
@@ -195,7 +206,12 @@ impl Session {
         // Watched from before it is read, so that no edit is missed.
         let mut watch = Watch::world(path);
         // The first to open a damaged save says so.
-        let mut world = world::file::load(path, &overrides).map_err(ViewportError::from)?;
+        let mut world = world::file::load(path, &overrides)
+            .map_err(ViewportError::from)
+            .map_err(|error| match is_save {
+                true => EnterError::Restored(error.to_string()),
+                false => EnterError::World(error),
+            })?;
         let save = match is_save {
             true => Some(save::open(path)?.save),
             false => None,
@@ -234,6 +250,9 @@ impl Session {
             },
         };
         self.show(world, start)?;
+        if !is_save {
+            self.play.player.land(&self.viewport.ground()?);
+        }
         self.world_watch = watch;
         self.close_menu();
         self.messages.hint(toasts::ENTERED);
@@ -310,6 +329,7 @@ impl Session {
         self.camera = camera;
         self.benchmarks = Default::default();
         self.messages.world = None;
+        self.messages.save = None;
         self.remade();
         Ok(())
     }

@@ -20,6 +20,7 @@ impl Session {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
         let has_cross = self.menu.is_none()
+            && !self.items.is_open()
             && self.benchmarks.running.is_none()
             && (self.captured || self.readout_open);
         let aimed = if has_cross { self.aim() } else { None };
@@ -52,7 +53,12 @@ impl Session {
                 action = panel::show(ui, &facts, &mut self.settings, &mut self.search).or(action);
             }
             if self.menu.is_none() && self.benchmarks.running.is_none() {
-                items = self.items.show(ui, facts.viewport.world(), facts.hotbar);
+                items = self.items.show(
+                    ui,
+                    facts.viewport.world(),
+                    facts.hotbar,
+                    &self.preferences.keys,
+                );
             }
             if has_cross {
                 if let Some((_, edges)) = &aimed {
