@@ -196,9 +196,11 @@ impl Frame {
             age: self.frames,
             changes: &self.field.changes,
         };
-        // Fewer pixels list fewer faces.
+        // Fewer pixels list fewer faces. Whether a face is large enough is a question of the shown pixels.
+        let rays_per_pixel = self.rays_per_pixel();
         let of_faces = &ProbeParameters {
-            face_share: probes.face_share * self.rays_per_pixel(),
+            face_share: probes.face_share * rays_per_pixel,
+            face_pixels: probes.face_pixels * rays_per_pixel.sqrt(),
             ..probes.clone()
         };
         self.faces.begin_frame(gpu, of_faces, &next);

@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn a_search_reads_keys_labels_and_help() {
         assert_eq!(found("").len(), KEYS.len());
-        assert_eq!(found("picture.antialias"), ["picture.antialias"]);
+        assert_eq!(found("picture.exposure_ev"), ["picture.exposure_ev"]);
         assert!(
             found("Face Pixels").contains(&"probes.face_pixels"),
             "label"

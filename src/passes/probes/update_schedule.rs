@@ -117,6 +117,7 @@ pub(super) struct UpdateSchedule {
     uniform: wgpu::Buffer,
     work: wgpu::Buffer,
     face_requests: wgpu::Buffer,
+    /// Has no room for requests by rays.
     pixel_requests: wgpu::Buffer,
     dispatch: wgpu::Buffer,
 }
@@ -133,7 +134,7 @@ impl UpdateSchedule {
             uniform: gpu.uniform_buffer("update_schedule", &GpuUpdateSchedule::default()),
             work: gpu.storage_buffer("active_list", HEAD_BYTES + 3 * all * 4)?,
             face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + 3 * all * 4)?,
-            pixel_requests: gpu.storage_buffer("pixel_requests", HEAD_BYTES + 3 * all * 4)?,
+            pixel_requests: gpu.storage_buffer("pixel_requests", HEAD_BYTES + 2 * all * 4)?,
             dispatch: gpu.storage_buffer("probe_dispatch", size_of::<GpuProbeDispatch>() as u64)?,
         })
     }
@@ -181,7 +182,8 @@ impl UpdateSchedule {
             // The probes start again, without requests.
             let none = vec![0; self.work.size() as usize];
             for requests in [&self.work, &self.face_requests, &self.pixel_requests] {
-                gpu.queue.write_buffer(requests, 0, &none);
+                gpu.queue
+                    .write_buffer(requests, 0, &none[..requests.size() as usize]);
             }
         }
     }
