@@ -1,6 +1,7 @@
 //! The English texts of the menu, of messages and of what is drawn over the picture, in one place, so that they can be
 //! translated. Names of actions in braces stand for their keys. The names of actions and what they do stand in their
-//! table, in `controls`; the panel and the benchmark, which are for engineers, keep their own texts.
+//! table, in `controls`; the panel and the benchmark, which are for engineers, keep their own texts. Names of lamps' colours and
+//! motions stand with their values, in `world::placed`.
 
 /// The column of buttons.
 pub mod column {
@@ -145,6 +146,60 @@ pub mod keys {
     }
 }
 
+/// What is said about keys that the file of settings gives.
+pub mod bindings {
+    pub fn no_key(text: &str, action: &str) -> String {
+        format!("`{text}` cannot be a key of `{action}`")
+    }
+
+    pub fn kept(chord: &str, owner: &str, action: &str) -> String {
+        format!("`{chord}` stays the key of `{owner}`, and `{action}` does not get it")
+    }
+
+    pub fn full(chord: &str, action: &str, most: usize) -> String {
+        format!("`{action}` has {most} keys already: `{chord}` is left out")
+    }
+}
+
+/// What is said about the file of settings.
+pub mod settings_file {
+    use std::path::Path;
+
+    pub const NO_HOME: &str = "This user has no home folder: settings are not kept";
+    pub const NEWER: &str = "The settings are of a newer grotto: what is changed here is not kept";
+    pub const NO_TEXT: &str = "it is no text";
+
+    pub fn unread(error: &str) -> String {
+        format!("The settings are not read, nor kept. {error}")
+    }
+
+    pub fn note(note: &str) -> String {
+        format!("settings: {note}")
+    }
+
+    pub fn set_aside(reason: &str, aside: &Path) -> String {
+        format!(
+            "The settings are damaged ({reason}), and are the first ones again. The file was set aside as {}",
+            aside.display()
+        )
+    }
+
+    pub fn not_set_aside(path: &Path, reason: &str, error: &str) -> String {
+        format!(
+            "{}: the settings are damaged ({reason}), and are the first ones again; the file cannot be set aside: {error}",
+            path.display()
+        )
+    }
+
+    pub fn wrong(name: &str, error: &str, before: &str) -> String {
+        format!("`{name}`: {error}; it is {before}")
+    }
+
+    pub fn clamped(name: &str, [least, most]: [&str; 2], given: &str, clamped: &str) -> String {
+        format!("`{name}` lies from {least} to {most}: {given} became {clamped}")
+    }
+}
+
 /// Messages over the picture. Names of actions in braces stand for their keys.
 pub mod toasts {
     use std::path::Path;
@@ -179,6 +234,39 @@ pub mod toasts {
     pub fn copied(size: &str, from: &str, solid: usize) -> String {
         format!(
             "Copied {size} voxels from {from}, {solid} of them solid: {{paste}} pastes them, {{turn}} turns them"
+        )
+    }
+
+    pub const REPLACING: &str = "Replacing needs a material in the hand";
+    pub const NO_UNDO: &str = "There is nothing to undo";
+    pub const NO_REDO: &str = "There is nothing to redo";
+    pub const OUT_OF_REACH: &str = "No voxel is within reach";
+
+    pub fn too_large(size: &str, most: i32) -> String {
+        format!(
+            "This box has {size} voxels. A copy has at most {most} along an edge: mark a nearer corner"
+        )
+    }
+
+    pub fn pasted(place: &str, changed: u64, outside: u64) -> String {
+        let mut text = format!("Pasted at {place}: {changed} voxels changed");
+        if outside > 0 {
+            text += &format!(", {outside} lie outside of the world");
+        }
+        text
+    }
+
+    pub fn no_material(names: &str, voxels: u64) -> String {
+        format!("This world has no material {names}: {voxels} voxels were left out")
+    }
+
+    pub fn lost_voxels(lost: u64) -> String {
+        format!("{lost} changed voxels have no place or no material any more")
+    }
+
+    pub fn unknown_file(path: &str) -> String {
+        format!(
+            "{path}: only world files (.ron), saves (.grotto) and MagicaVoxel models (.vox) can be opened"
         )
     }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{ACTIONS, Action, Chord, Entry, Press};
+use crate::app::texts::bindings as texts;
 
 /// Most keys of an action.
 pub const SLOTS: usize = 2;
@@ -137,7 +138,7 @@ impl Bindings {
                     Ok(chord) if chord.can_be_bound() => {
                         bindings.give(entry, chord, &mut notes);
                     }
-                    _ => notes.push(format!("`{text}` cannot be a key of `{}`", entry.id)),
+                    _ => notes.push(texts::no_key(text, entry.id)),
                 }
             }
         }
@@ -155,16 +156,9 @@ impl Bindings {
         let own = self.chords(entry.action).len();
         match self.owner(chord) {
             Some(owner) if owner == entry.action => {}
-            Some(owner) => notes.push(format!(
-                "`{chord}` stays the key of `{}`, and `{}` does not get it",
-                owner.entry().id,
-                entry.id
-            )),
+            Some(owner) => notes.push(texts::kept(&chord.to_string(), owner.entry().id, entry.id)),
             None if own < SLOTS => self.bind(entry.action, own, chord),
-            None => notes.push(format!(
-                "`{}` has {SLOTS} keys already: `{chord}` is left out",
-                entry.id
-            )),
+            None => notes.push(texts::full(&chord.to_string(), entry.id, SLOTS)),
         }
     }
 

@@ -49,7 +49,7 @@ impl Run<'_> {
         let reach = Reach::of(self.player.body());
         let target = self.viewport.aim(&reach, &camera)?;
         if target.is_none() {
-            self.messages.toast("No voxel is within reach");
+            self.messages.toast(toasts::OUT_OF_REACH);
         }
         Ok(target)
     }
@@ -71,10 +71,8 @@ impl Run<'_> {
         let (low, high) = (corner.min(target.voxel), corner.max(target.voxel));
         let size = high - low + 1;
         if size.max_element() > MOST_EDGE {
-            self.messages.toast_error(format!(
-                "This box has {} voxels. A copy has at most {MOST_EDGE} along an edge: mark a nearer corner",
-                size_text(size)
-            ));
+            let text = toasts::too_large(&size_text(size), MOST_EDGE);
+            self.messages.toast_error(text);
             return Ok(());
         }
         let copied = Copied::of(self.viewport.voxels()?, &materials, low, high);
@@ -124,22 +122,13 @@ impl Run<'_> {
     }
 
     fn tell_pasted(&mut self, pasted: &Pasted, at: IVec3) {
-        let mut text = format!(
-            "Pasted at {}: {} voxels changed",
-            place_text(at),
-            pasted.changed
-        );
-        if pasted.outside > 0 {
-            text += &format!(", {} lie outside of the world", pasted.outside);
-        }
+        let text = toasts::pasted(&place_text(at), pasted.changed, pasted.outside);
         self.messages.toast(text);
         if !pasted.missing.is_empty() {
             let names: Vec<&str> = pasted.missing.keys().map(|name| &**name).collect();
             let voxels: u64 = pasted.missing.values().sum();
-            self.messages.toast_error(format!(
-                "This world has no material {}: {voxels} voxels were left out",
-                names.join(", ")
-            ));
+            let text = toasts::no_material(&names.join(", "), voxels);
+            self.messages.toast_error(text);
         }
     }
 }

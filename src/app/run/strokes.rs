@@ -103,8 +103,7 @@ impl Run<'_> {
     /// Gives voxels the material in the hand. Returns whether voxels changed.
     fn replace(&mut self, target: &Target) -> bool {
         let Some(Item::Material(material)) = self.hands.hotbar.item() else {
-            self.messages
-                .toast("Replacing needs a material in the hand");
+            self.messages.toast(toasts::REPLACING);
             return false;
         };
         let brush = self.settings.brush;
@@ -149,7 +148,7 @@ impl Run<'_> {
             .hands
             .history
             .undo(|changes| viewport.put(changes, Side::Before));
-        self.went(undone, "There is nothing to undo")
+        self.went(undone, toasts::NO_UNDO)
     }
 
     /// Returns whether anything changed.
@@ -160,7 +159,7 @@ impl Run<'_> {
             .hands
             .history
             .redo(|changes| viewport.put(changes, Side::After));
-        self.went(redone, "There is nothing to redo")
+        self.went(redone, toasts::NO_REDO)
     }
 
     pub(super) fn follow_build(&mut self) {

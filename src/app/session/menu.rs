@@ -46,9 +46,7 @@ enum EnterError {
     App(#[from] AppError),
     #[error(transparent)]
     Save(#[from] SaveError),
-    #[error(
-        "{0}: only world files (.ron), saves (.grotto) and MagicaVoxel models (.vox) can be opened"
-    )]
+    #[error("{}", toasts::unknown_file(.0))]
     Unknown(String),
 }
 

@@ -9,7 +9,10 @@ use std::{
 use directories::ProjectDirs;
 
 use super::{Preferences, Read};
-use crate::measure::whole_file::{self, FileError};
+use crate::{
+    app::texts::settings_file,
+    measure::whole_file::{self, FileError},
+};
 
 /// Names another folder for the settings than the user's folder for settings of programs.
 const VARIABLE: &str = "GROTTO_CONFIG";
@@ -33,10 +36,7 @@ impl Store {
         let own = || Some(ProjectDirs::from("", "", "grotto")?.config_dir().to_owned());
         match named.map(PathBuf::from).or_else(own) {
             Some(folder) => Self::at(&folder),
-            None => {
-                let note = "This user has no home folder: settings are not kept";
-                (Self::nowhere(), vec![note.to_owned()])
-            }
+            None => (Self::nowhere(), vec![settings_file::NO_HOME.to_owned()]),
         }
     }
 
@@ -47,8 +47,10 @@ impl Store {
             Ok(read) => (read, None),
             Err(Unread::Damaged(reason)) => (None, Some(set_aside(&path, &reason))),
             Err(Unread::Unreadable(error)) => {
-                let note = format!("The settings are not read, nor kept. {error}");
-                return (Self::nowhere(), vec![note]);
+                return (
+                    Self::nowhere(),
+                    vec![settings_file::unread(&error.to_string())],
+                );
             }
         };
         let mut store = Self {
@@ -61,12 +63,11 @@ impl Store {
         let mut notes: Vec<String> = read
             .notes
             .iter()
-            .map(|note| format!("settings: {note}"))
+            .map(|note| settings_file::note(note))
             .collect();
         if read.is_newer {
             store.path = None;
-            let newer = "The settings are of a newer grotto: what is changed here is not kept";
-            notes.push(newer.to_owned());
+            notes.push(settings_file::NEWER.to_owned());
         }
         store.kept = read.preferences;
         (store, notes)
@@ -120,7 +121,8 @@ fn read(path: &Path) -> Result<Option<Read>, Unread> {
         Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(reason) => return Err(unreadable(reason)),
     };
-    let text = String::from_utf8(bytes).map_err(|_| Unread::Damaged("it is no text".to_owned()))?;
+    let text =
+        String::from_utf8(bytes).map_err(|_| Unread::Damaged(settings_file::NO_TEXT.to_owned()))?;
     let read = Preferences::read(&text).map_err(|error| Unread::Damaged(error.to_string()))?;
     Ok(Some(read))
 }
@@ -131,14 +133,8 @@ fn set_aside(path: &Path, reason: &str) -> String {
     aside.push(".damaged");
     let aside = PathBuf::from(aside);
     match fs::rename(path, &aside) {
-        Ok(()) => format!(
-            "The settings are damaged ({reason}), and are the first ones again. The file was set aside as {}",
-            aside.display()
-        ),
-        Err(error) => format!(
-            "{}: the settings are damaged ({reason}), and are the first ones again; the file cannot be set aside: {error}",
-            path.display()
-        ),
+        Ok(()) => settings_file::set_aside(reason, &aside),
+        Err(error) => settings_file::not_set_aside(path, reason, &error.to_string()),
     }
 }
 

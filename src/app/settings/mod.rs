@@ -10,7 +10,7 @@ use std::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::{controls::Bindings, quality::Quality};
+use super::{controls::Bindings, quality::Quality, texts::settings_file};
 use crate::parameters::{Parameters, SCALES};
 
 pub use file::Store;
@@ -125,7 +125,8 @@ impl Preferences {
             let before = std::mem::replace(place, value);
             let tried = serde_json::from_value::<Self>(Value::Object(taken.clone()));
             if let Err(error) = tried {
-                notes.push(format!("`{name}`: {error}; it is {before}"));
+                let wrong = settings_file::wrong(&name, &error.to_string(), &before.to_string());
+                notes.push(wrong);
                 taken.insert(name, before);
             }
         }
@@ -245,10 +246,12 @@ where
         return None;
     };
     let given = std::mem::replace(value, clamped);
-    Some(format!(
-        "`{name}` lies from {} to {}: {given} became {clamped}",
-        range.start(),
-        range.end()
+    let range = [range.start(), range.end()].map(ToString::to_string);
+    Some(settings_file::clamped(
+        name,
+        [&range[0], &range[1]],
+        &given.to_string(),
+        &clamped.to_string(),
     ))
 }
 

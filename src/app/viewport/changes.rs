@@ -4,6 +4,7 @@ use glam::IVec3;
 
 use super::Viewport;
 use crate::{
+    app::texts::toasts,
     frame::FrameError,
     world::{
         LampPreset, PlacedLamp, World, placed,
@@ -72,8 +73,7 @@ impl Viewport {
         let (overlay, lost) = overlay.fitted(world.size, shift, renumbered);
         world.restored.overlay = overlay;
         if lost > 0 {
-            let note = format!("{lost} changed voxels have no place or no material any more");
-            world.restored.notes.push(note);
+            world.restored.notes.push(toasts::lost_voxels(lost));
         }
         world
             .restored
