@@ -271,6 +271,7 @@ mod tests {
     use glam::UVec3;
 
     use super::*;
+    use crate::world::save::SavedHotbar;
 
     fn kept(voxels: u32, time_s: f64) -> Kept {
         let mut overlay = Overlay::default();
@@ -290,6 +291,7 @@ mod tests {
                 set: Vec::new(),
                 materials: vec!["stone".into()],
                 origin: [0; 3],
+                hotbar: SavedHotbar::default(),
             },
             overlay,
             lamps: Vec::new(),

@@ -93,6 +93,8 @@ pub struct Restored {
     pub overlay: Overlay,
     /// In the order in which they were placed; no two share a voxel.
     pub lamps: Vec<PlacedLamp>,
+    /// What was at hand.
+    pub hotbar: save::SavedHotbar,
     /// What a person should know about it, such as changes that no longer fit.
     pub notes: Vec<String>,
 }
@@ -111,7 +113,7 @@ impl Restored {
     }
 }
 
-/// Without the notes: worlds are told apart by their debug texts, and notes change no picture.
+/// Without the notes and the hotbar: worlds are told apart by their debug texts, and neither changes a picture.
 impl fmt::Debug for Restored {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         (&self.overlay, &self.lamps).fmt(f)

@@ -12,7 +12,7 @@ use glam::{IVec3, UVec3};
 use grotto::world::{
     Overlay,
     file::{self, Overrides},
-    save::{self, Head, Save, State},
+    save::{self, Head, Save, SavedHotbar, State},
 };
 
 use crate::{
@@ -51,6 +51,7 @@ pub fn save_of(path: &Path, overlay: Overlay) -> Save {
             set: vec!["probes.rays=32".into()],
             materials: world.materials.iter().map(|m| m.name.clone()).collect(),
             origin: world.origin.to_array(),
+            hotbar: SavedHotbar::default(),
         },
         overlay,
         lamps: Vec::new(),

@@ -4,6 +4,7 @@ use super::item::Item;
 use crate::world::{
     World,
     placed::{LampBlock, LampColour, LampForm, LampMotion},
+    save::{SavedHotbar, SavedItem},
 };
 
 pub const SLOTS: usize = 10;
@@ -41,8 +42,12 @@ const LAMPS: [LampBlock; 3] = [
 ];
 
 impl Hotbar {
-    /// The first materials of a world, and three lamps.
+    /// That of the save that the world was restored from, else the first materials of the world, and three lamps.
     pub fn of(world: &World) -> Self {
+        let saved = &world.restored.hotbar;
+        if !saved.slots.is_empty() {
+            return Self::restored(saved, world);
+        }
         let mut hotbar = Self::default();
         let (materials, lamps) = hotbar.slots.split_at_mut(SLOTS - LAMPS.len());
         for (slot, item) in materials.iter_mut().zip(Item::materials(world)) {
@@ -52,6 +57,36 @@ impl Hotbar {
             *slot = Some(Item::Lamp(block));
         }
         hotbar
+    }
+
+    /// Leaves out materials that the world does not have, and lamps that cannot be.
+    fn restored(saved: &SavedHotbar, world: &World) -> Self {
+        let mut hotbar = Self::default();
+        for (slot, item) in hotbar.slots.iter_mut().zip(&saved.slots) {
+            *slot = item.as_ref().and_then(|item| match item {
+                SavedItem::Material(name) => Item::materials(world)
+                    .find(|item| item.name(world).is_some_and(|known| known == *name)),
+                SavedItem::Lamp(block) => block.fault().is_none().then_some(Item::Lamp(*block)),
+            });
+        }
+        hotbar.select(saved.selected);
+        hotbar
+    }
+
+    /// For a save of a run in this world.
+    pub fn saved(&self, world: &World) -> SavedHotbar {
+        let saved = |item: &Item| match item {
+            Item::Material(_) => item.name(world).map(SavedItem::Material),
+            Item::Lamp(block) => Some(SavedItem::Lamp(*block)),
+        };
+        SavedHotbar {
+            slots: self
+                .slots
+                .iter()
+                .map(|slot| slot.as_ref().and_then(saved))
+                .collect(),
+            selected: self.selected,
+        }
     }
 
     /// What is in the hand.
@@ -158,6 +193,33 @@ mod tests {
         });
         hotbar.pick(unknown);
         assert_eq!((hotbar.selected(), hotbar.item()), (2, Some(unknown)));
+    }
+
+    #[test]
+    fn a_save_brings_back_what_was_at_hand() {
+        let mut cave = world("worlds/cave.ron");
+        let mut hotbar = Hotbar::of(&cave);
+        hotbar.put(1, Item::Material(9));
+        hotbar.put(4, Item::Lamp(LampBlock::default()));
+        hotbar.select(4);
+        let saved = hotbar.saved(&cave);
+        cave.restored.hotbar = saved.clone();
+        assert_eq!(Hotbar::of(&cave), hotbar);
+        // Another world has other materials, and a file may hold anything.
+        let mut other = world("worlds/minimal.ron");
+        other.restored.hotbar = SavedHotbar {
+            selected: 99,
+            ..saved
+        };
+        let impossible = LampBlock {
+            power: f32::NAN,
+            ..LampBlock::default()
+        };
+        other.restored.hotbar.slots[5] = Some(SavedItem::Lamp(impossible));
+        let restored = Hotbar::of(&other);
+        assert_eq!((restored.slots()[1], restored.slots()[5]), (None, None));
+        assert_eq!(restored.slots()[4], Some(Item::Lamp(LampBlock::default())));
+        assert_eq!(restored.selected(), 0);
     }
 
     #[test]

@@ -186,7 +186,7 @@ impl Session {
             brush: Brush::default(),
         };
         let play = Play::begin(options, &mut viewport)?;
-        let start = saves::kept(&mut viewport, &play.player, &settings)?;
+        let start = saves::kept(&mut viewport, &play, &settings)?;
         let saving = Saving::begin(&options.saves, &options.world_path, start, &mut messages);
         let mut session = Self {
             overlay: Overlay::new(&viewport.gpu, screen.format())?,

@@ -5,10 +5,11 @@ use std::{path::PathBuf, time::Instant};
 use super::{
     super::saving::{Kept, clock_of},
     Session,
+    play::Play,
 };
 use crate::{
     app::{
-        AppError, Options, clock::WorldClock, panel::Settings, player::Player, record::assignments,
+        AppError, Options, clock::WorldClock, panel::Settings, record::assignments,
         viewport::Viewport,
     },
     world::save::State,
@@ -44,7 +45,7 @@ impl Session {
     }
 
     pub(super) fn kept(&mut self) -> Result<Kept, AppError> {
-        kept(&mut self.viewport, &self.play.player, &self.settings)
+        kept(&mut self.viewport, &self.play, &self.settings)
     }
 }
 
@@ -54,10 +55,10 @@ impl Session {
 /// [`AppError`] when the voxels must be read back and the device is lost.
 pub(super) fn kept(
     viewport: &mut Viewport,
-    player: &Player,
+    play: &Play,
     settings: &Settings,
 ) -> Result<Kept, AppError> {
-    let view = player.view(&viewport.ground()?);
+    let view = play.player.view(&viewport.ground()?);
     let overlay = viewport.overlay()?;
     let clock = &settings.clock;
     let (world, choice) = (viewport.world(), viewport.choice());
@@ -78,6 +79,7 @@ pub(super) fn kept(
             .map(|known| known.name.clone())
             .collect(),
         origin: world.origin.to_array(),
+        hotbar: play.hands.hotbar.saved(world),
     };
     Ok(Kept {
         state,

@@ -45,6 +45,8 @@ const MOST_CELLS: u32 = 4096 / CELL;
 const LATEST_S: f64 = 1e9;
 /// The player's eye lies within ± this many voxels.
 const FARTHEST: f32 = 1e6;
+/// Most slots of a hotbar.
+const MOST_SLOTS: usize = 64;
 /// Fastest world time.
 const FASTEST: f32 = 1e3;
 
@@ -226,7 +228,8 @@ fn check(state: &State) -> Result<(), Fault> {
             .origin
             .iter()
             .all(|axis| axis.unsigned_abs() <= 1 << 24)
-        && state.materials.len() <= 255;
+        && state.materials.len() <= 255
+        && state.hotbar.slots.len() <= MOST_SLOTS;
     match fits {
         true => Ok(()),
         false => Err(damaged("its state is impossible")),

@@ -22,7 +22,7 @@ pub use folder::{Folder, Listed, VARIABLE, now_s};
 pub(super) use restore::load;
 pub use restore::{VIEW, world_file};
 
-use super::{Overlay, PlacedLamp};
+use super::{Overlay, PlacedLamp, placed::LampBlock};
 
 /// Extension of the files.
 pub const EXTENSION: &str = "grotto";
@@ -85,6 +85,26 @@ pub struct State {
     pub materials: Vec<String>,
     /// World space of the voxel (0, 0, 0) of the overlay.
     pub origin: [i32; 3],
+    /// Saves of older versions have none.
+    #[serde(default)]
+    pub hotbar: SavedHotbar,
+}
+
+/// The items that were at hand. Whoever uses them leaves out what they do not know.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SavedHotbar {
+    /// Empty: the hotbar of a new run.
+    pub slots: Vec<Option<SavedItem>>,
+    /// Index of the slot that was in the hand.
+    pub selected: usize,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SavedItem {
+    /// Name of a material of the world.
+    Material(String),
+    Lamp(LampBlock),
 }
 
 /// Why a save cannot be written or read. Every message names the file and a remedy.

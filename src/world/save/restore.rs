@@ -92,6 +92,7 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<World, Report> {
     }
     world.restored.overlay = overlay;
     world.restored.notes = notes;
+    world.restored.hotbar = save.state.hotbar;
     let (origin, size) = (world.origin, world.size);
     world.restored.take_lamps(&save.lamps, origin, size);
     Ok(world)

@@ -1,7 +1,7 @@
 //! A save for tests.
 
-use super::{Head, Save, State};
-use crate::world::Overlay;
+use super::{Head, Save, SavedHotbar, SavedItem, State};
+use crate::world::{Overlay, placed::LampBlock};
 
 /// A save with these changes, of a world that need not exist.
 pub fn save_of(overlay: Overlay) -> Save {
@@ -28,6 +28,14 @@ pub fn save_of(overlay: Overlay) -> Save {
             set: vec!["probes.rays=16".into()],
             materials: vec!["stone".into(), "glow".into()],
             origin: [-3, 0, 7],
+            hotbar: SavedHotbar {
+                slots: vec![
+                    Some(SavedItem::Material("glow".into())),
+                    None,
+                    Some(SavedItem::Lamp(LampBlock::default())),
+                ],
+                selected: 2,
+            },
         },
         overlay,
         lamps: Vec::new(),
