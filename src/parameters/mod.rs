@@ -361,8 +361,7 @@ impl ProbeParameters {
         share.max(LEAST_RAYS).min(self.rays)
     }
 
-    /// The parameters in effect: under [`Method::Source`] the probes alone light the picture, and
-    /// estimate visibility from distances.
+    /// In effect: under [`Method::Source`] probes alone light the picture, and estimate visibility from distances.
     pub fn effective(&self) -> Cow<'_, Self> {
         match self.method {
             Method::Grotto => Cow::Borrowed(self),
@@ -386,8 +385,7 @@ impl Parameters {
             .split_once('=')
             .ok_or_else(|| ParameterError::NotAnAssignment(assignment.to_owned()))?;
         let key = Key::find(name.trim())?;
-        let value = key.parse(text.trim())?;
-        key.set(self, value)
+        key.set(self, key.parse(text.trim())?)
     }
 
     /// The most that must be rebuilt when these parameters change to `next`.

@@ -244,8 +244,8 @@ fn what_is_dug_leaves_no_ghost() {
         ),
         (
             "view/antialias.wesl",
-            "if history.clips == 1u {",
-            "if history.clips == 2u {",
+            "if per_thread(history.clips, surface.y) == 1u {",
+            "if per_thread(history.clips, surface.y) == 2u {",
         ),
     ];
     let wrong = ghosts(with_faults(&gpu, &faults));
@@ -274,8 +274,8 @@ fn light_that_changes_is_followed() {
     assert!(right < 0.3, "{right}");
     let faults = [(
         "view/antialias.wesl",
-        "if history.clips == 1u {",
-        "if history.clips == 2u {",
+        "if per_thread(history.clips, surface.y) == 1u {",
+        "if per_thread(history.clips, surface.y) == 2u {",
     )];
     let wrong = lag(with_faults(&gpu, &faults));
     assert!(wrong > 0.6, "{wrong}");

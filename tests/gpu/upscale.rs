@@ -234,8 +234,8 @@ fn a_camera_that_jumps_leaves_no_ghost() {
         ("view/antialias.wesl", "if !is_known {", "if false {"),
         (
             "view/antialias.wesl",
-            "if history.clips == 1u {",
-            "if history.clips == 2u {",
+            "if per_thread(history.clips, surface.y) == 1u {",
+            "if per_thread(history.clips, surface.y) == 2u {",
         ),
     ];
     let wrong = jumped(&with_faults(&gpu, &faults));
@@ -286,10 +286,14 @@ fn what_is_dug_leaves_no_ghost() {
     let fresh = ghosts(gpu.clone(), &frames, true);
     let found = "return surface.found && all(";
     let edited = "return history.clips == 2u && all(";
-    let clips = "if history.clips == 1u {";
+    let clips = "if per_thread(history.clips, surface.y) == 1u {";
     let faults = [
         ("view/antialias.wesl", found, edited),
-        ("view/antialias.wesl", clips, "if history.clips == 2u {"),
+        (
+            "view/antialias.wesl",
+            clips,
+            "if per_thread(history.clips, surface.y) == 2u {",
+        ),
     ];
     let wrong = ghosts(with_faults(&gpu, &faults), &frames, false);
     let told = format!("{right:?} {fresh:?} {wrong:?}");

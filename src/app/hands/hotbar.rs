@@ -199,7 +199,7 @@ mod tests {
     fn a_save_brings_back_what_was_at_hand() {
         let mut cave = world("worlds/cave.ron");
         let mut hotbar = Hotbar::of(&cave);
-        hotbar.put(1, Item::Material(9));
+        hotbar.put(1, Item::Material(3));
         hotbar.put(4, Item::Lamp(LampBlock::default()));
         hotbar.select(4);
         let saved = hotbar.saved(&cave);

@@ -33,6 +33,9 @@ const PIXELS_A_BATCH: u32 = 8;
 const LEAST_IN_SOFTWARE: u32 = 1 << 12;
 /// Frames that probes take to settle after their warm-up.
 const SETTLING_FRAMES: u32 = 24;
+/// While lamps glide, light of a face that is at most this many frames old is up to date: a pixel lists its face once in
+/// four frames.
+const FRESH_FRAMES: u32 = 4;
 /// Most rays whose mean is a quadrant's light: LEAST_SAMPLES until the probes have settled, then
 /// SAMPLES_AT_ALERT / alert, but at least LEAST_SAMPLES.
 const LEAST_SAMPLES: f32 = 64.0;
@@ -176,7 +179,11 @@ impl SurfaceCache {
             stillness: changes.stillness(),
             changed_frame,
             edited_before: changes.edit_before().map_or(0, |shown_in| shown_in + 1),
-            ..Default::default()
+            fresh_frames: if settled && !changes.are_great() {
+                FRESH_FRAMES
+            } else {
+                0
+            },
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));

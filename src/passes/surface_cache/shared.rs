@@ -33,7 +33,8 @@ crate::shared! {
         pub changed_frame: u32,
         /// The frame of the edit before that of `edited_frame`; 0: none yet.
         pub edited_before: u32,
-        pub _pad: u32,
+        /// Light of faces that is at most this many frames old is up to date, even if light changes.
+        pub fresh_frames: u32,
     }
 
     /// Words of an entry of the table.
