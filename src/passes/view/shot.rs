@@ -56,7 +56,7 @@ pub struct Shot {
     /// Whether faces show their textures; else each face shows the mean of its texture.
     pub textures: bool,
     /// Shadow rays of a pixel to each lamp that is a sphere, in pictures that are averaged. A picture that stands alone
-    /// has [`ALONE`] times as many.
+    /// has several times as many (`ALONE`).
     pub soft_rays: u32,
 }
 
