@@ -202,7 +202,7 @@ fn a_hundred_lamps_placed_at_once_light_the_next_frame() {
     assert!((0.95..1.001).contains(&first), "{first}");
     for drawn in [&mut drawn, &mut expected] {
         drawn.shot.view = View::Full;
-        // Both must have settled: the alert of the placing and the warm-up of new probes last longer than 60 frames.
+        // One room comes from below and one from above: 0.973 after 40 frames, 0.986 after 60, 0.9992 after 100.
         drawn.draw(100);
     }
     let settled = mean(&drawn.radiance()) / mean(&expected.radiance());

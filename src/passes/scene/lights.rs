@@ -5,7 +5,7 @@ use glam::UVec3;
 use crate::{
     gpu::{Gpu, GpuError},
     lights::{
-        LampState, Lights, lists,
+        Lights, lists,
         table::{GpuLampSlot, LISTED, LISTS_OFFSET, LightsOfFrame},
     },
 };
@@ -60,7 +60,7 @@ impl GpuLights {
     /// Sets the lights of the next frames.
     pub fn set(&self, gpu: &Gpu, lights: &Lights, of_frame: &LightsOfFrame) {
         debug_assert!(
-            self.has_spheres || !lights.lamps.iter().any(LampState::is_soft),
+            self.has_spheres || !lights.has_spheres(),
             "kernels were made for lamps that are no spheres"
         );
         let bytes = lights.to_bytes(of_frame, self.cells, self.shift);
