@@ -6,6 +6,7 @@
 //! after [`file::load`]). `_gs` is grid space: world space minus [`World::origin`], so that the grid
 //! begins at 0. Voxel (x, y, z) covers [x, x+1) on each axis, and its shape is sampled at its centre.
 
+pub mod bodies;
 pub mod camera;
 pub mod features;
 pub mod file;
@@ -25,6 +26,7 @@ use std::fmt;
 
 use glam::{IVec3, UVec3};
 
+pub use bodies::Bodies;
 pub use camera::CameraBasis;
 pub use features::FeaturePart;
 pub use materials::{Colour, Material, MaterialSound, Pattern, Rule};
@@ -63,6 +65,8 @@ pub struct World {
     pub rules: Vec<Rule>,
     /// Boxes of voxels that fill air, in order (later ones override earlier ones; rock overrides all).
     pub features: Vec<FeaturePart>,
+    /// Voxels that move by themselves; they are not part of the grid.
+    pub bodies: Bodies,
     /// Height of the player in voxels: 1.77 m unless the file says otherwise.
     pub player_height: f64,
     pub sky: Sky,

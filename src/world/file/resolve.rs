@@ -16,7 +16,7 @@ use crate::world::generate::FeatureBins;
 use crate::world::materials::hash::hash;
 use crate::world::noise::{Basis, Fractal, NoiseBank, NoiseField};
 use crate::world::sdf::{NoiseId, Shape};
-use crate::world::{Colour, Material, PLAYER_HEIGHT_M, Restored, Sky, World};
+use crate::world::{Bodies, Colour, Material, PLAYER_HEIGHT_M, Restored, Sky, World};
 
 /// Longest edge of a world, voxels.
 pub const MAX_EDGE: u32 = 4096;
@@ -122,6 +122,7 @@ pub(super) fn resolve(
         cameras,
         layouts,
         response,
+        bodies: Bodies::default(),
         restored: Restored::default(),
     })
 }

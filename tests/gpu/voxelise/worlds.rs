@@ -78,6 +78,7 @@ pub fn world(size: UVec3, shape: Sdf, rules: Vec<Rule>, features: Vec<FeaturePar
         sun: None,
         lamp_presets: Vec::new(),
         response: ResponseSpec::default(),
+        bodies: Default::default(),
         restored: Default::default(),
         cameras: Vec::new(),
         layouts: Vec::new(),
