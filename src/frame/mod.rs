@@ -7,7 +7,7 @@
 //!     └ probes/seed (volumes that move) ─ what new probes show until their first update
 //! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐
 //!     └────────────── atlas of the last frame ◄───────────┤                │
-//! view/camera_rays ─ surfaces ─ surface_cache/{allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/antialias ─ view/tonemap
+//! view/camera_rays ─ surfaces ─ surface_cache/{lamps, allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/antialias ─ view/tonemap
 //!                        └────────────────────────────────────────────────────┘    └ views of the probes       display
 //! ```
 
@@ -16,6 +16,7 @@ mod bits;
 mod inspect;
 mod lost;
 mod memory;
+mod offers;
 mod order;
 mod passes;
 mod pictures;
@@ -30,9 +31,9 @@ pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 use antialias::Antialiasing;
 use bits::DrawnBits;
 use inspect::Inspect;
+pub use offers::{offer, resources};
 use order::FrameOrder;
 use passes::{Passes, Wanted};
-pub use passes::{offer, resources};
 use values::{Drawn, Update};
 
 use crate::{
@@ -183,6 +184,8 @@ impl Frame {
             list_frame: self.frames + 1,
             keeps_slots: ranked.keeps_slots,
         };
+        self.order.begin_frame(&shot.camera, self.frames);
+        let lamps_have_changed = ranked.is_new || of_frame.still_since.contains(&(self.frames + 1));
         self.lights.set(gpu, &lights, &of_frame);
         self.lights_before = Some(lights);
         self.field.changes.begin_frame(light_change, self.frames);
@@ -209,7 +212,11 @@ impl Frame {
             places_probes: self.field.misplaced(),
             marks_visibility: self.field.exact(),
             has_fresh: self.field.fresh() > 0,
-            shades_early: self.order.shades_early(&shot.camera, is_calm),
+            asks_faces: self.order.asks_faces(
+                self.frames,
+                lamps_have_changed || self.field.changes.shown_first().is_some(),
+            ),
+            shades_early: self.order.shades_early(is_calm),
         };
         self.field.set_placed();
         self.passes.record(recorder, update, shot, self.drawn);
@@ -266,6 +273,7 @@ impl Frame {
             &resources,
         )?;
         self.size = size;
+        self.order = FrameOrder::default();
         self.antialiasing.restart();
         self.drawn.smoothed = None;
         Ok(())

@@ -1,4 +1,5 @@
-//! Whether a frame's picture waits for the light of its own rays.
+//! Which passes a frame needs, and in what order: whether its picture waits for the light of its own rays, and whether
+//! faces are asked which lamps they see.
 //!
 //! Rays of probes and faces are few and long, so alone they leave most of a GPU idle; a picture has many short ones.
 //! Side by side both take less time than one after the other, but the picture then shows the bounced light of the frame
@@ -8,21 +9,45 @@
 
 use crate::world::Camera;
 
-/// What the last frame showed.
+/// Once camera, lamps and voxels have been still for this many frames, all visible faces know which lamps they see: each
+/// pixel has had many turns to list its face.
+const ASKED_FRAMES: u32 = 64;
+
+/// What the last frames showed.
 #[derive(Default)]
 pub(super) struct FrameOrder {
     camera: Option<Camera>,
+    /// Whether the camera stood where it was.
+    is_still: bool,
+    /// The last frame in which anything changed that says which lamps faces see.
+    changed: u32,
 }
 
 impl FrameOrder {
-    /// Whether the picture of the next frame is shaded early, by the light of the frame before. `is_calm`: probes have
-    /// settled, and no lamp was switched and no voxel edited lately.
-    pub fn shades_early(&mut self, camera: &Camera, is_calm: bool) -> bool {
-        let is_still = self.camera.as_ref() == Some(camera);
-        if !is_still {
+    /// Begins a frame. Its number may start from 0 again.
+    pub fn begin_frame(&mut self, camera: &Camera, frame: u32) {
+        self.is_still = self.camera.as_ref() == Some(camera);
+        if !self.is_still {
             self.camera = Some(camera.clone());
         }
-        is_still && is_calm
+        if !self.is_still || frame < self.changed {
+            self.changed = frame;
+        }
+    }
+
+    /// Whether the picture is shaded early, by the light of the frame before. `is_calm`: probes have settled, and no lamp
+    /// was switched and no voxel edited lately.
+    pub fn shades_early(&self, is_calm: bool) -> bool {
+        self.is_still && is_calm
+    }
+
+    /// Whether faces may not know which lamps they see. `changes`: a lamp has moved, is new or is listed anew, or a voxel
+    /// was edited.
+    pub fn asks_faces(&mut self, frame: u32, changes: bool) -> bool {
+        if changes {
+            self.changed = frame;
+        }
+        frame - self.changed < ASKED_FRAMES
     }
 }
 
@@ -32,23 +57,53 @@ mod tests {
 
     use super::*;
 
-    #[test]
-    fn a_picture_waits_for_light_where_a_delay_would_show() {
-        let mut order = FrameOrder::default();
-        let camera = Camera {
+    fn camera() -> Camera {
+        Camera {
             name: String::new(),
             position: Vec3::ZERO,
             yaw_deg: 0.0,
             pitch_deg: 0.0,
             fov_deg: 70.0,
+        }
+    }
+
+    #[test]
+    fn a_picture_waits_for_light_where_a_delay_would_show() {
+        let mut order = FrameOrder::default();
+        let mut shades_early = |camera: &Camera, is_calm| {
+            order.begin_frame(camera, 0);
+            order.shades_early(is_calm)
         };
-        assert!(!order.shades_early(&camera, true), "nothing was shown yet");
-        assert!(order.shades_early(&camera, true));
-        assert!(!order.shades_early(&camera, false), "light changes");
-        assert!(order.shades_early(&camera, true));
+        let camera = camera();
+        assert!(!shades_early(&camera, true), "nothing was shown yet");
+        assert!(shades_early(&camera, true));
+        assert!(!shades_early(&camera, false), "light changes");
+        assert!(shades_early(&camera, true));
         let mut moved = camera.clone();
         moved.position += Vec3::X;
-        assert!(!order.shades_early(&moved, true), "the camera has moved");
-        assert!(order.shades_early(&moved, true));
+        assert!(!shades_early(&moved, true), "the camera has moved");
+        assert!(shades_early(&moved, true));
+    }
+
+    #[test]
+    fn faces_are_asked_until_nothing_has_changed_for_long() {
+        let mut order = FrameOrder::default();
+        let mut asks = |camera: &Camera, frame, changes| {
+            order.begin_frame(camera, frame);
+            order.asks_faces(frame, changes)
+        };
+        let still = camera();
+        for frame in 0..ASKED_FRAMES {
+            assert!(asks(&still, frame, false), "frame {frame}");
+        }
+        assert!(!asks(&still, ASKED_FRAMES, false));
+        assert!(asks(&still, 100, true), "a lamp moves");
+        assert!(asks(&still, 99 + ASKED_FRAMES, false));
+        assert!(!asks(&still, 100 + ASKED_FRAMES, false));
+        let mut moved = camera();
+        moved.yaw_deg = 1.0;
+        assert!(asks(&moved, 200, false), "the camera turns");
+        assert!(!asks(&moved, 300, false));
+        assert!(asks(&moved, 0, false), "the probes start again");
     }
 }

@@ -3,16 +3,17 @@
 use std::thread::{self, ScopedJoinHandle};
 
 use super::{
-    FrameError, Stage,
+    FrameError,
     antialias::Smoothing,
     inspect::Inspect,
+    offers::offer,
     values::{
         ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
         ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update,
     },
 };
 use crate::{
-    gpu::{Gpu, Offer, Recorder},
+    gpu::{Gpu, Recorder},
     passes::{
         probes::{
             ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
@@ -21,7 +22,8 @@ use crate::{
         },
         scene::{GpuLights, lamp_lists::LampLists},
         surface_cache::{
-            SurfaceCache, allocate::SurfaceAllocate, resolve::SurfaceResolve, trace::SurfaceTrace,
+            SurfaceCache, allocate::SurfaceAllocate, lamps::SurfaceLamps, resolve::SurfaceResolve,
+            trace::SurfaceTrace,
         },
         view::{
             Inspection, Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays,
@@ -42,6 +44,7 @@ pub(super) struct Passes {
     walk: Option<SourceWalk>,
     probe_trace: ProbeTrace,
     blend: ProbeBlend,
+    face_lamps: SurfaceLamps,
     allocate: SurfaceAllocate,
     surface_trace: SurfaceTrace,
     resolve: SurfaceResolve,
@@ -88,6 +91,7 @@ impl Passes {
             let surface_trace =
                 threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &requests_apart));
             let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
+            let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));
             let camera_rays = CameraRays::new(gpu, size, scene)?;
             let surfaces = camera_rays.surfaces.clone();
             let allocate =
@@ -122,6 +126,7 @@ impl Passes {
                 walk: made(walk)?,
                 probe_trace: made(probe_trace)?,
                 blend: made(blend)?,
+                face_lamps: made(face_lamps)?,
                 allocate: made(allocate)?,
                 surface_trace: made(surface_trace)?,
                 resolve: made(resolve)?,
@@ -139,6 +144,7 @@ impl Passes {
         let placed = self.place_probes(recorder, update);
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
             let surfaces = self.trace_camera(recorder, drawn);
+            self.ask_faces(recorder, update.asks_faces);
             (surfaces, self.list_probes(recorder, placed))
         });
         let (active, seen_faces) = recorder.concurrent(|recorder| {
@@ -243,6 +249,13 @@ impl Passes {
     fn trace_camera(&self, recorder: &mut Recorder<'_>, drawn: Drawn) -> Surfaces {
         self.camera_rays.record(recorder, drawn.size);
         Surfaces
+    }
+
+    /// Which lamps the faces see that the last frame listed: most of them are in this picture, too.
+    fn ask_faces(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
+        if self.uses_cache && is_needed {
+            self.face_lamps.record(recorder);
+        }
     }
 
     /// Reads the requests of the last frame.
@@ -361,36 +374,4 @@ fn made<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread
         .join()
         .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-}
-
-/// What subjects offer to each other: the scene, the light of the probes, and the light of surfaces.
-pub fn offer<'a>(
-    field: &'a ProbeField,
-    cache: &'a SurfaceCache,
-    scene: &[(&'a str, wgpu::BindingResource<'a>)],
-) -> Offer<'a> {
-    let mut resources = scene.to_vec();
-    resources.extend(field.resources());
-    resources.extend(field.schedule_resources());
-    resources.extend(cache.resources());
-    let mut constants = field.gather_constants().to_vec();
-    constants.extend(cache.constants());
-    Offer {
-        resources,
-        constants,
-    }
-}
-
-/// What every pass may bind by name.
-pub fn resources<'a>(
-    stage: &'a Stage,
-    view: &'a wgpu::Buffer,
-    lights: &'a GpuLights,
-) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
-    let mut all = stage.voxels.resources().to_vec();
-    all.extend(stage.materials.resources());
-    all.extend(stage.emitters.resources());
-    all.extend(lights.resources());
-    all.push(("view", view.as_entire_binding()));
-    all
 }

@@ -11,6 +11,8 @@ pub(super) struct Update {
     pub marks_visibility: bool,
     /// A volume that follows the camera has probes that are new.
     pub has_fresh: bool,
+    /// Faces may not know which lamps they see: pass `surface_cache/lamps` must run.
+    pub asks_faces: bool,
     /// The picture is lit by the light of the frame before, while the rays of this frame are traced.
     pub shades_early: bool,
 }
@@ -37,7 +39,7 @@ pub(super) struct Surfaces;
 pub(super) struct SeenFaces;
 pub(super) struct ListedFaces;
 pub(super) struct FaceRays;
-/// For each listed face, the irradiance of each quadrant, and which lamps the face sees wholly or not at all.
+/// For each listed face, the irradiance of each quadrant.
 pub(super) struct FaceLight;
 /// Linear HDR radiance of each pixel.
 pub(super) struct Radiance;

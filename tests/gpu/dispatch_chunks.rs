@@ -81,6 +81,7 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
                 passes.extend(["probes/visibility", "probes/classify"]);
             }
             passes.extend([
+                "surface_cache/lamps",
                 "surface_cache/resolve",
                 "surface_cache/allocate",
                 "surface_cache/trace",

@@ -108,10 +108,19 @@ fn kept_visibility_of_lamps_is_what_shadow_rays_say() {
 #[test]
 fn a_lamp_that_moves_takes_its_shadows_along_in_every_frame() {
     let mut drawn = room(0, FinalGather::On);
+    drawn.draw(1);
+    let of_all_pixels = rays_of_pixels(&drawn);
     drawn.draw(8);
     for step in 0..3 {
-        drawn.lights.lamps[0].position_ws += DVec3::new(-0.7, 0.0, 0.9);
+        for lamp in &mut drawn.lights.lamps {
+            lamp.position_ws += DVec3::new(-0.7, 0.0, 0.9);
+        }
         drawn.draw(1);
+        let sent = rays_of_pixels(&drawn);
+        assert!(
+            2 * sent < of_all_pixels,
+            "step {step}: {sent} of {of_all_pixels} rays: faces say the rest, though the lamps move"
+        );
         let different = apart(&drawn.radiance(), &by_rays(&drawn, None));
         assert!(different < 1e-4, "step {step}: {different}");
     }

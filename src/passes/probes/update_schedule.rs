@@ -35,7 +35,9 @@ crate::shared! {
         pub least_variability: f32,
         /// Frames from update to update of a requested probe whose light is still.
         pub still_interval: u32,
-        pub _pad: u32,
+        /// Most frames from update to update of a requested probe whose light changes: each cascade is updated half as
+        /// often as the next finer one.
+        pub far_interval: u32,
     }
 }
 
@@ -68,6 +70,8 @@ const INDIRECT_INTERVAL: u32 = 4;
 const ASLEEP_INTERVAL: u32 = 10;
 /// Factor of the intervals of requested probes when no lamp and no voxel has changed for long.
 const STILL_INTERVAL: u32 = 2;
+/// Most frames between updates of a requested probe of a far cascade.
+const FAR_INTERVAL: u32 = 4;
 
 crate::shared! {
     in probes;
@@ -114,6 +118,8 @@ pub(super) struct UpdateSchedule {
     probe_rows: u32,
     /// Whether pass `probes/classify` has run.
     is_placed: bool,
+    /// Whether levels surround each other.
+    has_cascades: bool,
     uniform: wgpu::Buffer,
     work: wgpu::Buffer,
     face_requests: wgpu::Buffer,
@@ -123,7 +129,7 @@ pub(super) struct UpdateSchedule {
 }
 
 impl UpdateSchedule {
-    pub fn new(gpu: &Gpu, slots: u32, rays: u32) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, slots: u32, rays: u32, has_cascades: bool) -> Result<Self, GpuError> {
         let all = u64::from(slots);
         Ok(Self {
             slots,
@@ -131,6 +137,7 @@ impl UpdateSchedule {
             rays_rows: rectangle((slots * rays).div_ceil(RAY_GROUP))[1],
             probe_rows: rectangle(slots)[1],
             is_placed: false,
+            has_cascades,
             uniform: gpu.uniform_buffer("update_schedule", &GpuUpdateSchedule::default()),
             work: gpu.storage_buffer("active_list", HEAD_BYTES + 3 * all * 4)?,
             face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + 3 * all * 4)?,
@@ -149,6 +156,8 @@ impl UpdateSchedule {
     ) {
         let is_still = changes.stillness() == 1.0 && parameters.states == ProbeStates::On;
         let still_interval = if is_still { STILL_INTERVAL } else { 1 };
+        let is_sudden = changes.alert() > SUDDEN;
+        let may_wait = self.has_cascades && !is_sudden && parameters.states == ProbeStates::On;
         let (low, high) = match changes.shown_first() {
             _ if !self.is_placed => (Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE)),
             Some(edit) => (edit.low_gs, edit.high_gs),
@@ -164,7 +173,7 @@ impl UpdateSchedule {
             },
             alive_frames: parameters.alive_frames,
             // After a sudden change, indirect-only probes must follow at once.
-            indirect_interval: if changes.alert() > SUDDEN {
+            indirect_interval: if is_sudden {
                 1
             } else {
                 INDIRECT_INTERVAL * still_interval
@@ -174,7 +183,7 @@ impl UpdateSchedule {
             probe_rows: self.probe_rows,
             least_variability: parameters.variability,
             still_interval,
-            ..Default::default()
+            far_interval: if may_wait { FAR_INTERVAL } else { 1 },
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&update_schedule));

@@ -1,12 +1,12 @@
-//! Faces of voxels that have light of their own: data that passes `surface_cache/allocate`, `surface_cache/trace`,
-//! `surface_cache/resolve` and `view/shade` share.
+//! Faces of voxels that have light of their own: data that passes `surface_cache/lamps`, `surface_cache/allocate`,
+//! `surface_cache/trace`, `surface_cache/resolve` and `view/shade` share.
 
 use std::mem::offset_of;
 
 use super::shared::{
     ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuFaceBatch, GpuFaceCounts, GpuFaceDispatch,
-    GpuFaceHistory, GpuListedFace, GpuRequestedFace, GpuSurfaceCacheInfo, RAYS_A_GROUP,
-    REQUEST_ROOM,
+    GpuFaceHistory, GpuListedFace, GpuRequestedFace, GpuSurfaceCacheInfo, LAMP_FACES_A_GROUP,
+    RAYS_A_GROUP, REQUEST_ROOM,
 };
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
@@ -78,6 +78,8 @@ impl SurfaceCache {
     pub const RAYS_OFFSET: u64 = offset_of!(GpuFaceDispatch, ray_groups) as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/resolve`.
     pub const RESOLVE_OFFSET: u64 = offset_of!(GpuFaceDispatch, resolve_groups) as u64;
+    /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/lamps` in the next frame.
+    pub const LAMPS_OFFSET: u64 = offset_of!(GpuFaceDispatch, lamp_groups) as u64;
 
     /// An empty table. Without final gather, it takes next to no memory.
     ///
@@ -209,6 +211,12 @@ impl SurfaceCache {
         let seen = width.div_ceil(2) * height.div_ceil(2);
         let listed = self.entries.min(seen + REQUEST_ROOM);
         rectangle(listed.div_ceil(FACES_A_GROUP))
+    }
+
+    /// Most workgroups of pass `surface_cache/lamps`: in as many rows.
+    pub fn lamps_most(&self, size: [u32; 2]) -> [u32; 2] {
+        let [columns, rows] = self.resolve_most(size);
+        [columns * FACES_A_GROUP / LAMP_FACES_A_GROUP, rows]
     }
 
     /// Workgroups for the listed faces, as pass `surface_cache/allocate` writes them.

@@ -2,6 +2,7 @@
 
 pub mod allocate;
 mod cache;
+pub mod lamps;
 pub mod resolve;
 mod shared;
 pub mod trace;

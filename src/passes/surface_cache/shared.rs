@@ -38,7 +38,7 @@ crate::shared! {
     }
 
     /// Words of an entry of the table.
-    pub(super) const ENTRY_WORDS: u32 = 20;
+    pub(super) const ENTRY_WORDS: u32 = 32;
 
     /// Rays of a quadrant of a face in a batch. The rays of a batch are stored quadrant by quadrant.
     pub(super) const QUADRANT_RAYS: u32 = 8;
@@ -51,6 +51,10 @@ crate::shared! {
 
     /// Faces per workgroup of pass `surface_cache/resolve`.
     pub(super) const FACES_A_GROUP: u32 = 16;
+
+    /// Faces per workgroup of pass `surface_cache/lamps`, and the crews of four threads that each face has.
+    pub(super) const LAMP_FACES_A_GROUP: u32 = 4;
+    pub(super) const LAMP_CREWS: u32 = 4;
 
     /// Counts of the listed faces, and what follows from the counts for the next frame.
     pub(super) struct GpuFaceCounts as FaceCounts {
@@ -73,6 +77,9 @@ crate::shared! {
         /// Of pass `surface_cache/resolve`.
         pub(super) resolve_groups: [u32; 3],
         pub(super) _pad1: u32,
+        /// Of pass `surface_cache/lamps` in the next frame.
+        pub(super) lamp_groups: [u32; 3],
+        pub(super) _pad2: u32,
     }
 
     /// Room for the faces that rays request: twice the expected number of requests, because rays request at random.

@@ -140,7 +140,12 @@ impl ProbeField {
             visibility_buffer: gpu.storage_buffer("probe_visibility", memory.visibility_bits)?,
             ambient_cubes: gpu.storage_buffer("ambient_cubes", memory.ambient_cubes)?,
             changes: Changes::default(),
-            update_schedule: UpdateSchedule::new(gpu, atlas.slots, parameters.rays)?,
+            update_schedule: UpdateSchedule::new(
+                gpu,
+                atlas.slots,
+                parameters.rays,
+                volume.octree().is_none() && volume.levels().len() > 1,
+            )?,
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
