@@ -15,8 +15,8 @@ use crate::{
     gpu::{Gpu, Offer, Recorder},
     passes::{
         probes::{
-            ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
-            seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
+            ProbeField, blend::ProbeBlend, classify::ProbeClassify, forget_hits::ForgetHits,
+            schedule::ProbeSchedule, seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
             visibility::ProbeVisibility,
         },
         scene::{GpuLights, lamp_lists::LampLists},
@@ -40,6 +40,7 @@ pub(super) struct Passes {
     seed: ProbeSeed,
     schedule: ProbeSchedule,
     walk: Option<SourceWalk>,
+    forget_hits: Option<ForgetHits>,
     probe_trace: ProbeTrace,
     blend: ProbeBlend,
     allocate: SurfaceAllocate,
@@ -83,6 +84,7 @@ impl Passes {
             let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
             let seed = threads.spawn(|| ProbeSeed::new(gpu, field, scene));
             let walk = threads.spawn(|| SourceWalk::new(gpu, field, scene));
+            let forget_hits = threads.spawn(|| ForgetHits::new(gpu, field, scene));
             let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, &offer));
             let blend = threads.spawn(|| ProbeBlend::new(gpu, field));
             let surface_trace =
@@ -120,6 +122,7 @@ impl Passes {
                 schedule: made(schedule)?,
                 seed: made(seed)?,
                 walk: made(walk)?,
+                forget_hits: made(forget_hits)?,
                 probe_trace: made(probe_trace)?,
                 blend: made(blend)?,
                 allocate: made(allocate)?,
@@ -236,6 +239,12 @@ impl Passes {
             if update.has_fresh {
                 self.seed.record(recorder);
             }
+        }
+        // Probes that walk may have moved at the end of any frame.
+        if let Some(forget_hits) = &self.forget_hits
+            && (update.places_probes || self.walk.is_some())
+        {
+            forget_hits.record(recorder);
         }
         PlacedProbes
     }

@@ -229,6 +229,27 @@ choice! {
 }
 
 choice! {
+    /// Whether probes keep what their rays hit.
+    ProbeHits {
+        /// Every update traces its rays in directions of its own.
+        Traced = "traced",
+        /// Updates take a few sets of directions in turn. A hit is kept until voxels change on its ray or its
+        /// probe moves, and lit again in every update.
+        Kept = "kept",
+    }
+}
+
+choice! {
+    /// The lattice of directions that a probe's rays have.
+    RayLattice {
+        /// The spherical Fibonacci lattice.
+        Fibonacci = "fibonacci",
+        /// Rows of latitude, each divided evenly by longitude, so that all rays stand for the same solid angle.
+        LatLong = "latlong",
+    }
+}
+
+choice! {
     /// Whether visible surfaces trace rays for their own light.
     FinalGather {
         /// Surfaces take their light from the surrounding probes.
@@ -271,7 +292,13 @@ parameters! {
     probes: ProbeParameters {
         #[doc = "Rays per probe and update. Twice as many cost twice the tracing time and reduce noise by 30 %."]
         rays: u32 = 128, Kind::Count { min: LEAST_RAYS, max: 4096 }, Probes;
-        #[doc = "Share of probes.rays that an update traces. Less is faster and noisier. It changes at once and the probes keep their light."]
+        #[doc = "Whether probes keep what their rays hit: traced marches every ray of every update in a new direction; kept marches a ray again only when voxels change on it or its probe moves, and lights what it hit in every update. kept is faster and takes 8 bytes per ray and set; its fixed directions miss what lies between them."]
+        hits: ProbeHits = ProbeHits::Traced, ProbeHits::KIND, Probes;
+        #[doc = "Sets of directions that updates take in turn under probes.hits=kept, each turned differently and each kept. 1 is a fixed pattern, whose error stays; more average it away and take as much more memory."]
+        hit_sets: u32 = 1, Kind::Count { min: 1, max: MOST_HIT_SETS }, Probes;
+        #[doc = "How the directions of a probe's rays lie on the sphere: fibonacci is the more even; latlong, rows of latitude, is there for comparison."]
+        lattice: RayLattice = RayLattice::Fibonacci, RayLattice::KIND, Probes;
+        #[doc = "Share of probes.rays that an update traces; probes.hits=kept always takes all. Less is faster and noisier. It changes at once and the probes keep their light."]
         ray_share: f32 = 1.0, Kind::Number { min: 0.05, max: 1.0 }, Nothing;
         #[doc = "Share of a probe's old light that each update keeps. More is steadier; less reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
@@ -354,9 +381,24 @@ pub const SCALES: RangeInclusive<f32> = 0.5..=1.0;
 /// Fewest rays of an update: the least value of `probes.rays`.
 const LEAST_RAYS: u32 = 8;
 
+/// Most sets of directions whose hits are kept.
+const MOST_HIT_SETS: u32 = 64;
+
 impl ProbeParameters {
-    /// Rays that an update of a probe traces.
+    /// Sets of directions whose hits are kept: 0 under [`ProbeHits::Traced`].
+    pub fn kept_sets(&self) -> u32 {
+        match self.hits {
+            ProbeHits::Traced => 0,
+            ProbeHits::Kept => self.hit_sets,
+        }
+    }
+
+    /// Rays that an update of a probe traces, or whose kept hits it lights. Kept hits belong to the directions of a
+    /// whole set, so an update takes all of these.
     pub fn rays_per_update(&self) -> u32 {
+        if self.hits == ProbeHits::Kept {
+            return self.rays;
+        }
         let share = (self.rays as f32 * self.ray_share).round() as u32;
         share.max(LEAST_RAYS).min(self.rays)
     }

@@ -1,6 +1,9 @@
-//! Directions of probe rays: one fixed, even set, rotated at random every frame.
+//! Directions of probe rays: one fixed, even set, rotated at random every frame; or a few rotated sets in turn, where
+//! probes keep what their rays hit.
 
 use glam::{DQuat, DVec3};
+
+use crate::parameters::{ProbeHits, ProbeParameters, RayLattice};
 
 /// Direction i of n on the spherical Fibonacci lattice (Keinert et al. 2015; the offset of half a
 /// step keeps the set symmetric about the equator).
@@ -10,6 +13,68 @@ pub fn fibonacci(i: u32, n: u32) -> DVec3 {
     let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(n);
     let radius = (1.0 - z * z).sqrt();
     DVec3::new(radius * turn.cos(), radius * turn.sin(), z)
+}
+
+/// Direction i of n on a latitude-longitude lattice: about √(n/2) rows, whose heights are in proportion to their
+/// directions, so that every direction stands for a solid angle of 4π/n.
+pub fn latlong(i: u32, n: u32) -> DVec3 {
+    let rows = (f64::from(n) / 2.0).sqrt().round().max(1.0) as u64;
+    let (i, n) = (u64::from(i), u64::from(n));
+    let first = |row: u64| row * n / rows;
+    // The row that has direction i: first(row) ≤ i < first(row + 1).
+    let row = ((i + 1) * rows - 1) / n;
+    let (start, end) = (first(row), first(row + 1));
+    let z = 1.0 - (start + end) as f64 / n as f64;
+    let radius = (1.0 - z * z).sqrt();
+    let turn = ((i - start) as f64 + 0.5) / (end - start) as f64 * std::f64::consts::TAU;
+    DVec3::new(radius * turn.cos(), radius * turn.sin(), z)
+}
+
+/// The set of kept hits that updates of a frame take: the sum of the frame number's digits to the base `sets`. A probe
+/// that is updated in every k-th frame only still takes all sets equally often, whatever k is (Gelfond 1968, "Sur les
+/// nombres qui ont des propriétés additives et multiplicatives données").
+pub fn set_of_frame(frame: u64, sets: u32) -> u32 {
+    if sets < 2 {
+        return 0;
+    }
+    let (mut rest, mut sum, base) = (frame, 0, u64::from(sets));
+    while rest > 0 {
+        sum += rest % base;
+        rest /= base;
+    }
+    (sum % base) as u32
+}
+
+/// The directions of one set of kept hits. The first is the lattice itself, the others are turned at random; the seed of
+/// a run does not change them.
+pub fn kept_directions(parameters: &ProbeParameters, set: u32) -> Vec<DVec3> {
+    const SEED: u64 = 0x6b65_7074;
+    let turned = match set {
+        0 => DQuat::IDENTITY,
+        set => rotation(SEED, u64::from(set)),
+    };
+    on_lattice(parameters.lattice, parameters.rays, turned)
+}
+
+/// The directions of all probes in one frame, as the parameters say; `rays` are those of an update.
+pub fn directions_of_frame(
+    parameters: &ProbeParameters,
+    rays: u32,
+    seed: u64,
+    frame: u64,
+) -> Vec<DVec3> {
+    match parameters.hits {
+        ProbeHits::Traced => on_lattice(parameters.lattice, rays, rotation(seed, frame)),
+        ProbeHits::Kept => kept_directions(parameters, set_of_frame(frame, parameters.hit_sets)),
+    }
+}
+
+fn on_lattice(lattice: RayLattice, rays: u32, turned: DQuat) -> Vec<DVec3> {
+    let point = match lattice {
+        RayLattice::Fibonacci => fibonacci,
+        RayLattice::LatLong => latlong,
+    };
+    (0..rays).map(|i| turned * point(i, rays)).collect()
 }
 
 /// A rotation from the uniform distribution over all rotations (Shoemake 1992, "Uniform random
@@ -27,7 +92,7 @@ pub fn rotation(seed: u64, frame: u64) -> DQuat {
     DQuat::from_xyzw(a * sin2, a * cos2, b * sin3, b * cos3).normalize()
 }
 
-/// The directions of all probes in one frame.
+/// The directions of all probes in one frame under default parameters.
 pub fn directions(rays: u32, seed: u64, frame: u64) -> impl Iterator<Item = DVec3> {
     let rotation = rotation(seed, frame);
     (0..rays).map(move |i| rotation * fibonacci(i, rays))
@@ -82,6 +147,84 @@ mod tests {
         for n in [64, 400, 2025] {
             assert_isotropic((0..n).map(|i| fibonacci(i, n)), 2.0 / f64::from(n));
         }
+    }
+
+    #[test]
+    fn latitude_and_longitude_divide_the_sphere_evenly() {
+        for n in [8, 9, 64, 100, 128, 401, 2025] {
+            assert_isotropic((0..n).map(|i| latlong(i, n)), 1.5 / f64::from(n));
+            // Each row's band of the sphere is as large as its share of the directions.
+            let heights: Vec<f64> = (0..n).map(|i| latlong(i, n).z).collect();
+            let mut top = 1.0;
+            for row in heights.chunk_by(|a, b| a == b) {
+                let band = 2.0 * row.len() as f64 / f64::from(n);
+                assert!((top - band / 2.0 - row[0]).abs() < 1e-12, "{n}: {row:?}");
+                top -= band;
+            }
+            assert!((top + 1.0).abs() < 1e-9, "{n}: the rows end at the pole");
+        }
+        let rows = |n| {
+            let heights: Vec<f64> = (0..n).map(|i| latlong(i, n).z).collect();
+            heights.chunk_by(|a, b| a == b).count()
+        };
+        assert_eq!((rows(64), rows(128)), (6, 8));
+    }
+
+    #[test]
+    fn every_interval_of_updates_takes_all_sets_equally_often() {
+        for sets in [1, 2, 3, 4, 8, 10, 16] {
+            for interval in [1, 2, 4, 8, 10] {
+                for turn in [0, interval - 1] {
+                    let mut taken = vec![0u32; sets as usize];
+                    for update in 0..4096u32 {
+                        let frame = u64::from(update * interval + turn);
+                        taken[set_of_frame(frame, sets) as usize] += 1;
+                    }
+                    let expected = 4096.0 / f64::from(sets);
+                    for count in taken {
+                        let off = (f64::from(count) / expected - 1.0).abs();
+                        assert!(off < 0.2, "{sets} sets, interval {interval}: {count}");
+                    }
+                }
+            }
+        }
+        // Frame number modulo sets would fail: every second frame takes the even half of 8 sets alone.
+        assert!((0..64).map(|update| 2 * update % 8).all(|set| set % 2 == 0));
+    }
+
+    #[test]
+    fn kept_sets_are_the_lattice_and_rotations_of_it() {
+        let parameters = ProbeParameters {
+            hits: ProbeHits::Kept,
+            hit_sets: 4,
+            rays: 64,
+            ..ProbeParameters::default()
+        };
+        for lattice in [RayLattice::Fibonacci, RayLattice::LatLong] {
+            let parameters = ProbeParameters {
+                lattice,
+                ..parameters.clone()
+            };
+            let sets: Vec<_> = (0..4)
+                .map(|set| kept_directions(&parameters, set))
+                .collect();
+            let point = match lattice {
+                RayLattice::Fibonacci => fibonacci,
+                RayLattice::LatLong => latlong,
+            };
+            assert_eq!(sets[0], (0..64).map(|i| point(i, 64)).collect::<Vec<_>>());
+            for (set, directions) in sets.iter().enumerate() {
+                assert_isotropic(directions.iter().copied(), 2.0 / 64.0);
+                let others = &sets[set + 1..];
+                assert!(others.iter().all(|other| other[0].dot(directions[0]) < 0.999));
+            }
+        }
+        let of_frame = |frame| directions_of_frame(&parameters, 64, 7, frame);
+        assert_eq!(of_frame(0), of_frame(4 + 3), "3 + 1 = 0 modulo 4");
+        assert_ne!(of_frame(0), of_frame(1));
+        let traced = ProbeParameters::default();
+        let plain: Vec<DVec3> = directions(128, 7, 3).collect();
+        assert_eq!(directions_of_frame(&traced, 128, 7, 3), plain);
     }
 
     #[test]

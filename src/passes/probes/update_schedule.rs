@@ -7,7 +7,7 @@ use super::state::{GpuProbeState, ProbeClass};
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
     parameters::{ProbeParameters, ProbeStates},
-    probes::{Changes, Layout as _, Volume},
+    probes::{Changes, Layout as _, Volume, sampling},
 };
 
 crate::shared! {
@@ -35,7 +35,8 @@ crate::shared! {
         pub least_variability: f32,
         /// Frames from update to update of a requested probe whose light is still.
         pub still_interval: u32,
-        pub _pad: u32,
+        /// Which set of kept hits the updates of this frame take.
+        pub hit_set: u32,
     }
 }
 
@@ -174,7 +175,7 @@ impl UpdateSchedule {
             probe_rows: self.probe_rows,
             least_variability: parameters.variability,
             still_interval,
-            ..Default::default()
+            hit_set: sampling::set_of_frame(frame, parameters.hit_sets),
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&update_schedule));
