@@ -216,7 +216,11 @@ mod tests {
             for (set, directions) in sets.iter().enumerate() {
                 assert_isotropic(directions.iter().copied(), 2.0 / 64.0);
                 let others = &sets[set + 1..];
-                assert!(others.iter().all(|other| other[0].dot(directions[0]) < 0.999));
+                assert!(
+                    others
+                        .iter()
+                        .all(|other| other[0].dot(directions[0]) < 0.999)
+                );
             }
         }
         let of_frame = |frame| directions_of_frame(&parameters, 64, 7, frame);

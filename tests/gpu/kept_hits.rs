@@ -118,7 +118,10 @@ fn assert_true(drawn: &Drawn, other: &Drawn, what: &str) -> usize {
             if found[1] != 0 && truth[1] != 0 {
                 let same = found[1] & WHAT == truth[1] & WHAT
                     && (found[1] & WHAT == WHAT || found[0] == truth[0]);
-                assert!(same, "{what}: probe {place:?}, ray {ray}: {found:x?} {truth:x?}");
+                assert!(
+                    same,
+                    "{what}: probe {place:?}, ray {ray}: {found:x?} {truth:x?}"
+                );
                 compared += 1;
             }
         }
@@ -144,7 +147,10 @@ fn kept_hits_light_as_marched_ones_to_the_bit() {
     let gpu = support::gpu();
     let file = "probes/kept_hits.wesl";
     let marches = with_faults(&gpu, &[(file, "return packed.y != 0u;", "return false;")]);
-    let wrong = with_faults(&gpu, &[(file, "face, time, surface", "face, time + 0.01, surface")]);
+    let wrong = with_faults(
+        &gpu,
+        &[(file, "face, time, surface", "face, time + 0.01, surface")],
+    );
     for (sets, directions) in [(1, RayLattice::Fibonacci), (3, RayLattice::LatLong)] {
         let probes = kept(sets, directions);
         let after = |gpu: &Gpu| {
@@ -295,7 +301,12 @@ fn cascades_that_move_keep_only_true_hits() {
     let mut drawn = rooms(&gpu, &layout, &kept(2, RayLattice::Fibonacci));
     let voxels = drawn.frame.stage.read_back(&gpu).expect("reads back");
     drawn.draw(8);
-    for step in [Vec3::X * 3.5, Vec3::new(7.0, 0.0, 3.0), Vec3::splat(-1.0), Vec3::X * -100.0] {
+    for step in [
+        Vec3::X * 3.5,
+        Vec3::new(7.0, 0.0, 3.0),
+        Vec3::splat(-1.0),
+        Vec3::X * -100.0,
+    ] {
         drawn.shot.camera.position += step;
         drawn.draw(1);
         let mut anew = fresh(&drawn, &layout, &voxels);
@@ -309,7 +320,11 @@ fn cascades_that_move_keep_only_true_hits() {
 fn stale_hits_would_be_found() {
     let faulty = with_faults(
         &support::gpu(),
-        &[("probes/forget_hits.wesl", "if !has_moved && !has_edit {", "if true {")],
+        &[(
+            "probes/forget_hits.wesl",
+            "if !has_moved && !has_edit {",
+            "if true {",
+        )],
     );
     let probes = kept(1, RayLattice::Fibonacci);
     let mut drawn = rooms(&faulty, &uniform(), &probes);
@@ -339,7 +354,7 @@ fn hits_that_do_not_fit_are_refused_before_anything_is_allocated() {
         Err(other) => panic!("{other}"),
         Ok(_) => panic!("{} bytes fit", 16u64.pow(3) * 4096 * 8 * 65),
     };
-    for part in ["probes.hits=kept", "probes.hit_sets", "GB", "fewer"] {
+    for part in ["probes.hits=kept", "fewer", "probes.hit_sets", "bytes"] {
         assert!(error.contains(part), "{part}: {error}");
     }
 }
