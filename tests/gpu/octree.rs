@@ -151,7 +151,7 @@ fn the_published_way_lights_the_room_and_follows_edits() {
     let fine = lit(&lattice(UVec3::splat(5), Vec3::splat(6.0), Vec3::ZERO));
     let layout = published(3);
     let mut room = room(&layout);
-    room.draw(50);
+    room.draw(30);
     let off = apart(&room.radiance(), &fine);
     assert!(off < 0.3, "{off}");
     let light = mean(&room.radiance()) / mean(&fine);
@@ -161,12 +161,12 @@ fn the_published_way_lights_the_room_and_follows_edits() {
     let edit = voxels.fill_box(IVec3::new(7, 7, 19), IVec3::new(12, 12, 24), 1);
     room.frame.apply(&room.gpu, &voxels, &edit).expect("fits");
     assert_ne!(room.frame.field().volume().probes(), before);
-    room.draw(60);
+    room.draw(30);
     let stage = grotto::frame::Stage::upload(&room.gpu, &room.world, &voxels).expect("fits");
     let frame = grotto::frame::Frame::new(&room.gpu, stage, &layout, &room.probes, SIZE);
     let edited = std::mem::replace(&mut room.frame, frame.expect("fits"));
     let followed = edited.read_radiance(&room.gpu).expect("reads back");
-    room.draw(60);
+    room.draw(30);
     let off = apart(&followed, &room.radiance());
     assert!(off < 0.05, "{off}");
 }

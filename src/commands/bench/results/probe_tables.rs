@@ -44,15 +44,47 @@ pub const HITS: [&str; 7] = ["0", "100", "200", "300", "400", "500", "600"];
 pub fn hit_cells(row: &Row) -> Vec<Vec<String>> {
     let sample = |frame: &&str| {
         let own = |what: &str| {
-            let value = row.figures.get(&format!("{what}_{frame:0>3}"));
-            value.map_or(f64::NAN, |figure| figure.value)
+            let found = row.figures.get(&format!("{what}_{frame:0>3}"));
+            found.map(|figure| figure.value)
         };
-        format!(
-            "{} {:.3} {:.3}",
-            own("probes"),
-            own("hits"),
-            own("leaf_hits")
-        )
+        // With --quick there are fewer samples.
+        match (own("probes"), own("hits"), own("leaf_hits")) {
+            (Some(probes), Some(hits), Some(leaf)) => format!("{probes} {hits:.3} {leaf:.3}"),
+            _ => String::new(),
+        }
     };
     vec![HITS.iter().map(sample).collect()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::super::made_up, *};
+
+    #[test]
+    fn every_figure_has_its_column() {
+        let mut row = made_up::row("probes/cornell/uniform layout1", 2.0);
+        for (name, value) in [("update_ms", 0.25), ("alone_flip", 0.0625)] {
+            let figure = made_up::figure_row("a", name, value).figures[name];
+            row.figures.insert(name.to_owned(), figure);
+        }
+        let [cells] = &probe_cells(&row)[..] else {
+            panic!("one line")
+        };
+        assert_eq!(cells.len(), PROBES.len());
+        let of = |column: usize| (PROBES[column], cells[column].as_str());
+        assert_eq!((of(3), of(4)), (("update", "0.250"), ("gather", "")));
+        assert_eq!((of(5), of(10)), (("FPS", "500"), ("FLIP", "0.0625")));
+    }
+
+    #[test]
+    fn samples_stand_below_their_frames() {
+        let mut row = made_up::figure_row("hits/cornell/depth 2", "probes_100", 64.0);
+        for (name, value) in [("hits_100", 0.75), ("leaf_hits_100", 0.5)] {
+            let figure = made_up::figure_row("a", name, value).figures[name];
+            row.figures.insert(name.to_owned(), figure);
+        }
+        let cells = &hit_cells(&row)[0];
+        assert_eq!(cells.len(), HITS.len());
+        assert_eq!(cells[0..3], ["", "64 0.750 0.500", ""]);
+    }
 }

@@ -20,7 +20,7 @@ use crate::{
     probes::{Layout as _, sampling},
 };
 
-/// Frames of the suite `hits`, and between two of its samples.
+/// Frames of the suite `hits`, and between two of its samples; with `--quick` it ends at the second one.
 const FRAMES: u32 = 600;
 const SAMPLE: u32 = 100;
 /// Rays that are stored as this long (voxels) or longer hit nothing: `shaders/probes/ray.wesl`.
@@ -93,7 +93,8 @@ impl Common<'_> {
         rig.prepare(spec, spec.size)?;
         let mut figures = BTreeMap::new();
         let mut played = 0;
-        for frame in (0..=FRAMES).step_by(SAMPLE as usize) {
+        let last = if self.quick { SAMPLE } else { FRAMES };
+        for frame in (0..=last).step_by(SAMPLE as usize) {
             // A probe has rays from its first frame on.
             let until = frame.max(1);
             rig.play(spec, spec.size, played..until)?;
