@@ -30,30 +30,35 @@ pub fn latlong(i: u32, n: u32) -> DVec3 {
     DVec3::new(radius * turn.cos(), radius * turn.sin(), z)
 }
 
-/// The set of kept hits that updates of a frame take: the sum of the frame number's digits to the base `sets`. A probe
-/// that is updated in every k-th frame only still takes all sets equally often, whatever k is (Gelfond 1968, "Sur les
-/// nombres qui ont des propriétés additives et multiplicatives données").
+/// The set of kept hits that updates of a frame take: the fractional part of the frame's number times the golden ratio, in
+/// `sets` equal parts. A probe that is updated in every k-th frame only still takes all sets equally often, whatever k is
+/// (Weyl 1916, "Über die Gleichverteilung von Zahlen mod. Eins"): the ratio times k is irrational, too.
 pub fn set_of_frame(frame: u64, sets: u32) -> u32 {
-    if sets < 2 {
-        return 0;
-    }
-    let (mut rest, mut sum, base) = (frame, 0, u64::from(sets));
-    while rest > 0 {
-        sum += rest % base;
-        rest /= base;
-    }
-    (sum % base) as u32
+    /// The golden ratio's fractional part times 2³².
+    const GOLDEN: u64 = 0x9e37_79b9;
+    let fraction = frame.wrapping_mul(GOLDEN) & 0xffff_ffff;
+    ((fraction * u64::from(sets)) >> 32) as u32
 }
 
-/// The directions of one set of kept hits. The first is the lattice itself, the others are turned at random; the seed of
-/// a run does not change them.
+/// The directions of one set of kept hits. The first is the lattice itself, the others are turned; the seed of a run does
+/// not change them.
 pub fn kept_directions(parameters: &ProbeParameters, set: u32) -> Vec<DVec3> {
-    const SEED: u64 = 0x6b65_7074;
-    let turned = match set {
-        0 => DQuat::IDENTITY,
-        set => rotation(SEED, u64::from(set)),
-    };
+    let sets = parameters.hit_sets;
+    let turned = even_rotation(set, sets) * even_rotation(0, sets).inverse();
     on_lattice(parameters.lattice, parameters.rays, turned)
+}
+
+/// Rotation i of n that lie evenly among all rotations: super-Fibonacci spirals (Alexa 2022). Few random rotations
+/// would leave gaps, and all sets would miss the same bright thing.
+fn even_rotation(i: u32, n: u32) -> DQuat {
+    use std::f64::consts::{SQRT_2, TAU};
+    /// ψ⁴ = ψ + 4.
+    const PSI: f64 = 1.533_751_168_755_204_3;
+    let s = f64::from(i) + 0.5;
+    let (a, b) = ((s / f64::from(n)).sqrt(), (1.0 - s / f64::from(n)).sqrt());
+    let (sin_a, cos_a) = (TAU * s / SQRT_2).sin_cos();
+    let (sin_b, cos_b) = (TAU * s / PSI).sin_cos();
+    DQuat::from_xyzw(a * sin_a, a * cos_a, b * sin_b, b * cos_b).normalize()
 }
 
 /// The directions of all probes in one frame, as the parameters say; `rays` are those of an update.
@@ -176,11 +181,11 @@ mod tests {
             for interval in [1, 2, 4, 8, 10] {
                 for turn in [0, interval - 1] {
                     let mut taken = vec![0u32; sets as usize];
-                    for update in 0..4096u32 {
+                    for update in 0..256u32 {
                         let frame = u64::from(update * interval + turn);
                         taken[set_of_frame(frame, sets) as usize] += 1;
                     }
-                    let expected = 4096.0 / f64::from(sets);
+                    let expected = 256.0 / f64::from(sets);
                     for count in taken {
                         let off = (f64::from(count) / expected - 1.0).abs();
                         assert!(off < 0.2, "{sets} sets, interval {interval}: {count}");
@@ -212,7 +217,9 @@ mod tests {
                 RayLattice::Fibonacci => fibonacci,
                 RayLattice::LatLong => latlong,
             };
-            assert_eq!(sets[0], (0..64).map(|i| point(i, 64)).collect::<Vec<_>>());
+            for (turned, i) in sets[0].iter().zip(0..) {
+                assert!(turned.distance(point(i, 64)) < 1e-12, "the lattice itself");
+            }
             for (set, directions) in sets.iter().enumerate() {
                 assert_isotropic(directions.iter().copied(), 2.0 / 64.0);
                 let others = &sets[set + 1..];
@@ -224,7 +231,10 @@ mod tests {
             }
         }
         let of_frame = |frame| directions_of_frame(&parameters, 64, 7, frame);
-        assert_eq!(of_frame(0), of_frame(4 + 3), "3 + 1 = 0 modulo 4");
+        for frame in 0..40 {
+            let set = set_of_frame(frame, 4);
+            assert_eq!(of_frame(frame), kept_directions(&parameters, set));
+        }
         assert_ne!(of_frame(0), of_frame(1));
         let traced = ProbeParameters::default();
         let plain: Vec<DVec3> = directions(128, 7, 3).collect();
@@ -234,6 +244,34 @@ mod tests {
     #[test]
     fn a_rotated_set_stays_even() {
         assert_isotropic(directions(400, 7, 3), 0.005);
+    }
+
+    /// Largest distance of a rotation from the nearest of a set, as an angle in radians.
+    fn largest_gap(set: &[DQuat]) -> f64 {
+        let apart = |a: &DQuat| {
+            let near = |b: &DQuat| a.dot(*b).abs().min(1.0);
+            2.0 * set.iter().map(near).fold(0.0, f64::max).acos()
+        };
+        let probing: Vec<DQuat> = (0..2000).map(|frame| rotation(3, frame)).collect();
+        probing.iter().map(apart).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn turned_sets_leave_smaller_gaps_than_random_rotations() {
+        for n in [16, 64] {
+            let even: Vec<DQuat> = (0..n).map(|i| even_rotation(i, n)).collect();
+            let random = |seed| -> Vec<DQuat> {
+                let frames = 0..u64::from(n);
+                frames.map(|frame| rotation(seed, frame)).collect()
+            };
+            let gaps = (0..10).map(|seed| largest_gap(&random(seed)));
+            let mean = gaps.sum::<f64>() / 10.0;
+            assert!(
+                largest_gap(&even) < mean,
+                "{n}: {} {mean}",
+                largest_gap(&even)
+            );
+        }
     }
 
     #[test]

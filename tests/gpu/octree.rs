@@ -149,13 +149,13 @@ fn published(depth: u32) -> LayoutSpec {
 #[test]
 fn the_published_way_lights_the_room_and_follows_edits() {
     let fine = lit(&lattice(UVec3::splat(5), Vec3::splat(6.0), Vec3::ZERO));
-    let layout = published(3);
+    let layout = published(2);
     let mut room = room(&layout);
     room.draw(30);
     let off = apart(&room.radiance(), &fine);
-    assert!(off < 0.3, "{off}");
+    assert!(off < 0.5, "{off}");
     let light = mean(&room.radiance()) / mean(&fine);
-    assert!((0.8..1.25).contains(&light), "{light}");
+    assert!((0.7..1.4).contains(&light), "{light}");
     let before = room.frame.field().volume().probes();
     let mut voxels = room.frame.stage.read_back(&room.gpu).expect("reads back");
     let edit = voxels.fill_box(IVec3::new(7, 7, 19), IVec3::new(12, 12, 24), 1);
@@ -187,7 +187,7 @@ fn the_published_way_leaks_nothing_through_walls() {
             ..ProbeParameters::default()
         };
         let world = support::parsed(&walled);
-        let mut drawn = Drawn::new(gpu, world, &published(3), probes, SIZE);
+        let mut drawn = Drawn::new(gpu, world, &published(2), probes, SIZE);
         drawn.shot.view = View::Irradiance;
         drawn.draw(20);
         mean(&drawn.radiance())

@@ -62,9 +62,9 @@ mod tests {
 
     #[test]
     fn every_figure_has_its_column() {
-        let mut row = made_up::row("probes/cornell/uniform layout1", 2.0);
+        let mut row = made_up::row("probes/cornell/layout1/moving", 2.0);
         for (name, value) in [("update_ms", 0.25), ("alone_flip", 0.0625)] {
-            let figure = made_up::figure_row("a", name, value).figures[name];
+            let figure = made_up::figure_row("a/b/c/d", name, value).figures[name];
             row.figures.insert(name.to_owned(), figure);
         }
         let [cells] = &probe_cells(&row)[..] else {
@@ -78,9 +78,9 @@ mod tests {
 
     #[test]
     fn samples_stand_below_their_frames() {
-        let mut row = made_up::figure_row("hits/cornell/depth 2", "probes_100", 64.0);
+        let mut row = made_up::figure_row("hits/cornell/depth 2/kept", "probes_100", 64.0);
         for (name, value) in [("hits_100", 0.75), ("leaf_hits_100", 0.5)] {
-            let figure = made_up::figure_row("a", name, value).figures[name];
+            let figure = made_up::figure_row("a/b/c/d", name, value).figures[name];
             row.figures.insert(name.to_owned(), figure);
         }
         let cells = &hit_cells(&row)[0];
