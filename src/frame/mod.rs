@@ -16,6 +16,7 @@ mod antialias;
 mod bits;
 mod inspect;
 mod lost;
+mod made;
 mod memory;
 mod order;
 mod passes;

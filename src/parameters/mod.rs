@@ -9,7 +9,7 @@ mod nearest;
 mod removed;
 mod value;
 
-use std::{borrow::Cow, ops::RangeInclusive};
+use std::ops::RangeInclusive;
 
 use glam::{UVec3, Vec3};
 
@@ -122,7 +122,7 @@ macro_rules! choice {
         }
 
         impl $Choice {
-            const KIND: Kind = Kind::Choice { words: &[$($word),+] };
+            pub(super) const KIND: Kind = Kind::Choice { words: &[$($word),+] };
         }
 
         impl From<$Choice> for Value {
@@ -143,6 +143,10 @@ macro_rules! choice {
         }
     };
 }
+
+mod probes;
+
+pub use probes::{ProbeHits, RayLattice};
 
 choice! {
     /// How a probe behind a wall loses its weight.
@@ -225,27 +229,6 @@ choice! {
         Off = "off",
         /// Probes that nothing needs now are updated only occasionally.
         On = "on",
-    }
-}
-
-choice! {
-    /// Whether probes keep what their rays hit.
-    ProbeHits {
-        /// Every update traces its rays in directions of its own.
-        Traced = "traced",
-        /// Updates take a few sets of directions in turn. A hit is kept until voxels change on its ray or its
-        /// probe moves, and lit again in every update.
-        Kept = "kept",
-    }
-}
-
-choice! {
-    /// The lattice of directions that a probe's rays have.
-    RayLattice {
-        /// The spherical Fibonacci lattice.
-        Fibonacci = "fibonacci",
-        /// Rows of latitude, each divided evenly by longitude, so that all rays stand for the same solid angle.
-        LatLong = "latlong",
     }
 }
 
@@ -383,39 +366,6 @@ const LEAST_RAYS: u32 = 8;
 
 /// Most sets of directions whose hits are kept.
 const MOST_HIT_SETS: u32 = 64;
-
-impl ProbeParameters {
-    /// Sets of directions whose hits are kept: 0 under [`ProbeHits::Traced`].
-    pub fn kept_sets(&self) -> u32 {
-        match self.hits {
-            ProbeHits::Traced => 0,
-            ProbeHits::Kept => self.hit_sets,
-        }
-    }
-
-    /// Rays that an update of a probe traces, or whose kept hits it lights. Kept hits belong to the directions of a
-    /// whole set, so an update takes all of these.
-    pub fn rays_per_update(&self) -> u32 {
-        if self.hits == ProbeHits::Kept {
-            return self.rays;
-        }
-        let share = (self.rays as f32 * self.ray_share).round() as u32;
-        share.max(LEAST_RAYS).min(self.rays)
-    }
-
-    /// In effect: under [`Method::Source`] probes alone light the picture, and estimate visibility from distances.
-    pub fn effective(&self) -> Cow<'_, Self> {
-        match self.method {
-            Method::Grotto => Cow::Borrowed(self),
-            Method::Source => Cow::Owned(Self {
-                visibility: Visibility::Chebyshev,
-                final_gather: FinalGather::Off,
-                relocation: Relocation::Off,
-                ..self.clone()
-            }),
-        }
-    }
-}
 
 impl Parameters {
     /// Applies `KEY=VALUE`, as `--set` gives it.
