@@ -23,8 +23,9 @@ use crate::{
 /// Frames of the suite `hits`, and between two of its samples; with `--quick` it ends at the second one.
 const FRAMES: u32 = 600;
 const SAMPLE: u32 = 100;
-/// Rays that are stored as this long (voxels) or longer hit nothing: `shaders/probes/ray.wesl`.
-const ENDLESS: f32 = 65_000.0;
+/// Rays that hit nothing are stored as 65 000 voxels long, rounded to a half float (`shaders/probes/ray.wesl`): that may
+/// be less. No ray that hits something is as long as this.
+const LONGEST_HIT: f32 = 60_000.0;
 
 /// Milliseconds of the passes whose names begin with one of these; `None` where none was timed.
 fn sum(passes: &BTreeMap<String, f64>, prefixes: &[&str]) -> Option<f64> {
@@ -145,7 +146,7 @@ impl HitShares {
             let leaf = Leaf::of(field, slot as u32);
             for (length, direction) in lengths(slot).zip(&directions) {
                 all += 1;
-                if length < ENDLESS {
+                if length < LONGEST_HIT {
                     hits += 1;
                     let point = Vec3::from(place.position_ws) + direction * length.max(0.0);
                     leaf_hits += u64::from(leaf.holds(point));
