@@ -4,7 +4,8 @@
 //! scene/lamp_lists (lamps that move, where there are many) ─ the lamps of each cell, for all that follows
 //! probes/classify (new probes, volumes that move, edits) ─ where probes are ─ probes/schedule ─ which are updated
 //!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
-//!     └ probes/seed (volumes that move) ─ what new probes show until their first update
+//!     ├ probes/seed (volumes that move) ─ what new probes show until their first update
+//!     └ probes/forget_hits (`probes.hits=kept`) ─ which kept hits are still true
 //! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐
 //!     └────────────── atlas of the last frame ◄───────────┤                │
 //! view/camera_rays ─ surfaces ─ surface_cache/{lamps, allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/antialias ─ view/tonemap
@@ -15,6 +16,7 @@ mod antialias;
 mod bits;
 mod inspect;
 mod lost;
+mod made;
 mod memory;
 mod offers;
 mod order;

@@ -1,11 +1,12 @@
 //! Every pass of a frame, with what it reads and writes there.
 
-use std::thread::{self, ScopedJoinHandle};
+use std::thread;
 
 use super::{
     FrameError,
     antialias::Smoothing,
     inspect::Inspect,
+    made::made,
     offers::offer,
     values::{
         ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
@@ -16,8 +17,8 @@ use crate::{
     gpu::{Gpu, Recorder},
     passes::{
         probes::{
-            ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
-            seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
+            ProbeField, blend::ProbeBlend, classify::ProbeClassify, forget_hits::ForgetHits,
+            schedule::ProbeSchedule, seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
             visibility::ProbeVisibility,
         },
         scene::{GpuLights, lamp_lists::LampLists},
@@ -42,6 +43,7 @@ pub(super) struct Passes {
     seed: ProbeSeed,
     schedule: ProbeSchedule,
     walk: Option<SourceWalk>,
+    forget_hits: Option<ForgetHits>,
     probe_trace: ProbeTrace,
     blend: ProbeBlend,
     face_lamps: SurfaceLamps,
@@ -86,6 +88,7 @@ impl Passes {
             let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
             let seed = threads.spawn(|| ProbeSeed::new(gpu, field, scene));
             let walk = threads.spawn(|| SourceWalk::new(gpu, field, scene));
+            let forget_hits = threads.spawn(|| ForgetHits::new(gpu, field, scene));
             let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, &offer));
             let blend = threads.spawn(|| ProbeBlend::new(gpu, field));
             let surface_trace =
@@ -124,6 +127,7 @@ impl Passes {
                 schedule: made(schedule)?,
                 seed: made(seed)?,
                 walk: made(walk)?,
+                forget_hits: made(forget_hits)?,
                 probe_trace: made(probe_trace)?,
                 blend: made(blend)?,
                 face_lamps: made(face_lamps)?,
@@ -242,6 +246,12 @@ impl Passes {
             if update.has_fresh {
                 self.seed.record(recorder);
             }
+        }
+        // Probes that walk may have moved at the end of any frame.
+        if let Some(forget_hits) = &self.forget_hits
+            && (update.places_probes || self.walk.is_some())
+        {
+            forget_hits.record(recorder);
         }
         PlacedProbes
     }
@@ -367,11 +377,4 @@ impl Passes {
         let which = drawn.smoothed.map_or(0, |which| 1 + which);
         self.tonemap.record(recorder, which);
     }
-}
-
-/// What a thread has made; a panic there is one here.
-fn made<T>(thread: ScopedJoinHandle<'_, T>) -> T {
-    thread
-        .join()
-        .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }

@@ -9,7 +9,7 @@ mod nearest;
 mod removed;
 mod value;
 
-use std::{borrow::Cow, ops::RangeInclusive};
+use std::ops::RangeInclusive;
 
 use glam::{UVec3, Vec3};
 
@@ -122,7 +122,7 @@ macro_rules! choice {
         }
 
         impl $Choice {
-            const KIND: Kind = Kind::Choice { words: &[$($word),+] };
+            pub(super) const KIND: Kind = Kind::Choice { words: &[$($word),+] };
         }
 
         impl From<$Choice> for Value {
@@ -143,6 +143,10 @@ macro_rules! choice {
         }
     };
 }
+
+mod probes;
+
+pub use probes::{ProbeHits, RayLattice};
 
 choice! {
     /// How a probe behind a wall loses its weight.
@@ -271,7 +275,13 @@ parameters! {
     probes: ProbeParameters {
         #[doc = "Rays per probe and update. Twice as many cost twice the tracing time and reduce noise by 30 %."]
         rays: u32 = 128, Kind::Count { min: LEAST_RAYS, max: 4096 }, Probes;
-        #[doc = "Share of probes.rays that an update traces. Less is faster and noisier. It changes at once and the probes keep their light."]
+        #[doc = "Whether probes keep what their rays hit: traced marches every ray of every update in a new direction; kept marches a ray again only when voxels change on it or its probe moves, and lights what it hit in every update. kept is faster and takes 8 bytes per ray and set; its fixed directions miss what lies between them."]
+        hits: ProbeHits = ProbeHits::Traced, ProbeHits::KIND, Probes;
+        #[doc = "Sets of directions that updates take in turn under probes.hits=kept, each turned differently and each kept. 1 is a fixed pattern, whose error stays; more average it away and take as much more memory."]
+        hit_sets: u32 = 1, Kind::Count { min: 1, max: MOST_HIT_SETS }, Probes;
+        #[doc = "How the directions of a probe's rays lie on the sphere: fibonacci is the more even; latlong, rows of latitude, is there for comparison."]
+        lattice: RayLattice = RayLattice::Fibonacci, RayLattice::KIND, Probes;
+        #[doc = "Share of probes.rays that an update traces; probes.hits=kept always takes all. Less is faster and noisier. It changes at once and the probes keep their light."]
         ray_share: f32 = 1.0, Kind::Number { min: 0.05, max: 1.0 }, Nothing;
         #[doc = "Share of a probe's old light that each update keeps. More is steadier; less reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
@@ -354,26 +364,8 @@ pub const SCALES: RangeInclusive<f32> = 0.5..=1.0;
 /// Fewest rays of an update: the least value of `probes.rays`.
 const LEAST_RAYS: u32 = 8;
 
-impl ProbeParameters {
-    /// Rays that an update of a probe traces.
-    pub fn rays_per_update(&self) -> u32 {
-        let share = (self.rays as f32 * self.ray_share).round() as u32;
-        share.max(LEAST_RAYS).min(self.rays)
-    }
-
-    /// In effect: under [`Method::Source`] probes alone light the picture, and estimate visibility from distances.
-    pub fn effective(&self) -> Cow<'_, Self> {
-        match self.method {
-            Method::Grotto => Cow::Borrowed(self),
-            Method::Source => Cow::Owned(Self {
-                visibility: Visibility::Chebyshev,
-                final_gather: FinalGather::Off,
-                relocation: Relocation::Off,
-                ..self.clone()
-            }),
-        }
-    }
-}
+/// Most sets of directions whose hits are kept.
+const MOST_HIT_SETS: u32 = 64;
 
 impl Parameters {
     /// Applies `KEY=VALUE`, as `--set` gives it.

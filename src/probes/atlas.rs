@@ -24,7 +24,7 @@ pub struct AtlasLayout {
 const IRRADIANCE_TEXEL_BYTES: u64 = 8;
 /// Bytes of a texel of the distance atlas: see [`distances_of`](super::packed::distances_of).
 const DISTANCE_TEXEL_BYTES: u64 = 4;
-/// Radiance and distance of one ray (f16).
+/// Radiance and distance of one ray (f16); a kept hit takes as many.
 const RAY_BYTES: u64 = 8;
 /// Number of updates, mean luminance, variability, and flags.
 pub const STATE_BYTES: u64 = 16;
@@ -60,6 +60,10 @@ pub struct ProbeMemory {
     pub irradiance_maps: u64,
     pub distance_atlas: u64,
     pub rays: u64,
+    /// Hits that are kept, which lie behind the rays in their buffer.
+    pub kept_hits: u64,
+    /// Places that kept hits were traced from.
+    pub hit_places: u64,
     pub states: u64,
     pub variability: u64,
     pub places: u64,
@@ -76,6 +80,8 @@ impl ProbeMemory {
         self.irradiance_maps
             + self.distance_atlas
             + self.rays
+            + self.kept_hits
+            + self.hit_places
             + self.states
             + self.variability
             + self.places
@@ -157,15 +163,19 @@ impl AtlasLayout {
         u64::from(self.slots) * CUBE_BYTES
     }
 
-    /// All memory of the field with `rays` rays per probe.
-    pub fn memory(&self, rays: u32) -> ProbeMemory {
+    /// All memory of the field with the rays of `parameters`.
+    pub fn memory(&self, parameters: &ProbeParameters) -> ProbeMemory {
         let slots = u64::from(self.slots);
+        let rays = slots * u64::from(parameters.rays) * RAY_BYTES;
+        let hit_sets = u64::from(parameters.kept_sets());
         let irradiance_texels = u64::from(self.irradiance_texels).pow(2);
         let [width, height, layers] = self.layer_extent(self.distance_texels).map(u64::from);
         ProbeMemory {
             irradiance_maps: slots * irradiance_texels * IRRADIANCE_TEXEL_BYTES,
             distance_atlas: width * height * layers * DISTANCE_TEXEL_BYTES,
-            rays: slots * u64::from(rays) * RAY_BYTES,
+            rays,
+            kept_hits: hit_sets * rays,
+            hit_places: slots * PLACE_BYTES * hit_sets.min(1),
             states: slots * STATE_BYTES,
             variability: slots * VARIABILITY_BYTES,
             places: slots * PLACE_BYTES,
@@ -182,6 +192,7 @@ mod tests {
     use std::collections::HashSet;
 
     use super::*;
+    use crate::parameters::ProbeHits;
 
     fn layout(slots: u32, extent: u32, layers: u32) -> Result<AtlasLayout, ProbeError> {
         AtlasLayout::new(slots, &ProbeParameters::default(), true, extent, layers)
@@ -230,20 +241,29 @@ mod tests {
     #[test]
     fn memory_is_the_sum_of_its_parts() {
         let layout = layout(64, 8192, 256).expect("fits");
-        let memory = layout.memory(100);
+        let parameters = |hits, hit_sets| ProbeParameters {
+            rays: 100,
+            hits,
+            hit_sets,
+            ..ProbeParameters::default()
+        };
+        let memory = layout.memory(&parameters(ProbeHits::Traced, 4));
         assert_eq!(memory.irradiance_maps, 64 * 64 * 8);
         assert_eq!(memory.distance_atlas, 64 * 324 * 4);
         assert_eq!(
             memory.total(),
             64 * (64 * 8 + 1296 + 800 + 16 + 144 + 16 + 48 + 40)
         );
+        // Four sets of 100 hits of 8 bytes, and the place of each probe.
+        let kept = layout.memory(&parameters(ProbeHits::Kept, 4));
+        assert_eq!(kept.total() - memory.total(), 64 * (4 * 800 + 16));
     }
 
     /// `worlds/cavern.ron --layout cascades`: four levels of 32 × 16 × 32 probes, whose visibility is estimated.
     #[test]
     fn the_cascades_of_the_cavern_take_3_kb_per_probe() {
         let layout = layout(65_536, 16_384, 2048).expect("fits");
-        let memory = layout.memory(ProbeParameters::default().rays);
+        let memory = layout.memory(&ProbeParameters::default());
         assert_eq!(memory.total(), 65_536 * 3096);
         assert!(memory.total() < 203_000_000, "{memory:?}");
     }

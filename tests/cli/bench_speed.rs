@@ -191,6 +191,65 @@ fn still_rows_have_quality_beside_their_speed() {
 }
 
 #[test]
+fn probes_have_figures_with_the_final_gather_and_without() {
+    let folder = folder();
+    let cache = folder.path().to_str().expect("UTF-8");
+    // Every tenth row: a uniform layout, traced and kept hits.
+    let more = ["--spp", "4", "--cache", cache, "--shard", "1/10"];
+    let report = tiny(&["probes", "worlds/cornell.ron"], &more).json();
+    let kinds: Vec<&str> = rows(&report)
+        .iter()
+        .map(|row| row["varied"]["kind"].as_str().expect("a kind"))
+        .collect();
+    assert!(kinds.contains(&"uniform") && kinds.len() >= 2, "{kinds:?}");
+    for row in rows(&report) {
+        adds_up(row, 1);
+        for name in [
+            "update_ms",
+            "gather_ms",
+            "alone_update_ms",
+            "alone_gather_ms",
+        ] {
+            assert!(number(&row["figures"][name]["value"]) > 0.0, "{name}");
+        }
+        let flips = [
+            &row["quality"]["flip"],
+            &row["figures"]["alone_flip"]["value"],
+        ]
+        .map(number);
+        assert!(
+            flips.iter().all(|flip| (0.0..1.0).contains(flip)),
+            "{flips:?}"
+        );
+        // The passes are those with the final gather.
+        assert!(row["passes"]["surface_cache/trace"].is_number(), "{row}");
+    }
+}
+
+#[test]
+fn hits_of_the_published_octree_are_counted_over_time() {
+    let more = ["--quick", "--shard", "1/8"];
+    let report = tiny(&["hits", "worlds/cornell.ron"], &more).json();
+    let [row] = &rows(&report)[..] else {
+        panic!("one row")
+    };
+    let of = |name: &str| number(&row["figures"][name]["value"]);
+    for frame in ["000", "100"] {
+        let [hits, in_leaf] = ["hits", "leaf_hits"].map(|what| of(&format!("{what}_{frame}")));
+        // The box is open on one side; leaves are smaller than the box.
+        assert!(
+            0.0 < in_leaf && in_leaf < hits && hits < 1.0,
+            "{hits} {in_leaf}"
+        );
+        assert!(of(&format!("probes_{frame}")) > 1.0);
+    }
+    assert!(
+        row["figures"].get("probes_200").is_none(),
+        "--quick ends at 100"
+    );
+}
+
+#[test]
 fn what_cannot_be_measured_is_refused_before_anything_is() {
     let bench = |arguments: &[&str], parts: &[&str]| {
         refused(grotto().arg("bench").args(arguments), 2, parts);

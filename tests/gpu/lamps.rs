@@ -118,8 +118,8 @@ fn a_lamp_that_moves_takes_its_shadows_along_in_every_frame() {
         drawn.draw(1);
         let sent = rays_of_pixels(&drawn);
         assert!(
-            2 * sent < of_all_pixels,
-            "step {step}: {sent} of {of_all_pixels} rays: faces say the rest, though the lamps move"
+            5 * sent < 4 * of_all_pixels,
+            "step {step}: {sent} of {of_all_pixels} rays: large faces say the rest, though the lamps move"
         );
         let different = apart(&drawn.radiance(), &by_rays(&drawn, None));
         assert!(different < 1e-4, "step {step}: {different}");

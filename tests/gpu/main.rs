@@ -15,6 +15,7 @@ mod face_places;
 mod final_gather;
 mod golden;
 mod indirect;
+mod kept_hits;
 mod lamps;
 mod light;
 mod many_lamps;

@@ -5,7 +5,10 @@ use grotto::{
     measure::picture::Picture,
     parameters::{FinalGather, ProbeParameters},
     probes::Layout as _,
-    world::{LayoutSpec, View, scenery::OctreeSpec},
+    world::{
+        LayoutSpec, View,
+        scenery::{OctreeSpec, Split},
+    },
 };
 
 use crate::support::{
@@ -127,4 +130,71 @@ fn air_alone_has_a_picture_too() {
     assert!(drawn.frame.field().volume().slots() >= 8);
     drawn.draw(2);
     assert!(mean(&drawn.radiance()) == 0.0);
+}
+
+/// The published way: probes in the middles of leaves, all of which a gather visits.
+fn published(depth: u32) -> LayoutSpec {
+    LayoutSpec {
+        octree: Some(OctreeSpec {
+            depth,
+            split: Split::Hits,
+            divide_at: 0.5,
+            source: true,
+            ..OctreeSpec::default()
+        }),
+        ..lattice(UVec3::splat(2), Vec3::splat(32.0), Vec3::ZERO)
+    }
+}
+
+#[test]
+fn the_published_way_lights_the_room_and_follows_edits() {
+    let fine = lit(&lattice(UVec3::splat(5), Vec3::splat(6.0), Vec3::ZERO));
+    let layout = published(2);
+    let mut room = room(&layout);
+    room.draw(30);
+    let off = apart(&room.radiance(), &fine);
+    assert!(off < 0.5, "{off}");
+    let light = mean(&room.radiance()) / mean(&fine);
+    assert!((0.7..1.4).contains(&light), "{light}");
+    let before = room.frame.field().volume().probes();
+    let mut voxels = room.frame.stage.read_back(&room.gpu).expect("reads back");
+    let edit = voxels.fill_box(IVec3::new(7, 7, 19), IVec3::new(12, 12, 24), 1);
+    room.frame.apply(&room.gpu, &voxels, &edit).expect("fits");
+    assert_ne!(room.frame.field().volume().probes(), before);
+    room.draw(30);
+    let stage = grotto::frame::Stage::upload(&room.gpu, &room.world, &voxels).expect("fits");
+    let frame = grotto::frame::Frame::new(&room.gpu, stage, &layout, &room.probes, SIZE);
+    let edited = std::mem::replace(&mut room.frame, frame.expect("fits"));
+    let followed = edited.read_radiance(&room.gpu).expect("reads back");
+    room.draw(30);
+    let off = apart(&followed, &room.radiance());
+    assert!(off < 0.05, "{off}");
+}
+
+/// The published gather asks each probe by a ray, so that no light passes a wall.
+#[test]
+fn the_published_way_leaks_nothing_through_walls() {
+    const WALL: &str = "Box(half: (1, 12, 12)), ";
+    let walled = ROOM.replace("Union([", &format!("Union([{WALL}")).replace(
+        "(-8, 2, -9), look_at: (4, -4, 6)",
+        "(8, 2, -9), look_at: (5, -4, 9)",
+    );
+    assert!(walled.contains(WALL) && walled.contains("(8, 2, -9)"));
+    let dark = |gpu: grotto::gpu::Gpu| {
+        let probes = ProbeParameters {
+            rays: 64,
+            final_gather: FinalGather::Off,
+            ..ProbeParameters::default()
+        };
+        let world = support::parsed(&walled);
+        let mut drawn = Drawn::new(gpu, world, &published(2), probes, SIZE);
+        drawn.shot.view = View::Irradiance;
+        drawn.draw(20);
+        mean(&drawn.radiance())
+    };
+    assert_eq!(dark(support::gpu()), 0.0);
+    let test = "facing <= 0.0 || !sees(from_gs, place.position_ws - grid_info.origin_ws)";
+    let blind = [("probes/gather.wesl", test, "facing <= 0.0")];
+    let leaks = dark(support::with_faults(&support::gpu(), &blind));
+    assert!(leaks > 0.01, "without the rays there is light: {leaks}");
 }

@@ -59,6 +59,10 @@ enum Suite {
     World(speed::Arguments),
     /// From the start of a process to its first frame, its first picture, settled light
     Start(speed::Arguments),
+    /// Ways to place probes and to find their light, in one table: uniform, cascades, octrees, kept hits
+    Probes(speed::Arguments),
+    /// Probes and hits of the published octree over 600 frames
+    Hits(speed::Arguments),
     /// The tables and charts of the documents that grotto started from, on our own worlds
     Tables(speed::Arguments),
     /// All of these and the rays of `traversal`, in one report
@@ -119,6 +123,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Suite::Cascades(arguments) => speed::run(Speed::Cascades, arguments),
         Suite::World(arguments) => speed::run(Speed::World, arguments),
         Suite::Start(arguments) => speed::run(Speed::Start, arguments),
+        Suite::Probes(arguments) => speed::run(Speed::Probes, arguments),
+        Suite::Hits(arguments) => speed::run(Speed::Hits, arguments),
         Suite::Tables(arguments) => speed::run(Speed::Tables, arguments),
         Suite::All(arguments) => speed::run(Speed::All, arguments),
         Suite::OneStart(arguments) => speed::start::run(arguments),

@@ -16,11 +16,12 @@ impl ProbeTrace {
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, field: &ProbeField, offer: &Offer<'_>) -> Result<Self, GpuError> {
+        let sets = field.kept_hits().map_or(0, |kept| kept.sets);
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
                 shader: "probes/trace",
-                overrides: &[("COHERENT", 0.0)],
+                overrides: &[("COHERENT", 0.0), ("HIT_SETS", f64::from(sets))],
                 offered: &offer.constants,
                 ..Default::default()
             },

@@ -7,7 +7,7 @@ use super::state::{GpuProbeState, ProbeClass};
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
     parameters::{ProbeParameters, ProbeStates},
-    probes::{Changes, Layout as _, Volume},
+    probes::{Changes, Layout as _, Volume, sampling},
 };
 
 crate::shared! {
@@ -38,6 +38,8 @@ crate::shared! {
         /// Most frames from update to update of a requested probe whose light changes: each cascade is updated half as
         /// often as the next finer one.
         pub far_interval: u32,
+        /// Which set of kept hits the updates of this frame take.
+        pub hit_set: u32,
     }
 }
 
@@ -184,6 +186,7 @@ impl UpdateSchedule {
             least_variability: parameters.variability,
             still_interval,
             far_interval: if may_wait { FAR_INTERVAL } else { 1 },
+            hit_set: sampling::set_of_frame(frame, parameters.hit_sets),
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&update_schedule));

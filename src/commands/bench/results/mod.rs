@@ -1,6 +1,7 @@
 //! The files of a report: `bench.json`, `rows.csv`, `index.html` and `frames.csv.gz` in one folder.
 
 mod frame_log;
+mod probe_tables;
 mod rows_csv;
 mod summary;
 

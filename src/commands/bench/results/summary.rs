@@ -2,7 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::super::model::{Report, Row};
+use super::{
+    super::model::{Report, Row},
+    probe_tables::{self, hit_cells, probe_cells},
+};
 use crate::measure::plot::figure;
 
 /// A table for each suite, with software adapters in tables of their own.
@@ -53,6 +56,17 @@ fn add_tables(text: &mut String, rows: &[&Row]) {
             rows.filter(|row| row.timing.is_some() == timed).collect()
         };
         let (timed, others) = (of(true), of(false));
+        match suite {
+            "probes" if !timed.is_empty() => {
+                add_table(text, suite, &probe_tables::PROBES, &timed, probe_cells);
+                continue;
+            }
+            "hits" if !others.is_empty() => {
+                add_table(text, suite, &probe_tables::HITS, &others, hit_cells);
+                continue;
+            }
+            _ => {}
+        }
         if !timed.is_empty() {
             let header = ["FPS", "±", "1% low", "P99 ms", "worst", "stutter"];
             add_table(text, suite, &header, &timed, frame_cells);

@@ -29,15 +29,15 @@ pub struct Arguments {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = picture_size, allow_hyphen_values = true)]
     pub size: [u32; 2],
-    /// Settling frames before each run [default: 400 for layouts, 80 for tables, 160 for other suites, fewer for large
+    /// Settling frames before each run [default: 400 for layouts, 80 for tables and probes, 160 for other suites, fewer for large
     /// worlds and with --quick]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), allow_negative_numbers = true)]
     pub frames: Option<u32>,
-    /// Measured frames of each run [default: 240 for layouts, 60 for tables, 120 for other suites, fewer for
+    /// Measured frames of each run [default: 240 for layouts, 60 for tables and probes, 120 for other suites, fewer for
     /// large worlds and with --quick]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), allow_negative_numbers = true)]
     pub measured: Option<u32>,
-    /// Runs of each row [default: 5 to 20, until the median is known to ±1 %; 3 with --quick]
+    /// Runs of each row [default: 5 to 20, until the median is known to ±1 %; 3 with --quick; 1 for probes]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), allow_negative_numbers = true)]
     pub runs: Option<u32>,
     /// World time of the first frame, in seconds

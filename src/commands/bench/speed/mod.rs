@@ -7,6 +7,8 @@ mod arguments;
 mod machine;
 mod motion;
 mod plan;
+mod probe_figures;
+mod probe_tables;
 mod quality;
 mod rig;
 mod row;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{
     super::{super::Failure, model::Missing},
-    Arguments,
+    Arguments, probe_tables,
     rig::Length,
     spec::{BenchScene, RowSpec, Work},
     suites::{self, Wanted},
@@ -25,6 +25,8 @@ pub enum SpeedSuite {
     Cascades,
     World,
     Start,
+    Probes,
+    Hits,
     Tables,
     All,
 }
@@ -54,6 +56,8 @@ impl SpeedSuite {
             Self::Cascades => "cascades",
             Self::World => "world",
             Self::Start => "start",
+            Self::Probes => "probes",
+            Self::Hits => "hits",
             Self::Tables => "tables",
             Self::All => "all",
         }
@@ -73,6 +77,8 @@ impl SpeedSuite {
             Self::Cascades => &[P::Cascades],
             Self::World => &[P::World],
             Self::Start => &[P::Start],
+            Self::Probes => &[P::Probes],
+            Self::Hits => &[P::Hits],
             Self::Tables => &[P::Tables],
             Self::All => &[
                 P::Layouts,
@@ -107,6 +113,8 @@ enum Part {
     Cascades,
     World,
     Start,
+    Probes,
+    Hits,
     Traversal,
     Tables,
 }
@@ -118,6 +126,7 @@ impl Part {
             Self::Lights | Self::Start => &[CAVE, CAVERN],
             Self::Cascades | Self::World | Self::Traversal => &[CAVERN],
             Self::Tables => &[CAVE, CORNELL, BEAM],
+            Self::Probes | Self::Hits => &[CORNELL],
             _ => &[CAVE],
         }
     }
@@ -134,6 +143,8 @@ impl Part {
             Self::Cascades => suites::cascades(wanted),
             Self::World => suites::world(wanted),
             Self::Start => suites::start(wanted),
+            Self::Probes => probe_tables::probes(wanted),
+            Self::Hits => probe_tables::hits(wanted),
             Self::Traversal => suites::traversal(wanted),
             Self::Tables => tables::tables(wanted),
         }
@@ -263,7 +274,7 @@ impl Plan {
             (_, false, true) => (80, 40),
             (_, true, true) => (30, 20),
             ("layouts", false, false) => (400, 240),
-            ("tables", false, false) => (80, 60),
+            ("tables" | "probes", false, false) => (80, 60),
             (_, false, false) => (160, 120),
             (_, true, false) => (60, 60),
         };

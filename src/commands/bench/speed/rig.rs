@@ -2,6 +2,7 @@
 
 use std::{
     collections::VecDeque,
+    ops::Range,
     sync::atomic::{AtomicBool, Ordering},
     time::Instant,
 };
@@ -147,19 +148,48 @@ impl<'a> Rig<'a> {
         view: View,
         frames: u32,
     ) -> Result<(), Failure> {
-        let lights = self.lights(spec, self.time_s);
         for _ in 0..frames {
-            self.check_stop()?;
-            let mut shot = self.shot(spec, size, view, self.time_s);
-            shot.frame = self.frame.frames();
-            let mut recorder = Recorder::new(self.gpu, Some(&mut self.timing));
-            let probes = &spec.parameters.probes;
-            self.frame
-                .record(self.gpu, &mut recorder, &shot, &lights, probes);
-            recorder.submit(self.gpu)?;
-            self.gpu.wait()?;
-            while self.timing.next_frame().is_some() {}
+            self.draw(spec, size, view, self.time_s)?;
         }
+        Ok(())
+    }
+
+    /// Draws frames of the spec while world time runs; frame 0 is at the rig's time.
+    ///
+    /// # Errors
+    /// See [`advance`](Self::advance).
+    pub fn play(
+        &mut self,
+        spec: &RowSpec,
+        size: [u32; 2],
+        frames: Range<u32>,
+    ) -> Result<(), Failure> {
+        for frame in frames {
+            let time_s = self.time_s + f64::from(frame) / RATE;
+            self.draw(spec, size, View::Full, time_s)?;
+        }
+        Ok(())
+    }
+
+    /// Draws one frame without measuring it.
+    fn draw(
+        &mut self,
+        spec: &RowSpec,
+        size: [u32; 2],
+        view: View,
+        time_s: f64,
+    ) -> Result<(), Failure> {
+        let lights = self.lights(spec, time_s);
+        self.check_stop()?;
+        let mut shot = self.shot(spec, size, view, time_s);
+        shot.frame = self.frame.frames();
+        let mut recorder = Recorder::new(self.gpu, Some(&mut self.timing));
+        let probes = &spec.parameters.probes;
+        self.frame
+            .record(self.gpu, &mut recorder, &shot, &lights, probes);
+        recorder.submit(self.gpu)?;
+        self.gpu.wait()?;
+        while self.timing.next_frame().is_some() {}
         Ok(())
     }
 

@@ -12,7 +12,7 @@ use super::{
         traversal,
     },
     quality::{Judging, named},
-    rig::Rig,
+    rig::{Length, Rig},
     row::blank,
     spec::{BenchScene, RowSpec, Work},
     start,
@@ -39,6 +39,9 @@ pub struct Common<'a> {
     pub quick: bool,
     /// For starts: frames until light counts as settled.
     pub settled: u32,
+    /// Runs of frames in a row of probes, and how long they are.
+    pub runs: u32,
+    pub length: Length,
 }
 
 impl Common<'_> {
@@ -80,6 +83,11 @@ impl Common<'_> {
         match spec.work {
             Work::Stability => {
                 let figures = judging.stability(rig, spec)?;
+                Ok(self.row(spec, "none", figures))
+            }
+            Work::Probes => self.probes(spec, rig),
+            Work::HitsOverTime => {
+                let figures = self.hits_over_time(spec, rig)?;
                 Ok(self.row(spec, "none", figures))
             }
             Work::Bytes => {

@@ -261,6 +261,8 @@ impl<'a> Session<'a> {
             judging: self.judging,
             quick: self.arguments.quick,
             settled: self.settled(spec),
+            runs: self.arguments.runs.unwrap_or(1),
+            length: self.plan.length(spec, self.arguments),
         };
         let scene = &self.plan.scenes[spec.scene];
         if !self

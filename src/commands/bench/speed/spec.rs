@@ -129,6 +129,10 @@ pub enum Work {
     Start,
     /// Rays alone, compared with plain DDA: one row for each kind.
     Traversal,
+    /// A row of the table of probes: frames in motion, and errors at rest.
+    Probes,
+    /// Probes and hits of the published octree, over time.
+    HitsOverTime,
 }
 
 /// One row to be measured.
@@ -169,6 +173,7 @@ impl RowSpec {
     ) -> Result<Self, Failure> {
         let condition = match work {
             Work::Frames(condition) => condition.name(),
+            Work::Probes | Work::HitsOverTime => Condition::Moving.name(),
             _ => Condition::Still.name(),
         };
         Ok(Self {

@@ -8,13 +8,14 @@ use glam::{IVec3, Vec3};
 
 use super::{
     GpuChanges, GpuProbeInfo, GpuProbePlace, GpuProbeState,
+    kept_hits::KeptHits,
     octree::GpuOctree,
     source::Source,
     update_schedule::{GpuProbeDispatch, StateCounts, UpdateSchedule},
 };
 use crate::{
     gpu::{Gpu, GpuError},
-    parameters::{ProbeParameters, Visibility},
+    parameters::{ProbeHits, ProbeParameters, Visibility},
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, Octree, ProbeError, VisibilityBits, Volume,
         atlas::ProbeMemory, packed, sampling,
@@ -34,6 +35,10 @@ pub enum ProbeFieldError {
 /// The name of the visibility bits in messages about memory.
 const VISIBILITY_BITS: &str = "the visibility bits of all probes (probes.visibility=exact)";
 
+/// The name of kept hits, and what makes them smaller.
+const KEPT_HITS: &str = "the kept hits of all probes (probes.hits=kept; fewer probes.rays or probes.hit_sets take less, \
+                         probes.hits=traced keeps none)";
+
 /// Maps and rays of the probes of one volume. All zero at first: no light.
 pub struct ProbeField {
     /// The changes that its probes respond to.
@@ -49,6 +54,7 @@ pub struct ProbeField {
     update_schedule: UpdateSchedule,
     rays_per_probe: u32,
     source: Option<Source>,
+    kept_hits: Option<KeptHits>,
     info: wgpu::Buffer,
     ray_directions: wgpu::Buffer,
     rays: wgpu::Buffer,
@@ -94,11 +100,15 @@ impl ProbeField {
         let memory = ProbeMemory {
             visibility_bits: visibility_bits.as_ref().map_or(0, VisibilityBits::bytes),
             octree: GpuOctree::bytes(&volume),
-            ..atlas.memory(parameters.rays)
+            ..atlas.memory(parameters)
+        };
+        let rays = match parameters.hits {
+            ProbeHits::Traced => "the rays of all probes (probes.rays)",
+            ProbeHits::Kept => KEPT_HITS,
         };
         let parts = [
             (VISIBILITY_BITS, memory.visibility_bits),
-            ("the rays of all probes (probes.rays)", memory.rays),
+            (rays, memory.rays + memory.kept_hits),
             ("the irradiance maps of all probes", memory.irradiance_maps),
         ];
         for (what, bytes) in parts {
@@ -150,7 +160,7 @@ impl ProbeField {
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
             ray_directions: gpu
                 .storage_buffer("ray_directions", u64::from(parameters.rays) * 16)?,
-            rays: gpu.storage_buffer("probe_rays", memory.rays)?,
+            rays: gpu.storage_buffer("probe_rays", memory.rays + memory.kept_hits)?,
             irradiance_maps: gpu.storage_buffer("irradiance_maps", memory.irradiance_maps)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
             variability: gpu.storage_buffer("probe_variability", memory.variability)?,
@@ -159,6 +169,7 @@ impl ProbeField {
             distance_atlas,
             rays_per_probe: parameters.rays,
             source: Source::new(gpu, volume.slots(), parameters)?,
+            kept_hits: KeptHits::new(gpu, memory.hit_places, parameters)?,
             motion: Motion::new(&volume),
             volume,
             atlas,
@@ -234,7 +245,9 @@ impl ProbeField {
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
         let rays = parameters.rays_per_update().min(self.rays_per_probe);
-        let directions: Vec<[f32; 4]> = sampling::directions(rays, seed, frame)
+        let directions = sampling::directions_of_frame(parameters, rays, seed, frame);
+        let directions: Vec<[f32; 4]> = directions
+            .into_iter()
             .map(|direction| direction.as_vec3().extend(0.0).to_array())
             .collect();
         gpu.queue
@@ -251,6 +264,11 @@ impl ProbeField {
     /// What the field has in addition when the algorithm is not grotto's own.
     pub(super) fn source(&self) -> Option<&Source> {
         self.source.as_ref()
+    }
+
+    /// What the field has in addition when probes keep their hits.
+    pub(super) fn kept_hits(&self) -> Option<&KeptHits> {
+        self.kept_hits.as_ref()
     }
 
     /// Whether probes store distances. Exact visibility does not read distances.
@@ -309,7 +327,8 @@ impl ProbeField {
     }
 
     /// Radiance (linear RGB) and length (voxels; negative where the ray began in a solid voxel) of every ray of each
-    /// probe's last update, probe by probe: four half floats per ray, 0 before the first update.
+    /// probe's last update, probe by probe: four half floats per ray, 0 before the first update. Under
+    /// `probes.hits=kept` the kept hits of all sets follow: `shaders/probes/kept_hits.wesl`.
     pub fn rays(&self) -> &wgpu::Buffer {
         &self.rays
     }
