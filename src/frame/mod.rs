@@ -3,6 +3,7 @@
 //! ```text
 //! scene/lamp_lists (lamps that move, where there are many) ─ the lamps of each cell, for all that follows
 //! probes/classify (new probes, volumes that move, edits) ─ where probes are ─ probes/schedule ─ which are updated
+//!     ├ probes/cover (bodies that move) ─ which probes bodies cover
 //!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
 //!     └ probes/seed (volumes that move) ─ what new probes show until their first update
 //! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐
@@ -32,7 +33,7 @@ use bits::DrawnBits;
 use inspect::Inspect;
 use order::FrameOrder;
 use passes::{Passes, Wanted};
-pub use passes::{offer, resources};
+pub use passes::{offer, scene};
 use values::{Drawn, Update};
 
 use crate::{
@@ -46,7 +47,7 @@ use crate::{
         surface_cache::{NextFrame, SurfaceCache},
         view::{Inspection, InspectionError, Shot},
     },
-    probes::{ProbeError, warmup_frames},
+    probes::{ProbeError, changes::change_of_bodies, warmup_frames},
     world::{
         LayoutSpec,
         voxels::{Edit, Voxels},
@@ -111,9 +112,9 @@ impl Frame {
         }
         let field = ProbeField::new(gpu, stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
-        let resources = resources(&stage, &view, &lights);
+        let scene = scene(&stage, &view, &lights);
         let wanted = Wanted::default();
-        let passes = Passes::new(gpu, size, &field, &faces, wanted, &lights, &resources)?;
+        let passes = Passes::new(gpu, size, &field, &faces, wanted, &lights, &scene)?;
         Ok(Self {
             stage,
             size,
@@ -152,6 +153,10 @@ impl Frame {
             warmup_frames: warmup_frames(probes.warmup_frames, brightest),
             ..probes.clone()
         };
+        let bodies_moved = self.stage.voxels.bodies.begin_frame(gpu);
+        if bodies_moved > 0.0 {
+            self.antialiasing.move_bodies();
+        }
         let inspected = self.passes.inspect.wanted;
         let is_warming = self.frames < probes.warmup_frames;
         let jittered = (self.antialiasing).next(shot, &inspected, Some(lights), is_warming);
@@ -162,6 +167,7 @@ impl Frame {
             Some(before) => lights.change_since(before),
             None => 0.0,
         };
+        let light_change = light_change.max(change_of_bodies(bodies_moved));
         self.field.end_growth(gpu);
         if self
             .field
@@ -209,6 +215,7 @@ impl Frame {
             places_probes: self.field.misplaced(),
             marks_visibility: self.field.exact(),
             has_fresh: self.field.fresh() > 0,
+            moves_bodies: bodies_moved > 0.0,
             shades_early: self.order.shades_early(&shot.camera, is_calm),
         };
         self.field.set_placed();
@@ -224,8 +231,8 @@ impl Frame {
     /// unchanged.
     pub fn inspect(&mut self, gpu: &Gpu, wanted: Inspection) -> Result<(), FrameError> {
         if wanted != self.passes.inspect.wanted {
-            let resources = resources(&self.stage, &self.view, &self.lights);
-            let offer = offer(&self.field, &self.faces, &resources);
+            let scene = scene(&self.stage, &self.view, &self.lights);
+            let offer = offer(&self.field, &self.faces, &scene);
             let Passes {
                 camera_rays, shade, ..
             } = &self.passes;
@@ -250,7 +257,7 @@ impl Frame {
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold it; the frame is then unchanged.
     pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), FrameError> {
-        let resources = resources(&self.stage, &self.view, &self.lights);
+        let scene = scene(&self.stage, &self.view, &self.lights);
         let wanted = Wanted {
             inspection: self.passes.inspect.wanted,
             smoothing: self.antialiasing.wanted,
@@ -263,7 +270,7 @@ impl Frame {
             &self.faces,
             wanted,
             &self.lights,
-            &resources,
+            &scene,
         )?;
         self.size = size;
         self.antialiasing.restart();
@@ -283,7 +290,7 @@ impl Frame {
     ) -> Result<(), FrameError> {
         let field = ProbeField::new(gpu, self.stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
-        let resources = resources(&self.stage, &self.view, &self.lights);
+        let scene = scene(&self.stage, &self.view, &self.lights);
         let wanted = Wanted {
             inspection: Inspection {
                 atlas: None,
@@ -292,15 +299,7 @@ impl Frame {
             smoothing: self.antialiasing.wanted,
             bits: self.bits.wanted,
         };
-        self.passes = Passes::new(
-            gpu,
-            self.size,
-            &field,
-            &faces,
-            wanted,
-            &self.lights,
-            &resources,
-        )?;
+        self.passes = Passes::new(gpu, self.size, &field, &faces, wanted, &self.lights, &scene)?;
         self.field = field;
         self.faces = faces;
         self.frames = 0;
@@ -374,8 +373,8 @@ impl Frame {
             probe_rays: self.field.atlas().slots * self.field.rays_per_probe(),
             face_groups: (self.faces.is_used()).then(|| self.faces.rays_most(self.size)),
         };
-        let resources = resources(&self.stage, &self.view, &self.lights);
-        let offer = offer(&self.field, &self.faces, &resources);
+        let scene = scene(&self.stage, &self.view, &self.lights);
+        let offer = offer(&self.field, &self.faces, &scene);
         shadow_count::count(gpu, &senders, &offer.with(self.faces.update_resources()))
     }
 }

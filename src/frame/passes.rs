@@ -15,8 +15,8 @@ use crate::{
     gpu::{Gpu, Offer, Recorder},
     passes::{
         probes::{
-            ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
-            seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
+            ProbeField, blend::ProbeBlend, classify::ProbeClassify, cover::ProbeCover,
+            schedule::ProbeSchedule, seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
             visibility::ProbeVisibility,
         },
         scene::{GpuLights, lamp_lists::LampLists},
@@ -36,6 +36,8 @@ pub(super) struct Passes {
     lamp_lists: LampLists,
     pub camera_rays: CameraRays,
     classify: ProbeClassify,
+    /// Where there are bodies.
+    cover: Option<ProbeCover>,
     visibility: ProbeVisibility,
     seed: ProbeSeed,
     schedule: ProbeSchedule,
@@ -61,7 +63,7 @@ pub(super) struct Wanted {
 }
 
 impl Passes {
-    /// `scene` are the resources of voxels, materials, lights and view. Pipelines take most of the time to the first frame:
+    /// `scene` is the offer of [`scene`]. Pipelines take most of the time to the first frame:
     /// they are compiled side by side.
     pub fn new(
         gpu: &Gpu,
@@ -70,19 +72,25 @@ impl Passes {
         cache: &SurfaceCache,
         wanted: Wanted,
         lights: &GpuLights,
-        scene: &[(&'static str, wgpu::BindingResource<'_>)],
+        scene: &Offer<'_>,
     ) -> Result<Self, FrameError> {
-        let mut offer = offer(field, cache, scene);
-        offer.constants.extend(lights.constants());
+        let offer = offer(field, cache, scene);
+        let resources = &scene.resources[..];
         let requests_apart = offer.with([field.requests_of_faces()]);
         let of_pixels = offer.with([field.requests_of_pixels()]);
         thread::scope(|threads| {
-            let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, scene));
-            let classify = threads.spawn(|| ProbeClassify::new(gpu, field, scene));
-            let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, scene));
+            let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
+            let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
+            let has_bodies = scene.constants.contains(&("BODIES", 1.0));
+            let cover = threads.spawn(move || {
+                has_bodies
+                    .then(|| ProbeCover::new(gpu, field, scene))
+                    .transpose()
+            });
+            let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));
             let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
-            let seed = threads.spawn(|| ProbeSeed::new(gpu, field, scene));
-            let walk = threads.spawn(|| SourceWalk::new(gpu, field, scene));
+            let seed = threads.spawn(|| ProbeSeed::new(gpu, field, resources));
+            let walk = threads.spawn(|| SourceWalk::new(gpu, field, resources));
             let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, &offer));
             let blend = threads.spawn(|| ProbeBlend::new(gpu, field));
             let surface_trace =
@@ -110,12 +118,13 @@ impl Passes {
             let inspection = wanted.inspection;
             Ok(Self {
                 uses_cache: cache.is_used(),
-                tonemap: Tonemap::new(gpu, size, &lit, scene)?,
+                tonemap: Tonemap::new(gpu, size, &lit, resources)?,
                 inspect: Inspect::new(gpu, inspection, &camera_rays, &shade, field, &offer)?,
                 antialias,
                 bits,
                 lamp_lists: made(lamp_lists)?,
                 classify: made(classify)?,
+                cover: made(cover)?,
                 visibility: made(visibility)?,
                 schedule: made(schedule)?,
                 seed: made(seed)?,
@@ -222,7 +231,7 @@ impl Passes {
         }
     }
 
-    /// Reads `update`: probes that are new, were moved, or are near an edit. The places of all other probes stay valid
+    /// Reads `update`: probes that are new, were moved, or are near an edit; and where bodies are. The places of all other probes stay valid
     /// from the last frame.
     fn place_probes(&self, recorder: &mut Recorder<'_>, update: Update) -> PlacedProbes {
         if update.places_probes {
@@ -236,6 +245,11 @@ impl Passes {
             if update.has_fresh {
                 self.seed.record(recorder);
             }
+        }
+        if (update.places_probes || update.moves_bodies)
+            && let Some(cover) = &self.cover
+        {
+            cover.record(recorder);
         }
         PlacedProbes
     }
@@ -364,16 +378,13 @@ fn made<T>(thread: ScopedJoinHandle<'_, T>) -> T {
 }
 
 /// What subjects offer to each other: the scene, the light of the probes, and the light of surfaces.
-pub fn offer<'a>(
-    field: &'a ProbeField,
-    cache: &'a SurfaceCache,
-    scene: &[(&'a str, wgpu::BindingResource<'a>)],
-) -> Offer<'a> {
-    let mut resources = scene.to_vec();
+pub fn offer<'a>(field: &'a ProbeField, cache: &'a SurfaceCache, scene: &Offer<'a>) -> Offer<'a> {
+    let mut resources = scene.resources.clone();
     resources.extend(field.resources());
     resources.extend(field.schedule_resources());
     resources.extend(cache.resources());
-    let mut constants = field.gather_constants().to_vec();
+    let mut constants = scene.constants.clone();
+    constants.extend(field.gather_constants());
     constants.extend(cache.constants());
     Offer {
         resources,
@@ -381,16 +392,17 @@ pub fn offer<'a>(
     }
 }
 
-/// What every pass may bind by name.
-pub fn resources<'a>(
-    stage: &'a Stage,
-    view: &'a wgpu::Buffer,
-    lights: &'a GpuLights,
-) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
+/// What every pass may take by name.
+pub fn scene<'a>(stage: &'a Stage, view: &'a wgpu::Buffer, lights: &'a GpuLights) -> Offer<'a> {
     let mut all = stage.voxels.resources().to_vec();
     all.extend(stage.materials.resources());
     all.extend(stage.emitters.resources());
     all.extend(lights.resources());
     all.push(("view", view.as_entire_binding()));
-    all
+    let mut constants = lights.constants().to_vec();
+    constants.extend(stage.voxels.bodies.constants());
+    Offer {
+        resources: all,
+        constants,
+    }
 }

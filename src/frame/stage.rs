@@ -7,12 +7,12 @@ use crate::{
     gpu::{Gpu, GpuError, Recorder, Timing},
     lights::Emitters,
     passes::scene::{
-        GpuEmitters, GpuMaterials, GpuVoxels,
+        GpuBodies, GpuEmitters, GpuMaterials, GpuVoxels,
         distances::Distances,
         voxelise::{Voxelise, VoxeliseReport},
     },
     probes::Volume,
-    world::{LayoutSpec, World, materials::MaterialSet, voxels::Voxels},
+    world::{LayoutSpec, World, bodies::Pose, materials::MaterialSet, voxels::Voxels},
 };
 
 /// A world on the GPU, without a camera: its voxels and materials.
@@ -92,7 +92,10 @@ impl Stage {
     /// [`FrameError::Gpu`] when the adapter cannot hold it.
     pub fn upload(gpu: &Gpu, world: &World, voxels: &Voxels) -> Result<Self, FrameError> {
         Ok(Self {
-            voxels: GpuVoxels::upload(gpu, voxels, world.origin)?,
+            voxels: GpuVoxels {
+                bodies: GpuBodies::upload(gpu, &world.bodies)?,
+                ..GpuVoxels::upload(gpu, voxels, world.origin)?
+            },
             materials: bake(gpu, world)?,
             emitters: GpuEmitters::upload(gpu, Emitters::find(voxels, &world.materials))?,
             built: None,
@@ -133,6 +136,15 @@ impl Stage {
         if let Some(emitters) = before.emitters {
             self.emitters = emitters;
         }
+    }
+
+    /// Moves the bodies: the next frames and path-traced pictures show them there. Poses that are already set cost
+    /// nothing. At first all bodies are where they are at time 0.
+    ///
+    /// # Panics
+    /// Without a pose for each body: that is a caller's bug.
+    pub fn set_poses(&self, gpu: &Gpu, poses: &[Pose]) {
+        self.voxels.bodies.set(gpu, poses);
     }
 
     /// Reads the voxels back, once, for collision, picking and edits.
