@@ -8,8 +8,12 @@ use crate::{
 };
 
 /// What is traced of a world, as a text: who looks, where probes stand and what may change change nothing
-/// about the world as it is.
-pub fn content(world: &World, lights: &Lights) -> String {
+/// about the world as it is. `time_s`: world time (seconds), at which bodies are where they are.
+pub fn content(world: &World, lights: &Lights, time_s: f64) -> String {
+    let poses = match &world.bodies.poses(time_s)[..] {
+        [] => String::new(),
+        poses => format!(" {poses:?}"),
+    };
     let mut world = world.clone();
     world.name.clear();
     world.title.clear();
@@ -17,7 +21,11 @@ pub fn content(world: &World, lights: &Lights) -> String {
     world.layouts.clear();
     world.lamp_presets.clear();
     world.response = ResponseSpec::default();
-    format!("{world:?} {lights:?}")
+    // Where they are says all about how they move.
+    for body in &mut world.bodies.bodies {
+        body.motion.clear();
+    }
+    format!("{world:?} {lights:?}{poses}")
 }
 
 /// The sources of the tracer: what it gives is the same for as long as they are.
