@@ -153,7 +153,9 @@ impl Frame {
             warmup_frames: warmup_frames(probes.warmup_frames, brightest),
             ..probes.clone()
         };
-        let bodies_moved = self.stage.voxels.bodies.begin_frame(gpu);
+        let bodies = &self.stage.voxels.bodies;
+        bodies.set_time(gpu, shot.time_s);
+        let bodies_moved = bodies.begin_frame(gpu);
         if bodies_moved > 0.0 {
             self.antialiasing.move_bodies();
         }

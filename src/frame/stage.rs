@@ -12,7 +12,7 @@ use crate::{
         voxelise::{Voxelise, VoxeliseReport},
     },
     probes::Volume,
-    world::{LayoutSpec, World, bodies::Pose, materials::MaterialSet, voxels::Voxels},
+    world::{LayoutSpec, World, materials::MaterialSet, voxels::Voxels},
 };
 
 /// A world on the GPU, without a camera: its voxels and materials.
@@ -136,15 +136,6 @@ impl Stage {
         if let Some(emitters) = before.emitters {
             self.emitters = emitters;
         }
-    }
-
-    /// Moves the bodies: the next frames and path-traced pictures show them there. Poses that are already set cost
-    /// nothing. At first all bodies are where they are at time 0.
-    ///
-    /// # Panics
-    /// Without a pose for each body: that is a caller's bug.
-    pub fn set_poses(&self, gpu: &Gpu, poses: &[Pose]) {
-        self.voxels.bodies.set(gpu, poses);
     }
 
     /// Reads the voxels back, once, for collision, picking and edits.

@@ -28,6 +28,8 @@ pub struct TraceRequest<'a> {
     /// Samples (paths) per pixel: 1 to [`PathTrace::MOST_SAMPLES`].
     pub spp: u32,
     pub seed: u32,
+    /// World time in seconds, which says where bodies are. The lights are given apart.
+    pub time_s: f64,
     /// Whether faces show their textures; else each face shows the mean of its texture.
     pub textures: bool,
     /// Whether samples are spread over the pixel; else all go through its centre.
@@ -118,7 +120,7 @@ impl TraceRequest<'_> {
             seed: self.seed,
             exposure_ev: 0.0,
             view: self.view,
-            time_s: 0.0,
+            time_s: self.time_s,
             textures: self.textures,
             soft_rays: 1,
         }
@@ -212,6 +214,7 @@ impl TracedFrame {
             exposure: 0.0,
             ..uniform
         };
+        self.bodies.set_time(gpu, shot.time_s);
         let moved = self.bodies.version();
         let is_same = self.shown.as_ref().is_some_and(|(shot, before, version)| {
             *shot == now && before == lights && *version == moved

@@ -164,6 +164,7 @@ impl<'a> Tracer<'a> {
                     view,
                     spp: film.spp,
                     seed: film.seed,
+                    time_s: film.time_s,
                     textures: film.textures,
                     antialias: film.antialias,
                 };

@@ -7,7 +7,7 @@ use glam::{Mat3, UVec3, Vec3};
 use super::hierarchy::{Bounds, Node, hierarchy};
 use crate::{
     gpu::{Gpu, GpuError},
-    world::bodies::{Bodies, BodyModel, Pose},
+    world::bodies::{Bodies, Body, BodyModel, Pose},
 };
 
 crate::shared! {
@@ -61,7 +61,9 @@ pub struct GpuBodies {
     buffer: wgpu::Buffer,
     /// The bodies as the frame before showed them, without hierarchy and models.
     before: wgpu::Buffer,
-    models: Arc<[Placed]>,
+    placed: Arc<[Placed]>,
+    /// Whether any body ever moves.
+    move_at_all: bool,
     poses: Arc<Mutex<Poses>>,
 }
 
@@ -69,15 +71,15 @@ pub struct GpuBodies {
 struct Placed {
     /// With the pose at rest.
     record: GpuBody,
-    pivot: Vec3,
+    body: Body,
     /// Around the solid voxels (model space).
     solid: Bounds,
 }
 
 struct Poses {
     now: Vec<Pose>,
-    /// As the last frame showed them.
-    shown: Vec<Pose>,
+    /// As the last frame showed them; `None` before the first frame.
+    shown: Option<Vec<Pose>>,
     /// Whether `before` differs from the poses of the last frame.
     is_before_old: bool,
     /// How often they have changed.
@@ -93,7 +95,7 @@ impl GpuBodies {
         Self::upload(gpu, &Bodies::default())
     }
 
-    /// All bodies at rest, as they are at time 0.
+    /// All bodies where they are at time 0.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`].
@@ -133,7 +135,7 @@ impl GpuBodies {
                     pivot: body.pivot.to_array(),
                     ..GpuBody::default()
                 },
-                pivot: body.pivot,
+                body: body.clone(),
                 solid,
             }
         });
@@ -141,9 +143,10 @@ impl GpuBodies {
         let all = Self {
             buffer,
             before,
-            models: placed.collect(),
+            placed: placed.collect(),
+            move_at_all: bodies.bodies.iter().any(|body| !body.is_still()),
             poses: Arc::new(Mutex::new(Poses {
-                shown: now.clone(),
+                shown: None,
                 now,
                 is_before_old: true,
                 version: 0,
@@ -155,7 +158,7 @@ impl GpuBodies {
 
     /// Whether there are any.
     pub fn exist(&self) -> bool {
-        !self.models.is_empty()
+        !self.placed.is_empty()
     }
 
     /// The constant of kernels that are made for these bodies.
@@ -163,17 +166,21 @@ impl GpuBodies {
         [("BODIES", f64::from(u8::from(self.exist())))]
     }
 
-    /// Moves the bodies. Poses that are already set cost nothing.
-    ///
-    /// # Panics
-    /// Without a pose for each body: that is a caller's bug.
-    pub fn set(&self, gpu: &Gpu, poses: &[Pose]) {
-        assert_eq!(poses.len(), self.models.len(), "each body has a pose");
-        let mut known = self.poses();
-        if known.now != poses {
-            known.now = poses.to_vec();
-            known.version += 1;
-            self.write(gpu, poses);
+    /// Moves the bodies to where they are at a world time (seconds). Where nothing moves, this costs nothing.
+    pub fn set_time(&self, gpu: &Gpu, time_s: f64) {
+        if !self.move_at_all {
+            return;
+        }
+        let now: Vec<Pose> = self
+            .placed
+            .iter()
+            .map(|placed| placed.body.pose(time_s))
+            .collect();
+        let mut poses = self.poses();
+        if poses.now != now {
+            self.write(gpu, &now);
+            poses.now = now;
+            poses.version += 1;
         }
     }
 
@@ -186,17 +193,19 @@ impl GpuBodies {
     /// frame (voxels).
     pub fn begin_frame(&self, gpu: &Gpu) -> f32 {
         let mut poses = self.poses();
-        let pairs = poses.shown.iter().zip(&poses.now);
-        let ways = pairs
-            .zip(self.models.iter())
-            .map(|((before, now), body)| body.way(before, now));
-        let farthest = ways.fold(0.0, f32::max);
+        let shown = poses.shown.take().unwrap_or_else(|| poses.now.clone());
+        let pairs = shown.iter().zip(&poses.now).zip(self.placed.iter());
+        let farthest = pairs
+            .map(|((before, now), placed)| placed.way(before, now))
+            .fold(0.0, f32::max);
         if farthest > 0.0 || poses.is_before_old {
-            let records = self.records(&poses.shown);
+            let records = self.records(&shown);
             gpu.queue
                 .write_buffer(&self.before, 0, bytemuck::cast_slice(&records));
             poses.is_before_old = farthest > 0.0;
-            poses.shown = poses.now.clone();
+            poses.shown = Some(poses.now.clone());
+        } else {
+            poses.shown = Some(shown);
         }
         farthest
     }
@@ -219,14 +228,14 @@ impl GpuBodies {
     }
 
     fn records(&self, poses: &[Pose]) -> Vec<GpuBody> {
-        let pairs = self.models.iter().zip(poses);
+        let pairs = self.placed.iter().zip(poses);
         pairs.map(|(body, pose)| body.at(pose)).collect()
     }
 
     /// Writes the part that changes when bodies move.
     fn write(&self, gpu: &Gpu, poses: &[Pose]) {
         let boxes: Vec<Bounds> = self
-            .models
+            .placed
             .iter()
             .zip(poses)
             .map(|(body, pose)| body.bounds(pose))
@@ -260,7 +269,8 @@ impl Placed {
     /// The box around the body in world space.
     fn bounds(&self, pose: &Pose) -> Bounds {
         let turn = Mat3::from_quat(pose.rotation.normalize());
-        let middle = pose.position + turn * ((self.solid.low + self.solid.high) / 2.0 - self.pivot);
+        let middle =
+            pose.position + turn * ((self.solid.low + self.solid.high) / 2.0 - self.body.pivot);
         let half = (self.solid.high - self.solid.low) / 2.0;
         let reach =
             turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
@@ -277,7 +287,7 @@ impl Placed {
             return 0.0;
         }
         let place =
-            |pose: &Pose, corner: Vec3| pose.position + pose.rotation * (corner - self.pivot);
+            |pose: &Pose, corner: Vec3| pose.position + pose.rotation * (corner - self.body.pivot);
         (0..8)
             .map(|number| {
                 let far = UVec3::new(number, number >> 1, number >> 2) & 1;
