@@ -195,7 +195,7 @@ fn rays_hit_what_the_cpu_hits() {
     const SIZE: UVec3 = UVec3::splat(64);
     let gpu = dev_gpu();
     let mut state = 3;
-    for count in [1, 8, 300] {
+    for count in [4, 40, 300] {
         let voxels = voxels_from(SIZE, |at| {
             let mut seed = (at.x * 7 + at.y * 1_009 + at.z * 91_193) as u32;
             u8::from(random(&mut seed) < 0.002)
@@ -242,7 +242,7 @@ fn rays_hit_what_the_cpu_hits() {
             differ += u32::from(!agrees(&found[1], &expected));
         }
         assert!(
-            compared > 1000 && on_bodies > 20 * count.min(30) as u32,
+            compared > 1000 && on_bodies > 2 * count as u32,
             "{compared}, {on_bodies}"
         );
         assert!(
@@ -323,7 +323,7 @@ fn a_body_that_is_not_turned_looks_like_the_same_voxels() {
     for view in [View::Normal, View::Albedo, View::Depth, View::Direct] {
         let (a, b) = (shown(&mut as_body, view), shown(&mut as_voxels, view));
         // Rays along edges may choose differently.
-        assert!(differing(&a, &b) < 0.01, "{view:?}: {}", differing(&a, &b));
+        assert!(differing(&a, &b) < 0.005, "{view:?}: {}", differing(&a, &b));
     }
     // Its own light is that of the probes, not of faces, but there is no less of it.
     as_body.draw(60);
@@ -334,7 +334,7 @@ fn a_body_that_is_not_turned_looks_like_the_same_voxels() {
     let turned = shown(&mut drawn(with_block(0.3)), View::Normal);
     let b = shown(&mut as_voxels, View::Normal);
     assert!(
-        differing(&turned, &b) > 0.05,
+        differing(&turned, &b) > 0.02,
         "a turned body looks different"
     );
 }
@@ -461,7 +461,7 @@ fn turning_bodies_keep_a_furnace() {
 #[test]
 fn the_path_tracers_agree_about_bodies() {
     let world = support::shipped("cornell_turning");
-    let size = [40, 26];
+    let size = [40, 24];
     let layout = world.layouts[0].clone();
     let probes = ProbeParameters::default();
     let mut drawn = Drawn::new(dev_gpu(), world.clone(), &layout, probes, size);
@@ -493,13 +493,32 @@ fn the_path_tracers_agree_about_bodies() {
             &AtomicBool::new(false),
         )
     };
-    let same = apart(&on_gpu, &on_cpu(4.6));
-    let other = apart(&on_gpu, &on_cpu(0.0));
-    assert!(same < 0.05, "{same}");
+    let same = apart(&blocks(&on_gpu), &blocks(&on_cpu(4.6)));
+    let other = apart(&blocks(&on_gpu), &blocks(&on_cpu(0.0)));
+    assert!(same < 0.04, "{same}");
     assert!(
         other > 2.0 * same,
         "{other} at another time, {same} at the same"
     );
+}
+
+/// Means of 4 × 4 pixels, which hide noise.
+fn blocks(picture: &Picture) -> Picture {
+    const EDGE: u32 = 4;
+    let mut means = Picture::new(picture.width / EDGE, picture.height / EDGE);
+    for (number, mean) in (0..).zip(&mut means.rgb) {
+        let corner = [
+            number % (picture.width / EDGE),
+            number / (picture.width / EDGE),
+        ]
+        .map(|at| at * EDGE);
+        for at in 0..EDGE * EDGE {
+            let (x, y) = (corner[0] + at % EDGE, corner[1] + at / EDGE);
+            let rgb = picture.rgb[(y * picture.width + x) as usize];
+            (0..3).for_each(|channel| mean[channel] += rgb[channel] / (EDGE * EDGE) as f32);
+        }
+    }
+    means
 }
 
 /// While the blocks of a Cornell box turn, the picture follows what the path tracer shows at the same time.
