@@ -57,6 +57,32 @@ mod tests {
     use std::{collections::BTreeSet, fs, path::Path};
 
     use super::*;
+    use crate::world::file::{Overrides, parse};
+
+    #[test]
+    fn what_is_traced_depends_on_the_time_only_where_bodies_move() {
+        let content_at = |motion: &str, time_s: f64| {
+            let text = format!(
+                "(title: \"\", size: (8, 8, 8), shape: Empty, bodies: [(position: (4, 4, 4),
+                    model: Shape(size: (2, 2, 2), shape: Sphere(radius: 2)), motion: [{motion}])])"
+            );
+            let world = parse(&text, "world", None, &Overrides::default()).expect("sound");
+            let lights = Lights::at(&world, &world.lamp_presets[0], 0.0);
+            content(&world, &lights, time_s)
+        };
+        let turn = "TurnBetween(axis: (0, 1, 0), degrees: 45, start_s: 1, end_s: 2)";
+        assert_ne!(content_at(turn, 0.0), content_at(turn, 1.5));
+        assert_eq!(
+            content_at(turn, 0.0),
+            content_at("", 7.0),
+            "it has not turned yet"
+        );
+        assert_eq!(
+            content_at(turn, 2.0),
+            content_at(turn, 9.0),
+            "it has turned"
+        );
+    }
 
     #[test]
     fn the_sources_are_the_same_in_every_run_and_an_edit_changes_them() {
