@@ -193,7 +193,7 @@ fn agrees(found: &Found, expected: &Expected) -> bool {
 #[test]
 fn rays_hit_what_the_cpu_hits() {
     const SIZE: UVec3 = UVec3::splat(64);
-    let gpu = dev_gpu();
+    let gpu = support::gpu();
     let mut state = 3;
     for count in [4, 40, 300] {
         let voxels = voxels_from(SIZE, |at| {
@@ -298,7 +298,13 @@ fn with_voxels() -> World {
 /// Drawn in its first layout, with default parameters.
 fn drawn(world: World) -> Drawn {
     let layout = world.layouts[0].clone();
-    Drawn::new(dev_gpu(), world, &layout, ProbeParameters::default(), SIZE)
+    Drawn::new(
+        support::gpu(),
+        world,
+        &layout,
+        ProbeParameters::default(),
+        SIZE,
+    )
 }
 
 fn shown(drawn: &mut Drawn, view: View) -> Picture {
@@ -464,16 +470,15 @@ fn the_path_tracers_agree_about_bodies() {
     let size = [40, 24];
     let layout = world.layouts[0].clone();
     let probes = ProbeParameters::default();
-    let mut drawn = Drawn::new(dev_gpu(), world.clone(), &layout, probes, size);
+    let mut drawn = Drawn::new(support::gpu(), world.clone(), &layout, probes, size);
     drawn.shot.time_s = 4.6;
-    let on_gpu = drawn.path_traced(View::Full, 512);
-    let on_cpu = |time_s| {
+    let on_cpu = |view, time_s| {
         let film = FilmOptions {
             camera: &world.cameras[0],
             size,
             samples: 128,
             seed: 3,
-            view: View::Full,
+            view,
             antialias: false,
             max_bounces: u32::MAX,
         };
@@ -493,13 +498,16 @@ fn the_path_tracers_agree_about_bodies() {
             &AtomicBool::new(false),
         )
     };
-    let same = apart(&blocks(&on_gpu), &blocks(&on_cpu(4.6)));
-    let other = apart(&blocks(&on_gpu), &blocks(&on_cpu(0.0)));
-    assert!(same < 0.04, "{same}");
+    let direct = drawn.path_traced(View::Direct, 1);
+    let same = apart(&direct, &on_cpu(View::Direct, 4.6));
+    let other = apart(&direct, &on_cpu(View::Direct, 0.0));
     assert!(
-        other > 2.0 * same,
-        "{other} at another time, {same} at the same"
+        same < 0.01 && other > 2.0 * same,
+        "{same}, {other} at another time"
     );
+    let full = drawn.path_traced(View::Full, 512);
+    let same = apart(&blocks(&full), &blocks(&on_cpu(View::Full, 4.6)));
+    assert!(same < 0.04, "{same}");
 }
 
 /// Means of 4 × 4 pixels, which hide noise.
@@ -527,7 +535,7 @@ fn light_follows_turning_bodies() {
     let world = support::shipped("cornell_turning");
     let layout = world.layouts[0].clone();
     let probes = ProbeParameters::default();
-    let mut drawn = Drawn::new(dev_gpu(), world, &layout, probes, [64, 42]);
+    let mut drawn = Drawn::new(support::gpu(), world, &layout, probes, [64, 42]);
     drawn.shot.time_s = 4.0;
     drawn.draw(90);
     let at_rest = apart(&drawn.radiance(), &drawn.path_traced(View::Full, 256));
@@ -579,7 +587,7 @@ fn a_turning_body_leaves_no_ghost() {
 #[test]
 fn positions_are_in_world_space() {
     // A world whose origin is not 0, and a body without a turn: the ray meets it where it is.
-    let gpu = dev_gpu();
+    let gpu = support::gpu();
     let origin = IVec3::new(-20, 5, 40);
     let voxels = voxels_from(UVec3::splat(16), |_| 0);
     let mut bodies = Bodies::default();
@@ -602,12 +610,4 @@ fn positions_are_in_world_space() {
         point.distance(DVec3::new(-14.5, 8.0, 46.5)) < 1e-4,
         "{point}"
     );
-}
-
-fn dev_gpu() -> Gpu {
-    let gpu = support::gpu();
-    gpu.with_shaders(
-        grotto::gpu::ShaderLibrary::from_folder(&support::root().join("shaders"))
-            .expect("composes"),
-    )
 }
