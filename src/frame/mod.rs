@@ -25,15 +25,15 @@ mod traced;
 mod values;
 
 pub use antialias::{Smoothing, scaled};
-pub use stage::{BuildReport, Stage};
+pub use stage::{BuildReport, Stage, scene};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
 use antialias::Antialiasing;
 use bits::DrawnBits;
 use inspect::Inspect;
 use order::FrameOrder;
+pub use passes::offer;
 use passes::{Passes, Wanted};
-pub use passes::{offer, scene};
 use values::{Drawn, Update};
 
 use crate::{

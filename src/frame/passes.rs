@@ -3,7 +3,7 @@
 use std::thread::{self, ScopedJoinHandle};
 
 use super::{
-    FrameError, Stage,
+    FrameError,
     antialias::Smoothing,
     inspect::Inspect,
     values::{
@@ -81,12 +81,7 @@ impl Passes {
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
-            let has_bodies = scene.constants.contains(&("BODIES", 1.0));
-            let cover = threads.spawn(move || {
-                has_bodies
-                    .then(|| ProbeCover::new(gpu, field, scene))
-                    .transpose()
-            });
+            let cover = threads.spawn(|| ProbeCover::new(gpu, field, scene));
             let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));
             let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
             let seed = threads.spawn(|| ProbeSeed::new(gpu, field, resources));
@@ -388,21 +383,6 @@ pub fn offer<'a>(field: &'a ProbeField, cache: &'a SurfaceCache, scene: &Offer<'
     constants.extend(cache.constants());
     Offer {
         resources,
-        constants,
-    }
-}
-
-/// What every pass may take by name.
-pub fn scene<'a>(stage: &'a Stage, view: &'a wgpu::Buffer, lights: &'a GpuLights) -> Offer<'a> {
-    let mut all = stage.voxels.resources().to_vec();
-    all.extend(stage.materials.resources());
-    all.extend(stage.emitters.resources());
-    all.extend(lights.resources());
-    all.push(("view", view.as_entire_binding()));
-    let mut constants = lights.constants().to_vec();
-    constants.extend(stage.voxels.bodies.constants());
-    Offer {
-        resources: all,
         constants,
     }
 }

@@ -77,6 +77,8 @@ struct Placed {
 }
 
 struct Poses {
+    /// World time of `now` (seconds).
+    time_s: f64,
     now: Vec<Pose>,
     /// As the last frame showed them; `None` before the first frame.
     shown: Option<Vec<Pose>>,
@@ -146,6 +148,7 @@ impl GpuBodies {
             placed: placed.collect(),
             move_at_all: bodies.bodies.iter().any(|body| !body.is_still()),
             poses: Arc::new(Mutex::new(Poses {
+                time_s: 0.0,
                 shown: None,
                 now,
                 is_before_old: true,
@@ -168,15 +171,16 @@ impl GpuBodies {
 
     /// Moves the bodies to where they are at a world time (seconds). Where nothing moves, this costs nothing.
     pub fn set_time(&self, gpu: &Gpu, time_s: f64) {
-        if !self.move_at_all {
+        let mut poses = self.poses();
+        if !self.move_at_all || poses.time_s == time_s {
             return;
         }
+        poses.time_s = time_s;
         let now: Vec<Pose> = self
             .placed
             .iter()
             .map(|placed| placed.body.pose(time_s))
             .collect();
-        let mut poses = self.poses();
         if poses.now != now {
             self.write(gpu, &now);
             poses.now = now;
