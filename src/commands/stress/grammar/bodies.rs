@@ -98,7 +98,8 @@ fn motion(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
             let mut keys = vec![axis(dice), degrees(dice)];
             keys.extend([("start_s", number(start_s)), ("end_s", number(end_s))]);
             if dice.chance(0.5) {
-                keys.push(("ease", Term::Word(*dice.pick(&["Smooth", "Linear"]))));
+                let ease = *dice.pick(&["Smooth", "Linear"]);
+                keys.push(("ease", Term::Word(ease)));
             }
             record("TurnBetween", keys)
         }
