@@ -32,9 +32,31 @@ impl Default for WorldClock {
 impl WorldClock {
     /// Advances by this many seconds of real time.
     pub fn advance(&mut self, elapsed_s: f64) {
-        if !self.paused {
-            self.time_s += elapsed_s.min(LONGEST_STEP_S) * f64::from(self.rate);
+        self.time_s = self.time_after(elapsed_s);
+    }
+
+    /// World time (seconds) after this many seconds of real time.
+    fn time_after(&self, elapsed_s: f64) -> f64 {
+        match self.paused {
+            true => self.time_s,
+            false => self.time_s + elapsed_s.min(LONGEST_STEP_S) * f64::from(self.rate),
         }
+    }
+}
+
+/// What the clock showed at a simulated time: it says what it will show.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ClockReading {
+    /// Nanoseconds of the run.
+    pub at_ns: u64,
+    pub clock: WorldClock,
+}
+
+impl ClockReading {
+    /// World time (seconds) at a simulated time (nanoseconds), which is not before this.
+    pub fn time_s(&self, at_ns: u64) -> f64 {
+        let elapsed_ns = at_ns.saturating_sub(self.at_ns);
+        self.clock.time_after(elapsed_ns as f64 * 1e-9)
     }
 }
 

@@ -111,7 +111,8 @@ fn on_the_cpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     let start = Instant::now();
     let options = reference::RenderOptions {
         lamps: &setup.lamps,
-        time_s: setup.lamp_time_s,
+        time_s: setup.time_s,
+        lamp_time_s: setup.lamp_time_s,
         textures: setup.parameters.textures.enabled,
         film: reference::FilmOptions {
             camera: &setup.camera,

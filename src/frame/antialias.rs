@@ -92,6 +92,8 @@ pub(super) struct Antialiasing {
     before: Option<(Shot, Option<Lights>)>,
     /// Bits that stand still have changed since.
     bits_changed: bool,
+    /// Bodies have moved since.
+    bodies_moved: bool,
     /// First and last voxel (grid space) of the box that was edited since.
     edited: Option<([u32; 3], [u32; 3])>,
 }
@@ -134,6 +136,11 @@ impl Antialiasing {
         self.bits_changed = true;
     }
 
+    /// Remembers that bodies moved.
+    pub fn move_bodies(&mut self) {
+        self.bodies_moved = true;
+    }
+
     /// The next picture; `None` if it is shown as it is shaded. Views of data are exact at the centres of pixels, and so
     /// are probes that are drawn over a picture. `lights`: `None` if the light is that of the last picture. `is_warming`: the
     /// probes are new, and their light still rises.
@@ -159,7 +166,9 @@ impl Antialiasing {
         let before = self.before.take().filter(shows_same);
         let edited = self.edited.take();
         let same_bits = !std::mem::take(&mut self.bits_changed);
+        let bodies_moved = std::mem::take(&mut self.bodies_moved);
         let is_still = !is_warming
+            && !bodies_moved
             && same_bits
             && edited.is_none()
             && before.as_ref().is_some_and(|(before, lights_before)| {
@@ -178,6 +187,7 @@ impl Antialiasing {
         let jitter = jitter(self.pictures);
         let mut history = history_of(before.as_ref().map(|(shot, _)| &shot.camera), shot);
         history.clips = u32::from(is_clipped);
+        history.bodies_moved = u32::from(bodies_moved);
         history.most_samples = (most_samples as f32 * rays).min(MOST_COUNTED as f32);
         history.jitter = jitter.map(|pixels| pixels as f32);
         (history.edited_first, history.edited_last) = edited.unwrap_or(([1; 3], [0; 3]));

@@ -3,6 +3,7 @@
 //! ```text
 //! scene/lamp_lists (lamps that move, where there are many) ─ the lamps of each cell, for all that follows
 //! probes/classify (new probes, volumes that move, edits) ─ where probes are ─ probes/schedule ─ which are updated
+//!     ├ probes/cover (bodies that move) ─ which probes bodies cover
 //!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
 //!     ├ probes/seed (volumes that move) ─ what new probes show until their first update
 //!     └ probes/forget_hits (`probes.hits=kept`) ─ which kept hits are still true
@@ -27,13 +28,13 @@ mod traced;
 mod values;
 
 pub use antialias::{Smoothing, scaled};
-pub use stage::{BuildReport, Stage};
+pub use stage::{BuildReport, Stage, scene};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
 use antialias::Antialiasing;
 use bits::DrawnBits;
 use inspect::Inspect;
-pub use offers::{offer, resources};
+pub use offers::offer;
 use order::FrameOrder;
 use passes::{Passes, Wanted};
 use values::{Drawn, Update};
@@ -49,7 +50,7 @@ use crate::{
         surface_cache::{NextFrame, SurfaceCache},
         view::{Inspection, InspectionError, Shot},
     },
-    probes::{ProbeError, warmup_frames},
+    probes::{ProbeError, changes::change_of_bodies, warmup_frames},
     world::{
         LayoutSpec,
         voxels::{Edit, Voxels},
@@ -114,9 +115,9 @@ impl Frame {
         }
         let field = ProbeField::new(gpu, stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
-        let resources = resources(&stage, &view, &lights);
+        let scene = scene(&stage, &view, &lights);
         let wanted = Wanted::default();
-        let passes = Passes::new(gpu, size, &field, &faces, wanted, &lights, &resources)?;
+        let passes = Passes::new(gpu, size, &field, &faces, wanted, &lights, &scene)?;
         Ok(Self {
             stage,
             size,
@@ -155,6 +156,12 @@ impl Frame {
             warmup_frames: warmup_frames(probes.warmup_frames, brightest),
             ..probes.clone()
         };
+        let bodies = &self.stage.voxels.bodies;
+        bodies.set_time(gpu, shot.time_s);
+        let bodies_moved = bodies.begin_frame(gpu);
+        if bodies_moved > 0.0 {
+            self.antialiasing.move_bodies();
+        }
         let inspected = self.passes.inspect.wanted;
         let is_warming = self.frames < probes.warmup_frames;
         let jittered = (self.antialiasing).next(shot, &inspected, Some(lights), is_warming);
@@ -165,6 +172,7 @@ impl Frame {
             Some(before) => lights.change_since(before),
             None => 0.0,
         };
+        let light_change = light_change.max(change_of_bodies(bodies_moved));
         self.field.end_growth(gpu);
         if self
             .field
@@ -218,6 +226,7 @@ impl Frame {
                 self.frames,
                 lamps_have_changed || self.field.changes.shown_first().is_some(),
             ),
+            moves_bodies: bodies_moved > 0.0,
             shades_early: self.order.shades_early(is_calm),
         };
         self.field.set_placed();
@@ -233,8 +242,8 @@ impl Frame {
     /// unchanged.
     pub fn inspect(&mut self, gpu: &Gpu, wanted: Inspection) -> Result<(), FrameError> {
         if wanted != self.passes.inspect.wanted {
-            let resources = resources(&self.stage, &self.view, &self.lights);
-            let offer = offer(&self.field, &self.faces, &resources);
+            let scene = scene(&self.stage, &self.view, &self.lights);
+            let offer = offer(&self.field, &self.faces, &scene);
             let Passes {
                 camera_rays, shade, ..
             } = &self.passes;
@@ -259,7 +268,7 @@ impl Frame {
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold it; the frame is then unchanged.
     pub fn resize(&mut self, gpu: &Gpu, size: [u32; 2]) -> Result<(), FrameError> {
-        let resources = resources(&self.stage, &self.view, &self.lights);
+        let scene = scene(&self.stage, &self.view, &self.lights);
         let wanted = Wanted {
             inspection: self.passes.inspect.wanted,
             smoothing: self.antialiasing.wanted,
@@ -272,7 +281,7 @@ impl Frame {
             &self.faces,
             wanted,
             &self.lights,
-            &resources,
+            &scene,
         )?;
         self.size = size;
         self.order = FrameOrder::default();
@@ -293,7 +302,7 @@ impl Frame {
     ) -> Result<(), FrameError> {
         let field = ProbeField::new(gpu, self.stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
-        let resources = resources(&self.stage, &self.view, &self.lights);
+        let scene = scene(&self.stage, &self.view, &self.lights);
         let wanted = Wanted {
             inspection: Inspection {
                 atlas: None,
@@ -302,15 +311,7 @@ impl Frame {
             smoothing: self.antialiasing.wanted,
             bits: self.bits.wanted,
         };
-        self.passes = Passes::new(
-            gpu,
-            self.size,
-            &field,
-            &faces,
-            wanted,
-            &self.lights,
-            &resources,
-        )?;
+        self.passes = Passes::new(gpu, self.size, &field, &faces, wanted, &self.lights, &scene)?;
         self.field = field;
         self.faces = faces;
         self.frames = 0;
@@ -384,8 +385,8 @@ impl Frame {
             probe_rays: self.field.atlas().slots * self.field.rays_per_probe(),
             face_groups: (self.faces.is_used()).then(|| self.faces.rays_most(self.size)),
         };
-        let resources = resources(&self.stage, &self.view, &self.lights);
-        let offer = offer(&self.field, &self.faces, &resources);
+        let scene = scene(&self.stage, &self.view, &self.lights);
+        let offer = offer(&self.field, &self.faces, &scene);
         shadow_count::count(gpu, &senders, &offer.with(self.faces.update_resources()))
     }
 }

@@ -14,12 +14,12 @@ use super::{
     },
 };
 use crate::{
-    gpu::{Gpu, Recorder},
+    gpu::{Gpu, Offer, Recorder},
     passes::{
         probes::{
-            ProbeField, blend::ProbeBlend, classify::ProbeClassify, forget_hits::ForgetHits,
-            schedule::ProbeSchedule, seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
-            visibility::ProbeVisibility,
+            ProbeField, blend::ProbeBlend, classify::ProbeClassify, cover::ProbeCover,
+            forget_hits::ForgetHits, schedule::ProbeSchedule, seed::ProbeSeed,
+            source_walk::SourceWalk, trace::ProbeTrace, visibility::ProbeVisibility,
         },
         scene::{GpuLights, lamp_lists::LampLists},
         surface_cache::{
@@ -39,6 +39,8 @@ pub(super) struct Passes {
     lamp_lists: LampLists,
     pub camera_rays: CameraRays,
     classify: ProbeClassify,
+    /// Where there are bodies.
+    cover: Option<ProbeCover>,
     visibility: ProbeVisibility,
     seed: ProbeSeed,
     schedule: ProbeSchedule,
@@ -66,7 +68,7 @@ pub(super) struct Wanted {
 }
 
 impl Passes {
-    /// `scene` are the resources of voxels, materials, lights and view. Pipelines take most of the time to the first frame:
+    /// `scene` is the offer of [`scene`]. Pipelines take most of the time to the first frame:
     /// they are compiled side by side.
     pub fn new(
         gpu: &Gpu,
@@ -75,20 +77,21 @@ impl Passes {
         cache: &SurfaceCache,
         wanted: Wanted,
         lights: &GpuLights,
-        scene: &[(&'static str, wgpu::BindingResource<'_>)],
+        scene: &Offer<'_>,
     ) -> Result<Self, FrameError> {
-        let mut offer = offer(field, cache, scene);
-        offer.constants.extend(lights.constants());
+        let offer = offer(field, cache, scene);
+        let resources = &scene.resources[..];
         let requests_apart = offer.with([field.requests_of_faces()]);
         let of_pixels = offer.with([field.requests_of_pixels()]);
         thread::scope(|threads| {
-            let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, scene));
-            let classify = threads.spawn(|| ProbeClassify::new(gpu, field, scene));
-            let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, scene));
+            let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
+            let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
+            let cover = threads.spawn(|| ProbeCover::new(gpu, field, scene));
+            let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));
             let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
-            let seed = threads.spawn(|| ProbeSeed::new(gpu, field, scene));
-            let walk = threads.spawn(|| SourceWalk::new(gpu, field, scene));
-            let forget_hits = threads.spawn(|| ForgetHits::new(gpu, field, scene));
+            let seed = threads.spawn(|| ProbeSeed::new(gpu, field, resources));
+            let walk = threads.spawn(|| SourceWalk::new(gpu, field, resources));
+            let forget_hits = threads.spawn(|| ForgetHits::new(gpu, field, resources));
             let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, &offer));
             let blend = threads.spawn(|| ProbeBlend::new(gpu, field));
             let surface_trace =
@@ -117,12 +120,13 @@ impl Passes {
             let inspection = wanted.inspection;
             Ok(Self {
                 uses_cache: cache.is_used(),
-                tonemap: Tonemap::new(gpu, size, &lit, scene)?,
+                tonemap: Tonemap::new(gpu, size, &lit, resources)?,
                 inspect: Inspect::new(gpu, inspection, &camera_rays, &shade, field, &offer)?,
                 antialias,
                 bits,
                 lamp_lists: made(lamp_lists)?,
                 classify: made(classify)?,
+                cover: made(cover)?,
                 visibility: made(visibility)?,
                 schedule: made(schedule)?,
                 seed: made(seed)?,
@@ -232,8 +236,8 @@ impl Passes {
         }
     }
 
-    /// Reads `update`: probes that are new, were moved, or are near an edit. The places of all other probes stay valid
-    /// from the last frame.
+    /// Reads `update`: probes that are new, were moved, or are near an edit; and where bodies are. The places of all other
+    /// probes stay valid from the last frame.
     fn place_probes(&self, recorder: &mut Recorder<'_>, update: Update) -> PlacedProbes {
         if update.places_probes {
             self.classify.record(recorder);
@@ -246,6 +250,11 @@ impl Passes {
             if update.has_fresh {
                 self.seed.record(recorder);
             }
+        }
+        if (update.places_probes || update.moves_bodies)
+            && let Some(cover) = &self.cover
+        {
+            cover.record(recorder);
         }
         // Probes that walk may have moved at the end of any frame.
         if let Some(forget_hits) = &self.forget_hits

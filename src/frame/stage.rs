@@ -4,10 +4,10 @@ use std::mem;
 
 use super::FrameError;
 use crate::{
-    gpu::{Gpu, GpuError, Recorder, Timing},
+    gpu::{Gpu, GpuError, Offer, Recorder, Timing},
     lights::Emitters,
     passes::scene::{
-        GpuEmitters, GpuMaterials, GpuVoxels,
+        GpuBodies, GpuEmitters, GpuLights, GpuMaterials, GpuVoxels,
         distances::Distances,
         voxelise::{Voxelise, VoxeliseReport},
     },
@@ -92,7 +92,10 @@ impl Stage {
     /// [`FrameError::Gpu`] when the adapter cannot hold it.
     pub fn upload(gpu: &Gpu, world: &World, voxels: &Voxels) -> Result<Self, FrameError> {
         Ok(Self {
-            voxels: GpuVoxels::upload(gpu, voxels, world.origin)?,
+            voxels: GpuVoxels {
+                bodies: GpuBodies::upload(gpu, &world.bodies)?,
+                ..GpuVoxels::upload(gpu, voxels, world.origin)?
+            },
             materials: bake(gpu, world)?,
             emitters: GpuEmitters::upload(gpu, Emitters::find(voxels, &world.materials))?,
             built: None,
@@ -150,6 +153,21 @@ impl Stage {
         }
         let voxels = self.read_back(gpu)?;
         Ok(Volume::octree_of(layout, &voxels, self.voxels.origin)?)
+    }
+}
+
+/// What every pass may take by name.
+pub fn scene<'a>(stage: &'a Stage, view: &'a wgpu::Buffer, lights: &'a GpuLights) -> Offer<'a> {
+    let mut all = stage.voxels.resources().to_vec();
+    all.extend(stage.materials.resources());
+    all.extend(stage.emitters.resources());
+    all.extend(lights.resources());
+    all.push(("view", view.as_entire_binding()));
+    let mut constants = lights.constants().to_vec();
+    constants.extend(stage.voxels.bodies.constants());
+    Offer {
+        resources: all,
+        constants,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::{ops::Range, sync::atomic::AtomicBool};
 
-use super::{Stage, resources};
+use super::{Stage, scene};
 use crate::{
     gpu::{Gpu, GpuError, Recorder},
     lights::{Lights, table::LightsOfFrame},
@@ -12,7 +12,7 @@ use crate::{
             Blocks, Sampled,
             trace::{PathTrace, Resolve},
         },
-        scene::GpuLights,
+        scene::{GpuBodies, GpuLights},
         view::{GpuShot, Shot, tonemap::Tonemap},
     },
     world::{Camera, View},
@@ -28,6 +28,8 @@ pub struct TraceRequest<'a> {
     /// Samples (paths) per pixel: 1 to [`PathTrace::MOST_SAMPLES`].
     pub spp: u32,
     pub seed: u32,
+    /// World time in seconds, which says where bodies are. The lights are given apart.
+    pub time_s: f64,
     /// Whether faces show their textures; else each face shows the mean of its texture.
     pub textures: bool,
     /// Whether samples are spread over the pixel; else all go through its centre.
@@ -48,8 +50,9 @@ pub struct TracedFrame {
     view: wgpu::Buffer,
     lights: GpuLights,
     pass: PathTrace,
-    /// What the samples so far show.
-    shown: Option<(GpuShot, Lights)>,
+    bodies: GpuBodies,
+    /// What the samples so far show, and how often bodies had moved.
+    shown: Option<(GpuShot, Lights, u64)>,
 }
 
 /// Path-traces a picture on the GPU.
@@ -117,7 +120,7 @@ impl TraceRequest<'_> {
             seed: self.seed,
             exposure_ev: 0.0,
             view: self.view,
-            time_s: 0.0,
+            time_s: self.time_s,
             textures: self.textures,
             soft_rays: 1,
         }
@@ -136,11 +139,12 @@ impl TracedFrame {
         antialias: bool,
     ) -> Result<Self, GpuError> {
         let (view, lights) = (Shot::buffer(gpu), GpuLights::new(gpu, None)?);
-        let pass = PathTrace::new(gpu, size, antialias, &resources(stage, &view, &lights))?;
+        let pass = PathTrace::new(gpu, size, antialias, &scene(stage, &view, &lights))?;
         Ok(Self {
             view,
             lights,
             pass,
+            bodies: stage.voxels.bodies.clone(),
             shown: None,
         })
     }
@@ -155,7 +159,7 @@ impl TracedFrame {
         stage: &Stage,
         size: [u32; 2],
     ) -> Result<(Resolve, Tonemap), GpuError> {
-        let resources = resources(stage, &self.view, &self.lights);
+        let resources = scene(stage, &self.view, &self.lights).resources;
         let resolve = self.pass.resolve(gpu, &resources)?;
         let hdr = resolve.hdr.create_view(&Default::default());
         let tonemap = Tonemap::new(gpu, size, &[hdr], &resources)?;
@@ -210,13 +214,14 @@ impl TracedFrame {
             exposure: 0.0,
             ..uniform
         };
-        let is_same = self
-            .shown
-            .as_ref()
-            .is_some_and(|(shot, before)| *shot == now && before == lights);
+        self.bodies.set_time(gpu, shot.time_s);
+        let moved = self.bodies.version();
+        let is_same = self.shown.as_ref().is_some_and(|(shot, before, version)| {
+            *shot == now && before == lights && *version == moved
+        });
         if !is_same {
             self.lights.set(gpu, lights, &LightsOfFrame::default());
-            self.shown = Some((now, lights.clone()));
+            self.shown = Some((now, lights.clone(), moved));
         }
         !is_same
     }

@@ -9,6 +9,8 @@ pub(super) struct Update {
     pub places_probes: bool,
     /// Visibility bits tell which surfaces each probe sees.
     pub marks_visibility: bool,
+    /// Bodies have moved: pass `probes/cover` must run.
+    pub moves_bodies: bool,
     /// A volume that follows the camera has probes that are new.
     pub has_fresh: bool,
     /// Faces may not know which lamps they see: pass `surface_cache/lamps` must run.

@@ -139,9 +139,11 @@ pub fn adapters() -> Vec<AdapterReport> {
         .collect()
 }
 
-/// Pass `surface_cache/trace` binds thirteen storage buffers: no pass needs more.
+/// Storage buffers that pass `surface_cache/trace` binds: no pass needs more.
+const STORAGE_BUFFERS: u32 = 18;
+
 fn is_usable(adapter: &wgpu::Adapter) -> bool {
-    adapter.limits().max_storage_buffers_per_shader_stage >= 13
+    adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
 }
 
 /// Ranks adapters: the lowest rank is the fastest.
@@ -201,7 +203,7 @@ impl Gpu {
             max_storage_buffers_per_shader_stage: adapter
                 .limits()
                 .max_storage_buffers_per_shader_stage
-                .min(16),
+                .min(STORAGE_BUFFERS),
             ..wgpu::Limits::default()
         };
         let features = adapter.features() & WANTED;

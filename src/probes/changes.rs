@@ -22,6 +22,8 @@ const LEAST_ALERT: f32 = 0.002;
 /// another STILLER_FRAMES later. Until then probes settle.
 const STILL_FRAMES: u32 = 64;
 const STILLER_FRAMES: u32 = 64;
+/// A body that moves this far in a frame (voxels) counts as a full change.
+const FAR_VOXELS: f32 = 16.0;
 /// Frames after which an edit is forgotten: longer than any history.
 const REMEMBERED_FRAMES: u32 = 2048;
 
@@ -39,6 +41,12 @@ pub struct EditSphere {
 pub struct EditBox {
     pub low_gs: Vec3,
     pub high_gs: Vec3,
+}
+
+/// How much light changes when the point of a body that moves farthest goes this way (voxels) in a frame: as
+/// [`crate::lights::Lights::change_since`] says it of lamps. A body hides or reflects a part of the light only.
+pub fn change_of_bodies(way: f32) -> f32 {
+    (way / FAR_VOXELS).min(1.0)
 }
 
 /// The recent changes of lamps and voxels. Edits are noted here once; probes and surface cache read them.

@@ -4,6 +4,7 @@
 //! renderer what a world *is* (`world`) and what its lamps emit (`lights`), but no code that makes
 //! pictures; it never imports `gpu` or `passes`.
 
+pub mod bodies;
 pub mod flight_path;
 pub mod march;
 pub mod path_trace;
@@ -11,5 +12,6 @@ pub mod random;
 pub mod render;
 pub mod sphere_lamp;
 
+pub use bodies::PosedBodies;
 pub use path_trace::TracedWorld;
 pub use render::{FilmOptions, RenderOptions, render, render_scene};

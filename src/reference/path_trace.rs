@@ -2,12 +2,13 @@
 //!
 //! Surfaces are Lambertian and emit the same radiance in every direction. Lamps and the sun cannot
 //! be hit and are sampled at every vertex (next-event estimation), one point of a lamp that is a sphere; emissive voxels and the sky have
-//! extent and are found by hitting them, so no light is ever counted twice.
+//! extent and are found by hitting them, so no light is ever counted twice. That holds for the voxels of bodies too.
 
 use std::f64::consts::PI;
 
 use glam::{DVec3, IVec3};
 
+use super::bodies::{BodyHit, BodyOutcome, BodyPoint, PosedBodies, cell_before};
 use super::march::{FACE_NORMALS, Hit, Outcome, Ray, march};
 use super::random::Pcg;
 use super::sphere_lamp;
@@ -24,6 +25,8 @@ const MOST_LIKELY_SURVIVAL: f64 = 0.95;
 #[derive(Clone, Copy, Debug)]
 pub struct TracedWorld<'a> {
     pub voxels: &'a Voxels,
+    /// At their poses.
+    pub bodies: &'a PosedBodies,
     /// World-space coordinates of the grid's first voxel.
     pub origin: IVec3,
     pub materials: &'a MaterialSet,
@@ -46,10 +49,14 @@ pub enum CameraHit {
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex {
     pub position: DVec3,
-    /// Index into [`FACE_NORMALS`].
+    /// Index into [`FACE_NORMALS`]: a face of a voxel of the grid, or of a model.
     pub face: u8,
-    /// The cell before the face: rays that leave the surface start in it.
-    pub air: IVec3,
+    /// Outward unit normal.
+    normal: DVec3,
+    /// The cell of the grid before the face: rays that leave the surface start in it.
+    air: IVec3,
+    /// The point on the body that it belongs to, if it is not the grid's.
+    body: Option<BodyPoint>,
     pub albedo: DVec3,
     pub emission: DVec3,
     /// Distance along the ray that found it, in voxels.
@@ -59,7 +66,7 @@ pub struct Vertex {
 impl Vertex {
     /// Outward unit normal.
     pub fn normal(&self) -> DVec3 {
-        FACE_NORMALS[usize::from(self.face)].as_dvec3()
+        self.normal
     }
 
     fn ray(&self, direction: DVec3, max_distance: f64) -> Ray {
@@ -72,41 +79,107 @@ impl Vertex {
     }
 }
 
+/// What a ray meets first, in the grid or among the bodies.
+enum Meeting {
+    /// The ray starts in a solid voxel of this material.
+    Inside(u8),
+    Grid(Hit),
+    Body(BodyHit),
+    Nothing,
+}
+
 impl TracedWorld<'_> {
     /// Follows a camera ray (world space, unit direction). `pixel_angle` is the angle (radians)
     /// over which textures are averaged.
     pub fn look(&self, origin_ws: DVec3, direction: DVec3, pixel_angle: f64) -> CameraHit {
         let ray = Ray::new(origin_ws - self.origin.as_dvec3(), direction);
-        match march(self.voxels, &ray) {
-            Outcome::Inside(material) => {
+        match self.meet(&ray, None) {
+            Meeting::Inside(material) => {
                 CameraHit::Solid(self.materials.emission(material).as_dvec3())
             }
-            Outcome::Miss => CameraHit::Sky(sky::radiance(&self.lights.sky, direction)),
-            Outcome::Hit(hit) => CameraHit::Surface(self.vertex(&ray, hit, pixel_angle)),
+            Meeting::Nothing => CameraHit::Sky(sky::radiance(&self.lights.sky, direction)),
+            Meeting::Grid(hit) => CameraHit::Surface(self.vertex(&ray, hit, pixel_angle)),
+            Meeting::Body(hit) => CameraHit::Surface(self.body_vertex(&ray, &hit, pixel_angle)),
         }
+    }
+
+    /// Follows a ray that leaves a surface, or a camera's. Of a grid and a body at the same distance it meets the grid.
+    fn meet(&self, ray: &Ray, leaves: Option<&Vertex>) -> Meeting {
+        let in_grid = march(self.voxels, ray);
+        let max_distance = match in_grid {
+            Outcome::Inside(material) => return Meeting::Inside(material),
+            Outcome::Hit(hit) => hit.distance,
+            Outcome::Miss => ray.max_distance,
+        };
+        let ray = Ray {
+            max_distance,
+            ..*ray
+        };
+        let normal = leaves.map(Vertex::normal);
+        let on_body = leaves.and_then(|vertex| vertex.body.as_ref());
+        match (self.bodies.march(&ray, normal, on_body), in_grid) {
+            (BodyOutcome::Inside(material), _) => Meeting::Inside(material),
+            (BodyOutcome::Hit(hit), _) => Meeting::Body(hit),
+            (BodyOutcome::Miss, Outcome::Hit(hit)) => Meeting::Grid(hit),
+            (BodyOutcome::Miss, _) => Meeting::Nothing,
+        }
+    }
+
+    /// Whether nothing is in the way of a ray that leaves a surface.
+    fn is_free(&self, vertex: &Vertex, direction: DVec3, distance: f64) -> bool {
+        let ray = vertex.ray(direction, distance);
+        matches!(self.meet(&ray, Some(vertex)), Meeting::Nothing)
     }
 
     fn vertex(&self, ray: &Ray, hit: Hit, pixel_angle: f64) -> Vertex {
         let position = hit.position(ray);
         let normal = FACE_NORMALS[usize::from(hit.face)];
+        let position_ws = position + self.origin.as_dvec3();
         let voxel_ws = hit.voxel + self.origin;
-        let albedo = if self.textures {
-            let cosine = normal.as_dvec3().dot(ray.direction).abs();
-            let footprint = pixel_angle * hit.distance / cosine;
-            let position_ws = position + self.origin.as_dvec3();
-            self.materials
-                .albedo(hit.material, voxel_ws, hit.face, position_ws, footprint)
-        } else {
-            self.materials.mean_albedo(hit.material, voxel_ws)
-        };
+        let cosine = normal.as_dvec3().dot(ray.direction).abs();
         Vertex {
             position,
             face: hit.face,
+            normal: normal.as_dvec3(),
             air: hit.voxel + normal,
-            albedo: albedo.as_dvec3(),
+            body: None,
+            albedo: self.albedo(&hit, voxel_ws, position_ws, pixel_angle / cosine),
             emission: self.materials.emission(hit.material).as_dvec3(),
             distance: hit.distance,
         }
+    }
+
+    /// Colours and textures of a body count from the lowest corner of its model, so that they move with it.
+    fn body_vertex(&self, ray: &Ray, found: &BodyHit, pixel_angle: f64) -> Vertex {
+        let BodyHit {
+            hit,
+            point,
+            position_gs,
+            normal,
+        } = *found;
+        let cosine = normal.dot(ray.direction).abs();
+        Vertex {
+            position: position_gs,
+            face: hit.face,
+            normal,
+            air: cell_before(position_gs, Some(normal)),
+            body: Some(point),
+            albedo: self.albedo(&hit, hit.voxel, point.position_ms, pixel_angle / cosine),
+            emission: self.materials.emission(hit.material).as_dvec3(),
+            distance: hit.distance,
+        }
+    }
+
+    /// The albedo at a hit. `pixel_slope`: width of a pixel on the surface, per voxel of distance.
+    fn albedo(&self, hit: &Hit, voxel: IVec3, position: DVec3, pixel_slope: f64) -> DVec3 {
+        let albedo = if self.textures {
+            let footprint = pixel_slope * hit.distance;
+            self.materials
+                .albedo(hit.material, voxel, hit.face, position, footprint)
+        } else {
+            self.materials.mean_albedo(hit.material, voxel)
+        };
+        albedo.as_dvec3()
     }
 
     /// Radiance that a surface reflects of the direct light from the sun and from lamps that are no spheres: the sum
@@ -160,9 +233,9 @@ impl TracedWorld<'_> {
         if irradiance == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        match march(self.voxels, &vertex.ray(towards, distance)) {
-            Outcome::Miss => vertex.albedo / PI * irradiance,
-            Outcome::Hit(_) | Outcome::Inside(_) => DVec3::ZERO,
+        match self.is_free(vertex, towards, distance) {
+            true => vertex.albedo / PI * irradiance,
+            false => DVec3::ZERO,
         }
     }
 
@@ -177,9 +250,9 @@ impl TracedWorld<'_> {
         }
         // The cone of a spot starts at its centre.
         let spot = lamp.spot_factor(-offset.normalize_or_zero());
-        match march(self.voxels, &vertex.ray(sample.towards, sample.distance)) {
-            Outcome::Miss => vertex.albedo / PI * lamp.intensity * (spot * sample.weight * cosine),
-            Outcome::Hit(_) | Outcome::Inside(_) => DVec3::ZERO,
+        match self.is_free(vertex, sample.towards, sample.distance) {
+            true => vertex.albedo / PI * lamp.intensity * (spot * sample.weight * cosine),
+            false => DVec3::ZERO,
         }
     }
 
@@ -204,15 +277,20 @@ impl TracedWorld<'_> {
         for bounce in 1..=max_bounces {
             // Follow a cosine-weighted direction: density and cosine cancel, the albedo remains.
             let axis = usize::from(vertex.face / 2);
-            let direction = random.cosine_direction(axis, vertex.face % 2 == 1);
+            let local = random.cosine_direction(axis, vertex.face % 2 == 1);
+            let direction = match vertex.body {
+                Some(point) => self.bodies.direction_gs(point.body, local),
+                None => local,
+            };
             let ray = vertex.ray(direction, f64::INFINITY);
-            vertex = match march(self.voxels, &ray) {
-                Outcome::Hit(hit) => self.vertex(&ray, hit, 0.0),
-                Outcome::Miss => {
+            vertex = match self.meet(&ray, Some(&vertex)) {
+                Meeting::Grid(hit) => self.vertex(&ray, hit, 0.0),
+                Meeting::Body(hit) => self.body_vertex(&ray, &hit, 0.0),
+                Meeting::Nothing => {
                     return radiance + throughput * sky::radiance(&self.lights.sky, direction);
                 }
-                // An edit may have filled the cell before the face.
-                Outcome::Inside(_) => return radiance,
+                // An edit or a body may have filled the cell before the face.
+                Meeting::Inside(_) => return radiance,
             };
             // Gather what this surface emits and reflects from the lamps.
             radiance += throughput * (vertex.emission + self.one_lamp_reflected(&vertex, random));

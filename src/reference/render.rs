@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::bodies::PosedBodies;
 use super::path_trace::{CameraHit, TracedWorld, Vertex};
 use super::random::Pcg;
 use crate::lights::Lights;
@@ -18,8 +19,10 @@ use crate::world::{Camera, CameraBasis, LampPreset, View, World};
 #[derive(Clone, Copy, Debug)]
 pub struct RenderOptions<'a> {
     pub lamps: &'a LampPreset,
-    /// World time (seconds), for lamps that move.
+    /// World time (seconds), which says where bodies are.
     pub time_s: f64,
+    /// The same for lamps that move: they may be stopped.
+    pub lamp_time_s: f64,
     /// Whether textures are visible; otherwise every texture is its mean.
     pub textures: bool,
     pub film: FilmOptions<'a>,
@@ -60,9 +63,12 @@ pub fn render(
     cancel: &AtomicBool,
 ) -> Picture {
     let materials = MaterialSet::bake(&world.materials, world.seed);
-    let lights = Lights::at(world, options.lamps, options.time_s);
+    let lights = Lights::at(world, options.lamps, options.lamp_time_s);
+    let poses = world.bodies.poses(options.time_s);
+    let bodies = PosedBodies::new(&world.bodies, world.origin, &poses);
     let scene = TracedWorld {
         voxels,
+        bodies: &bodies,
         origin: world.origin,
         materials: &materials,
         lights: &lights,

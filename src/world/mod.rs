@@ -19,6 +19,7 @@ pub mod rules;
 pub mod save;
 pub mod scenery;
 pub mod sdf;
+pub mod travel;
 pub mod view;
 pub mod voxels;
 
@@ -37,6 +38,7 @@ pub use scenery::{
     Sun, Wall,
 };
 pub use sdf::Sdf;
+pub use travel::Travel;
 pub use view::View;
 pub use voxels::Overlay;
 

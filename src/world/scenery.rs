@@ -2,6 +2,8 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
+use super::Travel;
+
 /// Most lamps of one preset, not counting the sun.
 pub const MAX_LAMPS: usize = 65_536;
 
@@ -67,20 +69,12 @@ pub enum LampKind {
 /// How a lamp changes with world time t (seconds).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// Adds radius · (cos a, sin a, sin a) per axis, with a = rate·t + phase.
-    Orbit { radius: Vec3, rate: f32, phase: f32 },
-    /// Adds amplitude · sin(rate·t + phase).
-    Bob {
-        amplitude: Vec3,
-        rate: f32,
-        phase: f32,
-    },
+    /// Moves its place.
+    Travel(Travel),
     /// Multiplies the power by a smooth noise in [1 − amount, 1].
     Flicker { amount: f32, rate: f32 },
     /// Multiplies the power by 1 − amount · (½ + ½ sin(rate·t + phase)).
     Pulse { amount: f32, rate: f32, phase: f32 },
-    /// Follows a closed Catmull–Rom path through `points` (world space) at `speed` voxels per second.
-    Path { points: Vec<Vec3>, speed: f32 },
     /// Rotates the hue by `rate` full turns per second.
     HueCycle { rate: f32 },
 }

@@ -163,7 +163,11 @@ impl Stage {
         resources.extend(self.materials.resources());
         resources.extend(self.lights.resources());
         resources.push(("view", buffer.as_entire_binding()));
-        let camera = CameraRays::new(&self.gpu, size, &resources).expect("compiles");
+        let scene = Offer {
+            resources,
+            constants: Vec::new(),
+        };
+        let camera = CameraRays::new(&self.gpu, size, &scene).expect("compiles");
         // These tests judge the light of the probes alone.
         let probes_alone = ProbeParameters {
             final_gather: FinalGather::Off,
@@ -171,7 +175,7 @@ impl Stage {
         };
         let faces = SurfaceCache::new(&self.gpu, &probes_alone).expect("fits");
         let surfaces = &camera.surfaces;
-        let offer = frame::offer(&self.field, &faces, &resources);
+        let offer = frame::offer(&self.field, &faces, &scene);
         let shade = Shade::new(&self.gpu, size, surfaces, &offer).expect("compiles");
         let mut recorder = Recorder::new(&self.gpu, None);
         camera.record(&mut recorder, size);

@@ -6,6 +6,7 @@ mod support;
 
 mod antialias;
 mod bits;
+mod bodies;
 mod cascades;
 mod dispatch_chunks;
 mod distances;

@@ -27,7 +27,7 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
     (
         "surface_cache",
         "probes",
-        &["gather", "incident_light", "requests"],
+        &["body_gather", "gather", "incident_light", "requests"],
     ),
     (
         "view",
@@ -40,6 +40,7 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
         "probes",
         &[
             "atlas",
+            "body_gather",
             "field",
             "gather",
             "incident_light",

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod bodies;
 mod closed_forms;
 mod marching;
 mod on_gpu;

@@ -120,6 +120,7 @@ fn a_world_renders_from_its_file() {
         let options = RenderOptions {
             lamps,
             time_s: 0.0,
+            lamp_time_s: 0.0,
             textures: true,
             film,
         };

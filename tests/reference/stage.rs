@@ -6,7 +6,7 @@ use glam::{IVec3, UVec3, Vec3};
 use grotto::lights::Lights;
 use grotto::measure::picture::Picture;
 use grotto::measure::statistics::MeanEstimate;
-use grotto::reference::{FilmOptions, TracedWorld, render_scene};
+use grotto::reference::{FilmOptions, PosedBodies, TracedWorld, render_scene};
 use grotto::world::generate::generate;
 use grotto::world::materials::MaterialSet;
 use grotto::world::voxels::Voxels;
@@ -19,6 +19,7 @@ use crate::support::shipped;
 /// A small world: everything that the path tracer reads.
 pub struct Stage {
     pub voxels: Voxels,
+    pub bodies: PosedBodies,
     pub origin: IVec3,
     pub materials: MaterialSet,
     /// What `materials` was baked from, and the seed.
@@ -45,6 +46,7 @@ impl Stage {
         };
         Self {
             voxels: voxels_from(size, voxel),
+            bodies: PosedBodies::default(),
             origin: IVec3::ZERO,
             materials: MaterialSet::bake(&list, 0),
             list,
@@ -58,6 +60,7 @@ impl Stage {
         let world = shipped(name);
         let stage = Self {
             voxels: generate(&world),
+            bodies: PosedBodies::new(&world.bodies, world.origin, &world.bodies.poses(0.0)),
             origin: world.origin,
             materials: MaterialSet::bake(&world.materials, world.seed),
             seed: world.seed,
@@ -96,6 +99,7 @@ impl Stage {
     pub fn scene(&self) -> TracedWorld<'_> {
         TracedWorld {
             voxels: &self.voxels,
+            bodies: &self.bodies,
             origin: self.origin,
             materials: &self.materials,
             lights: &self.lights,

@@ -85,6 +85,7 @@ impl Drawn {
             view,
             spp,
             seed: 5,
+            time_s: self.shot.time_s,
             textures: true,
             antialias: false,
         };

@@ -1,21 +1,23 @@
 //! The body of the player: a box that walks, jumps, sneaks and flies through voxels. No GPU and no window.
 //!
-//! [`Body::step`] moves it by a short time. The box never enters a solid voxel: see `sweep`.
+//! [`Body::step`] moves it by a short time. The box never enters a solid voxel (see `sweep`), and gives way to bodies of
+//! voxels that move into it (see `obstacles`).
 
 mod escape;
 mod measures;
+mod obstacles;
 mod sweep;
+mod terrain;
 #[cfg(test)]
 mod tests;
 
-use glam::{DVec3, I64Vec3, IVec3};
+use glam::{DVec3, I64Vec3};
 use serde::{Deserialize, Serialize};
 
 pub use measures::Measures;
-pub use sweep::{Aabb, Terrain, point_to_units, to_units, to_voxels};
+pub use sweep::{Aabb, point_to_units, to_units, to_voxels};
 use sweep::{FARTHEST, ONE};
-
-use crate::world::voxels::Voxels;
+pub use terrain::{Ground, Terrain};
 
 /// Seconds in which the speed closes 63 % of its distance to the wanted one.
 const ON_GROUND_S: f64 = 0.05;
@@ -72,18 +74,6 @@ pub enum Event {
     Stuck,
 }
 
-/// The voxels of a world as terrain. Outside of the world there is nothing.
-pub struct Ground<'a> {
-    pub voxels: &'a Voxels,
-    pub origin: IVec3,
-}
-
-impl Terrain for Ground<'_> {
-    fn is_solid(&self, voxel: IVec3) -> bool {
-        self.voxels.material(voxel - self.origin) != 0
-    }
-}
-
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     pub measures: Measures,
@@ -102,6 +92,8 @@ pub struct Body {
     search_in_s: f64,
     /// Lowest coordinate of the world (voxels).
     bottom: f64,
+    /// Whether it stands on a body of voxels, which may sink.
+    rides: bool,
 }
 
 impl Body {
@@ -124,6 +116,7 @@ impl Body {
             start: feet,
             search_in_s: 0.0,
             bottom,
+            rides: false,
         };
         // Ground that is nearly reached counts.
         let near = to_units(0.3 * measures.scale);
@@ -197,6 +190,7 @@ impl Body {
             self.eye_lift = 0.0;
         }
         let mut event = None;
+        self.follow_obstacles(terrain);
         if self.mode != Mode::NoClip && self.shape().overlaps(terrain) {
             event = self.free(terrain, dt_s);
             if self.shape().overlaps(terrain) {
@@ -209,6 +203,7 @@ impl Body {
         }
         let farthest = I64Vec3::splat(FARTHEST * ONE);
         self.feet = self.feet.clamp(-farthest, farthest);
+        self.rides = self.mode == Mode::Walk && terrain.in_the_way().supports(&self.shape());
         if self.mode == Mode::Walk {
             if self.shape().is_supported(terrain) {
                 self.safe = Some(self.feet);

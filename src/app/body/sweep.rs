@@ -7,6 +7,8 @@
 
 use glam::{DVec3, I64Vec3, IVec3};
 
+use super::terrain::Terrain;
+
 /// Fraction bits of a coordinate.
 const BITS: u32 = 20;
 /// Units per voxel.
@@ -15,11 +17,6 @@ pub const ONE: i64 = 1 << BITS;
 pub const FARTHEST: i64 = 1 << 22;
 /// Longest move along one axis (voxels).
 const LONGEST: i64 = 1 << 12;
-
-/// Which voxels stop a body. World space.
-pub trait Terrain {
-    fn is_solid(&self, voxel: IVec3) -> bool;
-}
 
 /// A length in voxels as units; what is not a number becomes 0.
 pub fn to_units(voxels: f64) -> i64 {
@@ -59,15 +56,28 @@ impl Aabb {
         )
     }
 
-    /// Whether any voxel in the box is solid.
-    pub fn overlaps(&self, terrain: &impl Terrain) -> bool {
-        let (low, high) = self.voxels();
-        any_solid(terrain, low, high)
+    /// The box and all that it passes on a way along `axis`.
+    pub fn along(mut self, axis: usize, way: i64) -> Self {
+        self.min[axis] += way.min(0);
+        self.max[axis] += way.max(0);
+        self
     }
 
-    /// How far the box can move along `axis` (0 … 2), of `distance`: to the first solid voxel in its way.
-    /// Voxels that the box is in already do not stop it.
+    /// Whether any voxel in the box is solid, or a moving body is in it.
+    pub fn overlaps(&self, terrain: &impl Terrain) -> bool {
+        let (low, high) = self.voxels();
+        any_solid(terrain, low, high) || terrain.in_the_way().overlaps(self)
+    }
+
+    /// How far the box can move along `axis` (0 … 2), of `distance`: to the first solid voxel or moving body in its way.
+    /// What the box is in already does not stop it.
     pub fn sweep(&self, terrain: &impl Terrain, axis: usize, distance: i64) -> i64 {
+        let free = self.sweep_voxels(terrain, axis, distance);
+        terrain.in_the_way().sweep(self, axis, free)
+    }
+
+    /// The same without moving bodies.
+    pub fn sweep_voxels(&self, terrain: &impl Terrain, axis: usize, distance: i64) -> i64 {
         let distance = distance.clamp(-LONGEST * ONE, LONGEST * ONE);
         let (mut low, mut high) = self.voxels();
         let mut is_blocked = |layer: i64| {

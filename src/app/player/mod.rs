@@ -238,7 +238,7 @@ impl Player {
             now if now == mode => Mode::Walk,
             _ => mode,
         };
-        let changed = self.body.set_mode(next, terrain);
+        let changed = self.body.set_mode(next, &terrain.at(self.now_ns));
         self.notices.push(match changed {
             true => Notice::Moves(next),
             false => Notice::NoRoom,
@@ -262,12 +262,13 @@ impl Player {
         let steps = whole_steps(self.now_ns);
         while self.steps < steps {
             let intent = self.intent();
-            let event = self.body.step(terrain, &intent, STEP_S);
-            self.notices.extend(event.map(Notice::Body));
-            self.keys.pressed.clear();
             self.steps += 1;
             let at_ns = step_start_ns(self.steps);
-            let footfall = self.gait.follow(&self.body, terrain, STEP_S, at_ns);
+            let terrain = terrain.at(at_ns);
+            let event = self.body.step(&terrain, &intent, STEP_S);
+            self.notices.extend(event.map(Notice::Body));
+            self.keys.pressed.clear();
+            let footfall = self.gait.follow(&self.body, &terrain, STEP_S, at_ns);
             // A player whom nobody hears, such as a twin of the latency, keeps only a few.
             let room = MOST_FOOTFALLS.saturating_sub(self.footfalls.len());
             self.footfalls.extend(footfall.into_iter().take(room));
@@ -278,12 +279,13 @@ impl Player {
     pub fn view(&self, terrain: &impl Terrain) -> Camera {
         let rest_ns = self.now_ns - step_start_ns(self.steps);
         let mut body = self.body.clone();
+        let terrain = terrain.at(self.now_ns);
         if rest_ns > 0 {
             // It may not be told: the whole step will tell it again.
-            let _ = body.step(terrain, &self.intent(), rest_ns as f64 / NS_PER_S as f64);
+            let _ = body.step(&terrain, &self.intent(), rest_ns as f64 / NS_PER_S as f64);
         }
         Camera {
-            position: body.eye(terrain).as_vec3(),
+            position: body.eye(&terrain).as_vec3(),
             fov_deg: self.field_of_view_deg.unwrap_or(self.camera.fov_deg),
             ..self.camera.clone()
         }

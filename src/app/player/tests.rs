@@ -43,10 +43,7 @@ const MS: u64 = 1_000_000;
 /// Plays inputs at their times, with frames at these times in between; returns the end and its view.
 fn played(inputs: &[(u64, Input)], frames: impl Iterator<Item = u64>) -> (Player, Camera) {
     let (world, voxels) = scene();
-    let ground = Ground {
-        voxels: &voxels,
-        origin: world.origin,
-    };
+    let ground = Ground::new(&voxels, world.origin);
     let mut player = Player::new(&camera(ON_GROUND_Y), &world, &ground);
     let mut inputs = inputs.iter().peekable();
     for frame in frames {
@@ -215,10 +212,7 @@ fn speeds_of_flight_stay_in_range() {
 #[test]
 fn the_users_field_of_view_takes_the_place_of_every_cameras() {
     let (world, voxels) = scene();
-    let ground = Ground {
-        voxels: &voxels,
-        origin: world.origin,
-    };
+    let ground = Ground::new(&voxels, world.origin);
     let mut player = Player::new(&camera(ON_GROUND_Y), &world, &ground);
     let mut seen_with = |own_deg| {
         player.take(&Input::FieldOfView(own_deg), &ground);
@@ -236,10 +230,7 @@ fn the_users_field_of_view_takes_the_place_of_every_cameras() {
 #[test]
 fn who_enters_a_world_walks_where_the_ground_is_close() {
     let (world, voxels) = scene();
-    let ground = Ground {
-        voxels: &voxels,
-        origin: world.origin,
-    };
+    let ground = Ground::new(&voxels, world.origin);
     for (above, mode) in [(0.0, Mode::Walk), (9.0, Mode::Walk), (14.0, Mode::Fly)] {
         let mut player = Player::new(&camera(ON_GROUND_Y + above), &world, &ground);
         player.land(&ground);

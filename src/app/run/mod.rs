@@ -11,7 +11,7 @@ use strokes::Turn;
 use super::{
     AppError,
     body::{Body, Ground, Mode},
-    clock::WorldClock,
+    clock::{ClockReading, WorldClock},
     hands::{Hands, aim::Reach, brush::Brush},
     input::Input,
     messages::Messages,
@@ -77,6 +77,7 @@ impl Run<'_> {
                     rate: *rate,
                     time_s: *time_s,
                 };
+                self.tell_time();
             }
             Input::Set(assignment) => {
                 let mut next = self.viewport.choice().clone();
@@ -128,6 +129,7 @@ impl Run<'_> {
 
     fn simulate(&mut self, to_ns: u64) -> Result<(), AppError> {
         let elapsed_ns = to_ns.saturating_sub(self.player.now_ns());
+        self.tell_time();
         self.settings.clock.advance(elapsed_ns as f64 * 1e-9);
         let ground = self.viewport.ground()?;
         self.player.advance(to_ns, &ground);
@@ -139,7 +141,16 @@ impl Run<'_> {
         for footfall in self.player.take_footfalls() {
             self.footfall(&footfall)?;
         }
+        self.tell_time();
         Ok(())
+    }
+
+    /// Bodies are where the clock says: it is read where simulated time has come to.
+    fn tell_time(&mut self) {
+        self.viewport.clock = ClockReading {
+            at_ns: self.player.now_ns(),
+            clock: self.settings.clock,
+        };
     }
 
     /// What the player sees now.
@@ -265,9 +276,9 @@ impl Viewport {
     /// # Errors
     /// [`AppError`] when the voxels must be read back and the device is lost.
     pub fn ground(&mut self) -> Result<Ground<'_>, AppError> {
-        let origin = self.world().origin;
-        let voxels = self.voxels()?;
-        Ok(Ground { voxels, origin })
+        let clock = self.clock;
+        let (voxels, world) = self.voxels_and_world()?;
+        Ok(Ground::new(voxels, world.origin).with_bodies(&world.bodies, clock))
     }
 
     /// Lets `hear` know what surrounds a camera.
@@ -282,7 +293,7 @@ impl Viewport {
     ) -> Result<(), AppError> {
         let materials = self.world().materials.iter();
         let sounds: Vec<_> = materials.map(|material| material.sound).collect();
-        let Ground { voxels, origin } = self.ground()?;
+        let Ground { voxels, origin, .. } = self.ground()?;
         hear(&Place {
             voxels,
             sounds: &sounds,

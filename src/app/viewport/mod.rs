@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use miette::{GraphicalReportHandler, GraphicalTheme, Report};
 
 use self::fitting::{fitting, layout};
-use super::{quality::Effort, reference_view::ReferenceView};
+use super::{clock::ClockReading, quality::Effort, reference_view::ReferenceView};
 use crate::{
     frame::{Frame, FrameError, Stage, scaled},
     gpu::{Gpu, GpuError, Recorder, ShaderLibrary},
@@ -79,6 +79,8 @@ pub struct Viewport {
     choice: Choice,
     effort: Effort,
     inspection: Inspection,
+    /// Says where bodies are while the player moves.
+    pub clock: ClockReading,
     /// The voxels as on the GPU, read back at the first need. They remember what edited cells contained when
     /// this world was built.
     voxels: Option<Voxels>,
@@ -121,6 +123,7 @@ impl Viewport {
             choice,
             effort: Effort::FULL,
             inspection: Inspection::default(),
+            clock: ClockReading::default(),
             voxels: None,
             build: 0,
             originals: Originals::default(),

@@ -263,6 +263,7 @@ impl Judge<'_> {
         Film {
             camera,
             lights: &case.lights,
+            time_s: case.time_s(),
             edits: &[],
             size: self.arguments.subjects.size,
             spp: self.arguments.spp,

@@ -22,7 +22,7 @@ use crate::{
     gpu::Gpu,
     lights::Lights,
     measure::picture::Picture,
-    reference::{self, FilmOptions},
+    reference::{self, FilmOptions, PosedBodies},
     world::{Camera, View, World, generate, materials::MaterialSet, voxels::Voxels},
 };
 
@@ -40,6 +40,8 @@ pub enum Against {
 pub struct Film<'a> {
     pub camera: &'a Camera,
     pub lights: &'a Lights,
+    /// World time (seconds), which says where bodies are.
+    pub time_s: f64,
     /// Edits of the world, which the stage has too.
     pub edits: &'a [Ball],
     /// Width and height in pixels.
@@ -67,7 +69,8 @@ pub struct Tracer<'a> {
 }
 
 /// The sources of the CPU tracer: stored references are valid as long as these files are unchanged.
-const CPU_SOURCES: [&str; 5] = [
+const CPU_SOURCES: [&str; 6] = [
+    include_str!("../../reference/bodies.rs"),
     include_str!("../../reference/march.rs"),
     include_str!("../../reference/path_trace.rs"),
     include_str!("../../reference/random.rs"),
@@ -106,6 +109,7 @@ impl<'a> Tracer<'a> {
         let Film {
             camera,
             lights,
+            time_s,
             edits,
             size,
             spp,
@@ -126,7 +130,7 @@ impl<'a> Tracer<'a> {
         Ok(Key {
             content: format!(
                 "{tracer} {} {basis:?} {size:?} {spp} {seed} {textures}{edits}{antialiased}",
-                content(self.world, lights)
+                content(self.world, lights, *time_s)
             ),
             version: self.version()?,
             size: *size,
@@ -160,6 +164,7 @@ impl<'a> Tracer<'a> {
                     view,
                     spp: film.spp,
                     seed: film.seed,
+                    time_s: film.time_s,
                     textures: film.textures,
                     antialias: film.antialias,
                 };
@@ -189,8 +194,11 @@ impl<'a> Tracer<'a> {
             ball.fill(voxels.to_mut());
         }
         let materials = MaterialSet::bake(&world.materials, world.seed);
+        let poses = world.bodies.poses(film.time_s);
+        let bodies = PosedBodies::new(&world.bodies, world.origin, &poses);
         let scene = reference::TracedWorld {
             voxels: &voxels,
+            bodies: &bodies,
             origin: world.origin,
             materials: &materials,
             lights: film.lights,

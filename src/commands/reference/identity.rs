@@ -8,8 +8,12 @@ use crate::{
 };
 
 /// What is traced of a world, as a text: who looks, where probes stand and what may change change nothing
-/// about the world as it is.
-pub fn content(world: &World, lights: &Lights) -> String {
+/// about the world as it is. `time_s`: world time (seconds), at which bodies are where they are.
+pub fn content(world: &World, lights: &Lights, time_s: f64) -> String {
+    let poses = match &world.bodies.poses(time_s)[..] {
+        [] => String::new(),
+        poses => format!(" {poses:?}"),
+    };
     let mut world = world.clone();
     world.name.clear();
     world.title.clear();
@@ -17,7 +21,11 @@ pub fn content(world: &World, lights: &Lights) -> String {
     world.layouts.clear();
     world.lamp_presets.clear();
     world.response = ResponseSpec::default();
-    format!("{world:?} {lights:?}")
+    // Where they are says all about how they move.
+    for body in &mut world.bodies.bodies {
+        body.motion.clear();
+    }
+    format!("{world:?} {lights:?}{poses}")
 }
 
 /// The sources of the tracer: what it gives is the same for as long as they are.
@@ -49,6 +57,32 @@ mod tests {
     use std::{collections::BTreeSet, fs, path::Path};
 
     use super::*;
+    use crate::world::file::{Overrides, parse};
+
+    #[test]
+    fn what_is_traced_depends_on_the_time_only_where_bodies_move() {
+        let content_at = |motion: &str, time_s: f64| {
+            let text = format!(
+                "(title: \"\", size: (8, 8, 8), shape: Empty, bodies: [(position: (4, 4, 4),
+                    model: Shape(size: (2, 2, 2), shape: Sphere(radius: 2)), motion: [{motion}])])"
+            );
+            let world = parse(&text, "world", None, &Overrides::default()).expect("sound");
+            let lights = Lights::at(&world, &world.lamp_presets[0], 0.0);
+            content(&world, &lights, time_s)
+        };
+        let turn = "TurnBetween(axis: (0, 1, 0), degrees: 45, start_s: 1, end_s: 2)";
+        assert_ne!(content_at(turn, 0.0), content_at(turn, 1.5));
+        assert_eq!(
+            content_at(turn, 0.0),
+            content_at("", 7.0),
+            "it has not turned yet"
+        );
+        assert_eq!(
+            content_at(turn, 2.0),
+            content_at(turn, 9.0),
+            "it has turned"
+        );
+    }
 
     #[test]
     fn the_sources_are_the_same_in_every_run_and_an_edit_changes_them() {

@@ -138,6 +138,7 @@ impl Job<'_> {
             view: options.view,
             spp: self.arguments.spp,
             seed: options.seed,
+            time_s: self.scene.time_s,
             textures: self.scene.parameters.textures.enabled,
             antialias: self.arguments.antialias,
         }

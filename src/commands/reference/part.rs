@@ -86,7 +86,7 @@ pub fn head(
             format!(
                 "{} {}",
                 scene.world.name,
-                name(&content(&scene.world, lights))
+                name(&content(&scene.world, lights, scene.time_s))
             ),
         ),
         (

@@ -15,7 +15,7 @@ use super::{
     sums::Sums,
 };
 use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle},
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle},
     measure::block_sums::BlockSums,
 };
 
@@ -79,7 +79,7 @@ impl PathTrace {
     pub const MOST_SAMPLES: u32 = 1 << 20;
 
     /// For pictures of `size` pixels. `antialias` spreads the samples over each pixel; else all go through the pixel's
-    /// centre. `resources` are those of the voxels, the view, the lights, the materials and the emitters.
+    /// centre. `scene` is the offer of the voxels, the bodies, the view, the lights, the materials and the emitters.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].
@@ -87,11 +87,11 @@ impl PathTrace {
         gpu: &Gpu,
         size: [u32; 2],
         antialias: bool,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
+        scene: &Offer<'_>,
     ) -> Result<Self, GpuError> {
         let sums = Sums::new(gpu, size)?;
         let job = gpu.uniform_buffer("job", &GpuTraceJob::default());
-        let mut all = resources.to_vec();
+        let mut all = scene.resources.clone();
         all.push(("job", job.as_entire_binding()));
         all.extend(sums.resources());
         let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
@@ -102,6 +102,7 @@ impl PathTrace {
                     entry,
                     // Paths scatter.
                     overrides: &[("COHERENT", 0.0)],
+                    offered: &scene.constants,
                     ..Default::default()
                 },
             )?;

@@ -3,6 +3,7 @@
 pub mod blend;
 mod changes;
 pub mod classify;
+pub mod cover;
 mod field;
 pub mod forget_hits;
 mod info;

@@ -18,7 +18,7 @@ impl LampLists {
     pub fn new(
         gpu: &Gpu,
         lights: &GpuLights,
-        resources: &[(&'static str, wgpu::BindingResource<'_>)],
+        resources: &[(&str, wgpu::BindingResource<'_>)],
     ) -> Result<Self, GpuError> {
         let spec = KernelSpec {
             shader: "scene/lamp_lists",

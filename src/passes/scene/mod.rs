@@ -1,13 +1,16 @@
 //! The scene on the GPU: voxels, materials, lights, emissive faces.
 
+mod bodies;
 pub mod distances;
 mod emitters;
+mod hierarchy;
 pub mod lamp_lists;
 mod lights;
 mod materials;
 pub mod voxelise;
 mod voxels;
 
+pub use bodies::GpuBodies;
 pub use emitters::GpuEmitters;
 pub use lights::GpuLights;
 pub use materials::GpuMaterials;

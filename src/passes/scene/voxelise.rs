@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 
 use glam::UVec3;
 
-use super::GpuVoxels;
 use super::voxels::{GpuGridInfo, MASK_BYTES, MATERIAL_BYTES};
+use super::{GpuBodies, GpuVoxels};
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing};
 use crate::world::World;
 use crate::world::generate::FeatureBins;
@@ -248,6 +248,7 @@ impl Voxelise {
             grid,
             masks,
             materials,
+            bodies: GpuBodies::upload(gpu, &world.bodies)?,
         };
         Ok((voxels, report))
     }

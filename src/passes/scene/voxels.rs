@@ -2,6 +2,7 @@
 
 use glam::{IVec3, UVec3};
 
+use super::GpuBodies;
 use crate::{
     gpu::{Gpu, GpuError},
     world::voxels::{Brick, CELL, Edit, Voxels, grid_cells},
@@ -59,6 +60,8 @@ pub struct GpuVoxels {
     pub grid: wgpu::Buffer,
     pub masks: wgpu::Buffer,
     pub materials: wgpu::Buffer,
+    /// What rays meet besides the grid.
+    pub bodies: GpuBodies,
 }
 
 /// Bytes of a brick's mask and of its materials.
@@ -80,6 +83,7 @@ impl GpuVoxels {
             grid: gpu.storage_buffer_of("grid", grid)?,
             masks: gpu.storage_buffer_of("masks", masks)?,
             materials: gpu.storage_buffer_of("voxel_materials", materials)?,
+            bodies: GpuBodies::none(gpu)?,
         })
     }
 
@@ -157,9 +161,12 @@ impl GpuVoxels {
         }
     }
 
-    /// The bindings of `shaders/scene/voxels.wesl`.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
+    /// The bindings of `shaders/scene/voxels.wesl` and `shaders/scene/bodies.wesl`.
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 6] {
+        let [bodies, before] = self.bodies.resources();
         [
+            bodies,
+            before,
             ("grid_info", self.info.as_entire_binding()),
             ("grid", self.grid.as_entire_binding()),
             ("masks", self.masks.as_entire_binding()),
@@ -169,6 +176,6 @@ impl GpuVoxels {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.grid.size() + self.masks.size() + self.materials.size()
+        self.grid.size() + self.masks.size() + self.materials.size() + self.bodies.bytes()
     }
 }

@@ -5,7 +5,7 @@ use super::{
     SurfaceCache,
     shared::{REQUEST_ROOM, REQUESTS_A_GROUP},
 };
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
 /// Workgroups for all faces that rays may have requested.
 const REQUEST_GROUPS: u32 = REQUEST_ROOM / REQUESTS_A_GROUP;
@@ -18,8 +18,8 @@ pub struct SurfaceAllocate {
 }
 
 impl SurfaceAllocate {
-    /// For pictures of `size` pixels. `surfaces` is what the camera rays hit; `resources` are those of the
-    /// voxels and the view.
+    /// For pictures of `size` pixels. `surfaces` is what the camera rays hit; `scene` is the offer of the
+    /// voxels, the bodies and the view.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
@@ -28,15 +28,16 @@ impl SurfaceAllocate {
         size: [u32; 2],
         surfaces: &wgpu::Buffer,
         faces: &SurfaceCache,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
+        scene: &Offer<'_>,
     ) -> Result<Self, GpuError> {
-        let mut all = resources.to_vec();
+        let mut all = scene.resources.clone();
         all.extend(faces.update_resources());
         all.push(("surfaces", surfaces.as_entire_binding()));
         let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
             let spec = KernelSpec {
                 shader: "surface_cache/allocate",
                 entry,
+                offered: &scene.constants,
                 ..Default::default()
             };
             let kernel = Kernel::new(gpu, &spec)?;

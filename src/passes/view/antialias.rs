@@ -22,7 +22,8 @@ crate::shared! {
         pub moved: u32,
         /// First voxel (grid space) of the box that was edited since the last picture.
         pub edited_first: [u32; 3],
-        pub _pad0: u32,
+        /// 1: bodies have moved since the last picture.
+        pub bodies_moved: u32,
         /// Last voxel of that box; before the first one where nothing was edited.
         pub edited_last: [u32; 3],
         pub _pad1: u32,
@@ -74,6 +75,7 @@ impl TemporalAntialias {
             &KernelSpec {
                 shader: "view/antialias",
                 overrides: &[("upscales", f64::from(u8::from(upscales)))],
+                offered: &offer.constants,
                 ..Default::default()
             },
         )?;

@@ -1,6 +1,6 @@
 //! Pass `view/camera_rays`: traces one ray through each pixel's centre and stores what the ray hits.
 
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 
 /// The kernel and the surfaces that it writes: 8 bytes per pixel, rows from the top
 /// (`shaders/march/surface.wesl` says how to read them).
@@ -14,28 +14,24 @@ impl CameraRays {
     /// Bytes per pixel of the largest buffer of a picture.
     pub const BYTES_PER_PIXEL: u64 = 8;
 
-    /// For pictures of at most `size` pixels. `resources` are those of the voxels and the view.
+    /// For pictures of at most `size` pixels. `scene` is the offer of the voxels, the bodies and the view.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].
-    pub fn new(
-        gpu: &Gpu,
-        size: [u32; 2],
-        resources: &[(&str, wgpu::BindingResource<'_>)],
-    ) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, size: [u32; 2], scene: &Offer<'_>) -> Result<Self, GpuError> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let surfaces = gpu.storage_buffer("surfaces", pixels * Self::BYTES_PER_PIXEL)?;
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
                 shader: "view/camera_rays",
+                offered: &scene.constants,
                 ..Default::default()
             },
         )?;
-        let mut all = resources.to_vec();
-        all.push(("surfaces_out", surfaces.as_entire_binding()));
+        let all = scene.with([("surfaces_out", surfaces.as_entire_binding())]);
         Ok(Self {
-            bindings: kernel.bind(gpu, &all),
+            bindings: kernel.bind(gpu, &all.resources),
             kernel,
             surfaces,
         })

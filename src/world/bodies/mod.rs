@@ -1,7 +1,14 @@
 //! Rigid bodies of voxels that move: a door that swings, a lift, a mill wheel. A body has its own small grid of voxels
 //! (its model), which a pose carries into the world; rays march through it in its own space.
 
-use glam::{Quat, UVec3, Vec3};
+mod motion;
+
+use std::fmt;
+
+use glam::{IVec3, Quat, UVec3, Vec3};
+
+use motion::Moment;
+pub use motion::{BodyMotion, Cycle, Ease};
 
 /// Most voxels along an edge of a model.
 pub const MAX_BODY_EDGE: u32 = 64;
@@ -9,8 +16,11 @@ pub const MAX_BODY_EDGE: u32 = 64;
 /// Most bodies in a world.
 pub const MAX_BODIES: usize = 4096;
 
+/// Most voxels, air included, of all models of a world.
+pub const MAX_MODEL_VOXELS: u32 = 1 << 24;
+
 /// The voxels of a body, shared by all bodies of the same shape.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct BodyModel {
     /// Extent in voxels, each 1 … [`MAX_BODY_EDGE`].
     pub size: UVec3,
@@ -28,6 +38,8 @@ pub struct Body {
     pub pivot: Vec3,
     /// Where the pivot is and how the body is turned before its motion.
     pub rest: Pose,
+    /// Applied in order. Axes are those of the model, as the motions before have turned it.
+    pub motion: Vec<BodyMotion>,
 }
 
 /// Where a body is at one moment.
@@ -46,10 +58,63 @@ pub struct Bodies {
     pub bodies: Vec<Body>,
 }
 
+impl BodyModel {
+    /// The material of a voxel of the model; 0 (air) outside of it.
+    pub fn material(&self, voxel: IVec3) -> u8 {
+        let size = self.size.as_ivec3();
+        if voxel.cmplt(IVec3::ZERO).any() || voxel.cmpge(size).any() {
+            return 0;
+        }
+        self.materials[(voxel.x + size.x * (voxel.y + size.y * voxel.z)) as usize]
+    }
+
+    /// Every voxel that is not air.
+    pub fn solid(&self) -> impl Iterator<Item = IVec3> + '_ {
+        let size = self.size;
+        let voxels = (0..size.z).flat_map(move |z| (0..size.y).map(move |y| (y, z)));
+        let voxels =
+            voxels.flat_map(move |(y, z)| (0..size.x).map(move |x| UVec3::new(x, y, z).as_ivec3()));
+        let solid = voxels
+            .zip(&self.materials)
+            .filter(|(_, material)| **material != 0);
+        solid.map(|(voxel, _)| voxel)
+    }
+}
+
+/// With a checksum in place of the voxels: worlds are told apart by their debug texts, which may not be long.
+impl fmt::Debug for BodyModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let checksum = crc32fast::hash(&self.materials);
+        write!(f, "{} voxels, CRC-32 {checksum:08x}", self.size)
+    }
+}
+
+impl Body {
+    /// Where the body is at a world time (seconds).
+    pub fn pose(&self, time: f64) -> Pose {
+        let rest = Moment {
+            position: self.rest.position.as_dvec3(),
+            rotation: self.rest.rotation.as_dquat().normalize(),
+        };
+        let now = self
+            .motion
+            .iter()
+            .fold(rest, |now, motion| motion.apply(now, time));
+        Pose {
+            position: now.position.as_vec3(),
+            rotation: now.rotation.normalize().as_quat(),
+        }
+    }
+
+    /// Whether the body never moves.
+    pub fn is_still(&self) -> bool {
+        self.motion.iter().all(BodyMotion::is_still)
+    }
+}
+
 impl Bodies {
     /// Where all bodies are at a world time (seconds).
     pub fn poses(&self, time: f64) -> Vec<Pose> {
-        let _ = time;
-        self.bodies.iter().map(|body| body.rest).collect()
+        self.bodies.iter().map(|body| body.pose(time)).collect()
     }
 }

@@ -132,63 +132,36 @@ impl Reader<'_> {
     fn motion(&self, motion: &schema::Motion) -> Read<Motion> {
         use schema::Motion as Written;
         let source = self.source;
-        let rate = |leaf: &Leaf| -> Read<f32> {
-            Ok(source.number_in(leaf, "rate", -1000.0..=1000.0)? as f32)
-        };
-        let phase = |phase: &Option<Leaf>| or(phase, 0.0, |leaf| source.length(leaf, "phase"));
         let amount =
             |leaf: &Leaf| -> Read<f32> { Ok(source.number_in(leaf, "amount", 0.0..=1.0)? as f32) };
         Ok(match motion {
             Written::Orbit {
                 radius,
-                rate: turns,
-                phase: start,
-            } => Motion::Orbit {
-                radius: source.point(radius, "radius")?,
-                rate: rate(turns)?,
-                phase: phase(start)?,
-            },
+                rate,
+                phase,
+            } => Motion::Travel(source.orbit(radius, rate, phase)?),
             Written::Bob {
                 amplitude,
-                rate: turns,
-                phase: start,
-            } => Motion::Bob {
-                amplitude: source.point(amplitude, "amplitude")?,
-                rate: rate(turns)?,
-                phase: phase(start)?,
-            },
-            Written::Flicker {
-                amount: most,
-                rate: turns,
-            } => Motion::Flicker {
+                rate,
+                phase,
+            } => Motion::Travel(source.bob(amplitude, rate, phase)?),
+            Written::Path { points, speed } => Motion::Travel(source.path(points, speed)?),
+            Written::Flicker { amount: most, rate } => Motion::Flicker {
                 amount: amount(most)?,
-                rate: rate(turns)?,
+                rate: source.rate(rate)?,
             },
             Written::Pulse {
                 amount: most,
-                rate: turns,
-                phase: start,
+                rate,
+                phase,
             } => Motion::Pulse {
                 amount: amount(most)?,
-                rate: rate(turns)?,
-                phase: phase(start)?,
+                rate: source.rate(rate)?,
+                phase: source.phase(phase)?,
             },
-            Written::Path { points, speed } => {
-                let speed_read = source.not_negative(speed, "speed")?;
-                if points.len() < 2 {
-                    return Err(source.at(
-                        speed,
-                        format!("this path has {} points", points.len()),
-                        "a path goes round through at least 2 points",
-                    ));
-                }
-                let points = points.iter().map(|point| source.point(point, "points"));
-                Motion::Path {
-                    points: points.collect::<Read<_>>()?,
-                    speed: speed_read,
-                }
-            }
-            Written::HueCycle { rate: turns } => Motion::HueCycle { rate: rate(turns)? },
+            Written::HueCycle { rate } => Motion::HueCycle {
+                rate: source.rate(rate)?,
+            },
         })
     }
 

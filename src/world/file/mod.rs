@@ -3,6 +3,7 @@
 //! `schema` declares what may be written, `values` reads single numbers and names, `resolve` and its
 //! neighbours build the world from them. `worlds/README.md` documents every key.
 
+mod bodies;
 mod diagnostics;
 mod explain;
 mod features;
@@ -19,6 +20,7 @@ pub mod schema;
 mod shape;
 mod source_file;
 mod summary;
+mod travel;
 mod values;
 mod variant;
 mod vox;
@@ -121,8 +123,13 @@ pub fn title(text: &str) -> Option<String> {
 pub fn included(path: &Path) -> Option<Vec<PathBuf>> {
     let source = source_file::read(path).ok()?;
     let file = parsed(&source).ok()?;
-    let names = file.models.iter().filter_map(|model| {
-        let name = source.text(&model.file, "file").ok()?;
+    let bodies = file.bodies.iter().filter_map(|body| match &body.model {
+        schema::BodyModel::Vox { file } => Some(file),
+        schema::BodyModel::Shape { .. } | schema::BodyModel::Like { .. } => None,
+    });
+    let files = file.models.iter().map(|model| &model.file).chain(bodies);
+    let names = files.filter_map(|file| {
+        let name = source.text(file, "file").ok()?;
         vox::is_inside(Path::new(&name)).then_some(name)
     });
     Some(names.map(|name| folder_of(path).join(name)).collect())

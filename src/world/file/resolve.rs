@@ -16,7 +16,7 @@ use crate::world::generate::FeatureBins;
 use crate::world::materials::hash::hash;
 use crate::world::noise::{Basis, Fractal, NoiseBank, NoiseField};
 use crate::world::sdf::{NoiseId, Shape};
-use crate::world::{Bodies, Colour, Material, PLAYER_HEIGHT_M, Restored, Sky, World};
+use crate::world::{Colour, Material, PLAYER_HEIGHT_M, Restored, Sky, World};
 
 /// Longest edge of a world, voxels.
 pub const MAX_EDGE: u32 = 4096;
@@ -86,6 +86,7 @@ pub(super) fn resolve(
         ));
     }
     let rules = reader.rules(&file.rules)?;
+    let bodies = reader.bodies(&file.bodies, &rules)?;
     let lamp_presets = reader.lamp_presets(&file.lamps, &shape)?;
     let cameras = reader.cameras(&file.cameras, &shape)?;
     let layouts = reader.layouts(&file.layouts)?;
@@ -115,6 +116,7 @@ pub(super) fn resolve(
         materials: reader.materials,
         rules,
         features,
+        bodies,
         player_height,
         sky,
         sun,
@@ -122,7 +124,6 @@ pub(super) fn resolve(
         cameras,
         layouts,
         response,
-        bodies: Bodies::default(),
         restored: Restored::default(),
     })
 }

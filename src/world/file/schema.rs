@@ -86,6 +86,9 @@ pub struct World {
     /// MagicaVoxel models.
     #[serde(default)]
     pub models: Vec<Model>,
+    /// Voxels that move.
+    #[serde(default)]
+    pub bodies: Vec<Body>,
     /// Default: one preset `none` without lamps.
     #[serde(default)]
     pub lamps: Vec<Preset>,
@@ -330,6 +333,93 @@ pub struct Model {
     /// Relative to the world file, and within its folder.
     pub file: Leaf,
     pub at: Vector,
+}
+
+/// `(model: Shape(size: (5, 7, 1), shape: Box(half: (3, 4, 1))), position: (0.5, 3.5, 13))`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// Default: `body 1`, `body 2`, …
+    pub name: Option<Leaf>,
+    pub model: BodyModel,
+    /// Where the pivot is at rest (world space).
+    pub position: Vector,
+    /// How the body is turned at rest, about x, then y, then z. Default (0, 0, 0).
+    pub degrees: Option<Vector>,
+    /// The point about which it turns, as seen from the middle of the model. Default (0, 0, 0).
+    pub pivot: Option<Vector>,
+    #[serde(default)]
+    pub motion: Vec<BodyMotion>,
+}
+
+/// The voxels of a body.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum BodyModel {
+    /// A shape whose (0, 0, 0) is the middle of a box of voxels.
+    Shape {
+        /// Whole numbers, each 1 … 64.
+        size: Vector,
+        shape: Shape,
+        /// Default: by the world's rules.
+        material: Option<Leaf>,
+    },
+    /// A MagicaVoxel model.
+    Vox { file: Leaf },
+    /// The voxels of a body further up in the file.
+    Like { body: Leaf },
+}
+
+/// How a body moves; [`crate::world::bodies::BodyMotion`] describes each form.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum BodyMotion {
+    Orbit {
+        radius: Vector,
+        rate: Leaf,
+        phase: Option<Leaf>,
+    },
+    Bob {
+        amplitude: Vector,
+        rate: Leaf,
+        phase: Option<Leaf>,
+    },
+    Path {
+        points: Vec<Vector>,
+        speed: Leaf,
+    },
+    Turn {
+        axis: Vector,
+        rate: Leaf,
+    },
+    TurnBetween {
+        axis: Vector,
+        degrees: Leaf,
+        start_s: Leaf,
+        end_s: Leaf,
+        #[serde(default)]
+        ease: Ease,
+    },
+    Swing {
+        axis: Vector,
+        degrees: Leaf,
+        period_s: Leaf,
+        rest_s: Option<Leaf>,
+        phase_s: Option<Leaf>,
+    },
+    Lift {
+        by: Vector,
+        period_s: Leaf,
+        rest_s: Option<Leaf>,
+        phase_s: Option<Leaf>,
+    },
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+pub enum Ease {
+    #[default]
+    Smooth,
+    Linear,
 }
 
 /// `Preset(name: "one", lamps: [(position: …, power: …)])`

@@ -16,6 +16,8 @@ pub struct Summary {
     pub materials: Vec<String>,
     /// Boxes of features and models.
     pub parts: usize,
+    /// Bodies, and the models that they share.
+    pub bodies: [usize; 2],
     /// Names, with the number of lamps of each.
     pub lamp_presets: Vec<(String, usize)>,
     pub sun: bool,
@@ -38,6 +40,7 @@ impl Summary {
             seed: world.seed,
             materials: world.materials.iter().map(|m| m.name.clone()).collect(),
             parts: world.features.len(),
+            bodies: [world.bodies.bodies.len(), world.bodies.models.len()],
             lamp_presets: presets.map(|p| (p.name.clone(), p.lamps.len())).collect(),
             sun: world.sun.is_some(),
             cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),
@@ -73,6 +76,14 @@ impl fmt::Display for Summary {
         )?;
         writeln!(f, "  materials  {}", self.materials.join(", "))?;
         writeln!(f, "  features   {} boxes", self.parts)?;
+        let [bodies, models] = self.bodies;
+        if bodies > 0 {
+            let models = match models {
+                1 => "one model".to_owned(),
+                models => format!("{models} models"),
+            };
+            writeln!(f, "  bodies     {bodies} of {models}")?;
+        }
         let sun = if self.sun { ", and a sun" } else { "" };
         writeln!(f, "  lamps      {}{sun}", counted(&self.lamp_presets))?;
         writeln!(f, "  cameras    {}", self.cameras.join(", "))?;

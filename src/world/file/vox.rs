@@ -22,6 +22,23 @@ pub const MAX_WORK: usize = 1 << 24;
 /// Groups of a scene may nest this deep.
 const MAX_SCENE_DEPTH: usize = 64;
 
+/// A model that has been read.
+pub(super) struct VoxModel {
+    /// As the world names it.
+    pub name: String,
+    data: DotVoxData,
+    /// The palette index of each voxel, in grotto's axes.
+    pub voxels: BTreeMap<[i32; 3], u8>,
+}
+
+impl VoxModel {
+    /// The lowest and the highest coordinates of its voxels, if it has any.
+    pub fn corners(&self) -> Option<(IVec3, IVec3)> {
+        let voxels = || self.voxels.keys().map(|&voxel| IVec3::from(voxel));
+        Some((voxels().reduce(IVec3::min)?, voxels().reduce(IVec3::max)?))
+    }
+}
+
 impl Reader<'_> {
     /// Adds the models' voxels to the features and their colours to the materials.
     pub(super) fn models(
@@ -31,21 +48,26 @@ impl Reader<'_> {
     ) -> Read<()> {
         for model in models {
             let at = self.source.voxel(&model.at, "at")?;
-            let name = self.source.text(&model.file, "file")?;
-            let path = self.model_path(&model.file, &name)?;
-            let refuse = |message: String| {
-                let help = "export the model from MagicaVoxel as .vox again";
-                self.source.at(&model.file, message, help)
-            };
-            let bytes = source_file::read_bytes(&path, MAX_BYTES)
-                .map_err(|message| refuse(format!("`{name}` {message}")))?;
-            let data = parse(&bytes).map_err(|message| {
-                refuse(format!("`{name}` is not a MagicaVoxel model: {message}"))
-            })?;
-            let voxels = scene_voxels(&data).map_err(|m| refuse(format!("`{name}` {m}")))?;
-            self.add_model(&model.file, &name, &data, &voxels, at, features)?;
+            let read = self.read_vox(&model.file)?;
+            self.add_model(&model.file, &read, at, features)?;
         }
         Ok(())
+    }
+
+    /// Reads the model that a world names.
+    pub(super) fn read_vox(&self, leaf: &Leaf) -> Read<VoxModel> {
+        let name = self.source.text(leaf, "file")?;
+        let path = self.model_path(leaf, &name)?;
+        let refuse = |message: String| {
+            let help = "export the model from MagicaVoxel as .vox again";
+            self.source.at(leaf, message, help)
+        };
+        let bytes = source_file::read_bytes(&path, MAX_BYTES)
+            .map_err(|message| refuse(format!("`{name}` {message}")))?;
+        let data = parse(&bytes)
+            .map_err(|message| refuse(format!("`{name}` is not a MagicaVoxel model: {message}")))?;
+        let voxels = scene_voxels(&data).map_err(|m| refuse(format!("`{name}` {m}")))?;
+        Ok(VoxModel { name, data, voxels })
     }
 
     /// The model's file, which must lie in the folder of the world file.
@@ -83,26 +105,16 @@ impl Reader<'_> {
     fn add_model(
         &mut self,
         leaf: &Leaf,
-        name: &str,
-        data: &DotVoxData,
-        voxels: &BTreeMap<[i32; 3], u8>,
+        model: &VoxModel,
         at: IVec3,
         features: &mut Vec<FeaturePart>,
     ) -> Read<()> {
-        let mut materials: BTreeMap<u8, u8> = BTreeMap::new();
-        let lowest = voxels.keys().map(|&voxel| IVec3::from(voxel));
-        let lowest = lowest.reduce(IVec3::min).unwrap_or(IVec3::ZERO);
+        let mut materials = BTreeMap::new();
+        let lowest = model.corners().map_or(IVec3::ZERO, |(lowest, _)| lowest);
         let mut last: Option<FeaturePart> = None;
         // Sorted by axis, so that runs along z are consecutive.
-        for (&voxel, &colour) in voxels {
-            let material = match materials.get(&colour) {
-                Some(&material) => material,
-                None => {
-                    let material = self.model_material(leaf, name, data, colour)?;
-                    materials.insert(colour, material);
-                    material
-                }
-            };
+        for (&voxel, &colour) in &model.voxels {
+            let material = self.vox_material(leaf, model, colour, &mut materials)?;
             let voxel = IVec3::from(voxel) - lowest + at;
             match &mut last {
                 Some(run) if run.material == material && run.max + IVec3::Z == voxel => {
@@ -118,6 +130,22 @@ impl Reader<'_> {
         }
         features.extend(last);
         self.check_parts(features.len(), leaf)
+    }
+
+    /// The material of a palette colour, which `known` remembers.
+    pub(super) fn vox_material(
+        &mut self,
+        leaf: &Leaf,
+        model: &VoxModel,
+        colour: u8,
+        known: &mut BTreeMap<u8, u8>,
+    ) -> Read<u8> {
+        if let Some(&material) = known.get(&colour) {
+            return Ok(material);
+        }
+        let material = self.model_material(leaf, &model.name, &model.data, colour)?;
+        known.insert(colour, material);
+        Ok(material)
     }
 
     /// The material of a palette colour: an existing one that looks the same, or a new one. An emissive

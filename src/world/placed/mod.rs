@@ -8,6 +8,7 @@ use std::ops::RangeInclusive;
 use glam::{IVec3, UVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
+use super::Travel;
 use super::scenery::{Lamp, LampKind, Motion};
 
 /// Most lamps that can be placed in a world.
@@ -179,16 +180,16 @@ impl LampMotion {
                 rate: 2.0,
                 phase: 0.0,
             }],
-            Self::Bob => vec![Motion::Bob {
+            Self::Bob => vec![Motion::Travel(Travel::Bob {
                 amplitude: Vec3::new(0.0, 0.4, 0.0),
                 rate: 2.0,
                 phase: 0.0,
-            }],
-            Self::Orbit => vec![Motion::Orbit {
+            })],
+            Self::Orbit => vec![Motion::Travel(Travel::Orbit {
                 radius: Vec3::new(1.5, 0.0, 1.5),
                 rate: 1.5,
                 phase: 0.0,
-            }],
+            })],
             Self::Hues => vec![Motion::HueCycle { rate: 0.1 }],
         }
     }

@@ -299,7 +299,7 @@ fn painted_cubes_count_as_the_states_do() {
         Shot::buffer(gpu),
         GpuLights::new(gpu, None).expect("it fits"),
     );
-    let scene = frame::resources(&watched.frame.stage, &view, &lights);
+    let scene = frame::scene(&watched.frame.stage, &view, &lights);
     let offer = frame::offer(field, watched.frame.faces(), &scene);
     let paint = StateView::new(gpu, &hdr, &surfaces, field.atlas(), &offer).expect("it fits");
     let mut recorder = Recorder::new(gpu, None);

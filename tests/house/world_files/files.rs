@@ -122,6 +122,7 @@ fn what_a_world_holds_is_summed_up() {
     for part in [
         "64 × 48 × 64 voxels of 0.5 m, seed 7",
         "rock, moss, cap",
+        "4 of 2 models",
         "one (3), many (7), and a sun",
         "entrance, back",
         "coarse (100), fine (567)",

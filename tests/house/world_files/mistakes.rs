@@ -108,6 +108,34 @@ fn mistakes_are_shown_at_their_place() {
         ["(min: (-4, 0, 2), max: (4, 6, 2), material: \"moss\")", "(min: (-4, 90, 2), max: (4, 96, 2), material: \"moss\")", "-4, 90, 2", "outside", "world space"],
         ["(4, 6, 2), material: \"moss\"", "(4, 6, 2), material: \"mos\"", "\"mos\"", "no material", "did you mean `moss`"],
         ["(4, 6, 2), material: \"moss\"", "(4, 6, 2), stuff: \"moss\"", "stuff", "not a key", "`material`"],
+        ["size: (5, 7, 1)", "size: (5, 0, 1)", "0", "between 1 and 64", "whole number"],
+        ["size: (5, 7, 1)", "size: (5, 65, 1)", "65", "between 1 and 64", "whole number"],
+        ["size: (5, 7, 1)", "size: (5, 7.5, 1)", "7.5", "whole number", "whole number"],
+        ["size: (5, 7, 1), shape: Box(half: (3, 4, 1))", "size: (5, 7, 1), shape: Empty", "5, 7, 1", "no voxels", "larger"],
+        ["Sphere(radius: 3.5)", "Sphere(radius: -3.5)", "-3.5", "above 0", "above 0"],
+        ["Sphere(radius: 3.5)", "Repeat(period: (1, 0, 0), of: Sphere(radius: 3.5))", "1, 0, 0", "sub-tree spans", "make the period larger"],
+        ["material: \"bricks\"),", "material: \"brics\"),", "\"brics\"", "no material", "did you mean `bricks`"],
+        ["position: (0.5, 3.5, 13)", "position: (0.5, NaN, 13)", "NaN", "not a finite", "finite"],
+        ["position: (0.5, 3.5, 13)", "position: (0.5, 1e9, 13)", "1e9", "between", "between"],
+        ["degrees: (0, 30, 0)", "degrees: (0, inf, 0)", "inf", "not a finite", "finite"],
+        ["name: \"stone\"", "name: \"leaf\"", "\"leaf\"", "two bodies called `leaf`", "rename"],
+        ["name: \"stone\"", "name: \"\"", "\"\"", "empty", "called"],
+        ["Like(body: \"stone\")", "Like(body: \"stome\")", "\"stome\"", "no body further up", "did you mean `stone`"],
+        ["Like(body: \"stone\")", "Like(body: \"second stone\")", "\"second stone\"", "no body further up", "`stone`"],
+        ["Like(body: \"stone\")", "Vox(file: \"stone.vox\")", "\"stone.vox\"", "no models", "save"],
+        ["Like(body: \"stone\")", "Ball(radius: 2)", "Ball", "not known", "`Shape`"],
+        ["axis: (0, 1, 0)", "axis: (0, 0, 0)", "0, 0, 0", "no direction", "longer"],
+        ["axis: (1, 0.5, 0)", "axis: (0, 0, 0)", "0, 0, 0", "no direction", "longer"],
+        ["degrees: -100", "degrees: NaN", "NaN", "not a finite", "finite"],
+        ["degrees: -100", "degrees: 1e9", "1e9", "between", "between"],
+        ["rate: 0.7", "rate: 1e9", "1e9", "between", "between"],
+        ["period_s: 11", "period_s: 0", "0", "between 0.01 and 86400", "between"],
+        ["rest_s: 2.5", "rest_s: 5.5", "5.5", "no time to move", "less than half"],
+        ["rest_s: 2.5", "rest_s: -2.5", "-2.5", "negative", "at least 0"],
+        ["end_s: 5.8", "end_s: 3.3", "3.3", "from 3.3 s to 3.3 s", "less than"],
+        ["ease: Linear", "ease: Fast", "Fast", "not known", "`Smooth`"],
+        ["points: [(-8, 9, 10), (-8, 9, 2)]", "points: []", "1.5", "0 points", "at least 2"],
+        ["phase_s: 1)", "phase: 1)", "phase", "not a key", "did you mean `phase_s`"],
         ["models: [],", "models: []", "", "comma", "`,`"],
     ];
     let mut failures = Vec::new();
@@ -184,6 +212,13 @@ fn too_much_of_anything_is_refused() {
         .map(|index| format!("(name: \"c{index}\", position: (0, 0, 0)),\n"))
         .collect();
     let lamps = "(position: (0, 0, 0), power: 1),".repeat(65_537);
+    let bodies = "(model: Like(body: \"first\"), position: (0, 0, 0)),".repeat(4096);
+    let bodies = format!(
+        "bodies: [(name: \"first\", model: Shape(size: (1, 1, 1), shape: Sphere(radius: 1)), position: (0, 0, 0)),\n{bodies}]"
+    );
+    let large =
+        "(model: Shape(size: (64, 64, 64), shape: Sphere(radius: 1)), position: (0, 0, 0)),\n";
+    let large = format!("bodies: [\n{}]", large.repeat(65));
     let places = "(0, 0, 0),".repeat(50_001);
     let parts = "(min: (0, 0, 0), max: (0, 0, 0), material: \"rock\"),".repeat(40);
     let places = format!(
@@ -206,6 +241,8 @@ fn too_much_of_anything_is_refused() {
             "65537 lamps",
         ),
         (places, 3, "2000040 boxes"),
+        (bodies, 3, "4097 bodies"),
+        (large, 3 + 64, "more than 16777216 voxels"),
     ] {
         let problem = refused(read(&format!(
             "(title: \"\", size: (32, 32, 32), shape: Sphere(radius: 9),\n{more})"

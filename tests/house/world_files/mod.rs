@@ -6,7 +6,7 @@ mod files;
 mod mistakes;
 mod models;
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 use grotto::world::file::{self, Overrides, Problem};
 use grotto::world::sdf::SmoothUnion;
 use grotto::world::{Colour, ResponseSpec, Sdf, World};
@@ -68,6 +68,17 @@ fn every_part_of_the_schema_is_read() {
     assert_eq!(tiny_at_first_place[0].min.to_array(), [-1, 6, -1]);
     assert!(tiny_at_first_place[0].without_corners);
     assert_eq!(tiny_at_first_place[1].max.to_array(), [0, 5, 0]);
+    let bodies = &world.bodies;
+    assert_eq!(bodies.bodies.len(), 4);
+    assert_eq!(bodies.models.len(), 2, "two are like another");
+    let leaf = &bodies.bodies[0];
+    assert_eq!(bodies.models[leaf.model].size.to_array(), [5, 7, 1]);
+    assert!(bodies.models[0].materials.iter().all(|m| *m == 7), "bricks");
+    assert_eq!(leaf.pivot, Vec3::new(0.0, 3.5, 0.5), "at the hinge");
+    assert_eq!(bodies.bodies[3].name, "body 4");
+    let stone = &bodies.models[1];
+    assert_eq!(stone.material(IVec3::new(4, 4, 3)), 1, "rock, by the rules");
+    assert_eq!(stone.material(IVec3::ZERO), 0, "a ball in a box");
     assert_eq!(world.response.lamp.as_deref(), Some("key"));
     assert_eq!(world.response.lamp_to, Some(Vec3::new(1.0, 2.0, 3.0)));
     let wall = world.response.wall.expect("a wall");

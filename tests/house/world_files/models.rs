@@ -243,3 +243,37 @@ fn models_that_cannot_be_are_refused() {
         assert_eq!(problem.offending_text(), Some(&format!("\"{name}\"")[..]));
     }
 }
+
+#[test]
+fn a_body_takes_its_voxels_from_a_model() {
+    let folder = folder();
+    fs::write(folder.path().join("three.vox"), model(Vec::new())).expect("written");
+    let text = "(title: \"\", size: (32, 32, 32), shape: Empty,
+        bodies: [(model: Vox(file: \"three.vox\"), position: (9, 9, 9))])";
+    let world = file::parse(text, "t.ron", Some(folder.path()), &Overrides::default());
+    let world = world.unwrap_or_else(|report| panic!("{report:?}"));
+    let three = &world.bodies.models[0];
+    assert_eq!(three.size.to_array(), [2, 3, 1]);
+    assert_eq!(world.bodies.bodies[0].pivot, Vec3::new(1.0, 1.5, 0.5));
+    let look = |voxel: [i32; 3]| match three.material(IVec3::from(voxel)) {
+        0 => None,
+        material => Some(world.materials[usize::from(material) - 1].a.clone()),
+    };
+    assert_eq!(look([0, 0, 0]), Some(Colour::Flat(Vec3::X)));
+    assert_eq!(look([1, 0, 0]), Some(Colour::Flat(Vec3::Y)));
+    assert_eq!(look([0, 2, 0]), Some(Colour::Flat(Vec3::Z)));
+    assert_eq!(three.solid().count(), 3, "the rest is air");
+    let path = folder.path().join("t.ron");
+    fs::write(&path, text).expect("written");
+    assert_eq!(
+        file::included(&path),
+        Some(vec![folder.path().join("three.vox")])
+    );
+    let before = file::fingerprint(&path).expect("a file");
+    fs::write(folder.path().join("three.vox"), b"VOX other").expect("written");
+    assert_ne!(
+        file::fingerprint(&path).expect("a file"),
+        before,
+        "a save notices"
+    );
+}

@@ -227,6 +227,7 @@ fn the_small_emitter_gives_the_floor_its_form_factor() {
         &RenderOptions {
             lamps: &built.world.lamp_presets[0],
             time_s: 0.0,
+            lamp_time_s: 0.0,
             textures: true,
             film: FilmOptions {
                 camera: &camera,

@@ -56,6 +56,7 @@ impl OnGpu {
             view: film.view,
             spp: film.samples,
             seed: film.seed as u32,
+            time_s: 0.0,
             textures: true,
             antialias: film.antialias,
         };

@@ -1,5 +1,6 @@
 //! Worlds and bodies for tests: `wander` checks random moves by brute force, `walk` asks one question each.
 
+mod moved;
 mod walk;
 mod wander;
 

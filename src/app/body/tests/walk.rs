@@ -249,10 +249,7 @@ fn the_cave_is_walked_without_jumps() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/cave.ron");
     let world = file::load(&path, &file::Overrides::default()).expect("it loads");
     let voxels = generate::generate(&world);
-    let ground = Ground {
-        voxels: &voxels,
-        origin: world.origin,
-    };
+    let ground = Ground::new(&voxels, world.origin);
     let measures = Measures::of_height(world.player_height);
     let bottom = f64::from(world.origin.y);
     for camera in &world.cameras {

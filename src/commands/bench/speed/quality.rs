@@ -89,6 +89,7 @@ impl Judging<'_> {
         let film = Film {
             camera: &spec.camera,
             lights: &lights,
+            time_s: rig.time_s,
             edits: &[],
             size,
             spp: self.spp,

@@ -4,7 +4,7 @@ use super::{
     super::super::Failure,
     spec::{BenchScene, Condition, RowSpec, Work},
 };
-use crate::world::{Camera, Lamp, LampPreset, LayoutSpec, Motion};
+use crate::world::{Camera, Lamp, LampPreset, LayoutSpec, Motion, Travel};
 
 /// The user's options, as far as rows depend on them.
 pub struct Wanted<'a> {
@@ -312,19 +312,14 @@ fn animated(lamp: &Lamp, condition: &str) -> Lamp {
             rate: 5.0,
         }],
         _ => {
-            let goes = |motion: &&Motion| {
-                matches!(
-                    motion,
-                    Motion::Orbit { .. } | Motion::Bob { .. } | Motion::Path { .. }
-                )
-            };
+            let goes = |motion: &&Motion| matches!(motion, Motion::Travel(_));
             let own: Vec<Motion> = lamp.motion.iter().filter(goes).cloned().collect();
             match own.is_empty() {
-                true => vec![Motion::Orbit {
+                true => vec![Motion::Travel(Travel::Orbit {
                     radius: glam::Vec3::new(2.0, 0.0, 2.0),
                     rate: 2.0,
                     phase: 0.0,
-                }],
+                })],
                 false => own,
             }
         }
@@ -402,7 +397,8 @@ mod tests {
         assert!(of("still").iter().all(|lamp| lamp.motion.is_empty()));
         let flickers = |lamp: &Lamp| matches!(lamp.motion[..], [Motion::Flicker { .. }]);
         assert!(of("flickering").iter().all(flickers));
-        let moves = |lamp: &Lamp| matches!(lamp.motion[..], [Motion::Orbit { .. }, ..]);
+        let moves =
+            |lamp: &Lamp| matches!(lamp.motion[..], [Motion::Travel(Travel::Orbit { .. }), ..]);
         assert!(of("moving").iter().all(moves), "no lamp of the world moves");
         let all = scenes[2].most_lamps().len();
         assert!(rows.iter().any(|row| row.lamps.lamps.len() == all));

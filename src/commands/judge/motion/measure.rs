@@ -25,13 +25,21 @@ use crate::{
         comparison::{Shown, compare},
         selection::Selection,
     },
-    world::View,
+    world::{View, bodies::Pose},
 };
+
+/// What moves in a world: everything that the references of one camera differ in.
+#[derive(PartialEq)]
+struct Scenery {
+    lights: Lights,
+    poses: Vec<Pose>,
+    edits: Vec<Ball>,
+}
 
 /// The references of one camera, which its rows share.
 #[derive(Default)]
 pub struct Targets {
-    all: Vec<(Lights, Vec<Ball>, Target)>,
+    all: Vec<(Scenery, Target)>,
 }
 
 impl Targets {
@@ -43,19 +51,20 @@ impl Targets {
         exposure_ev: f32,
         tracer: &mut Tracer<'_>,
     ) -> Result<&Target, Failure> {
-        let is_same = |(lights, edits, _): &(Lights, Vec<Ball>, Target)| {
-            lights == film.lights && edits[..] == *film.edits
+        let now = Scenery {
+            lights: film.lights.clone(),
+            poses: tracer.world.bodies.poses(film.time_s),
+            edits: film.edits.to_vec(),
         };
-        let index = match self.all.iter().position(is_same) {
+        let index = match self.all.iter().position(|(known, _)| *known == now) {
             Some(index) => index,
             None => {
                 let target = Target::new(tracer.truth(film, stage)?, exposure_ev);
-                let key = (film.lights.clone(), film.edits.to_vec());
-                self.all.push((key.0, key.1, target));
+                self.all.push((now, target));
                 self.all.len() - 1
             }
         };
-        Ok(&self.all[index].2)
+        Ok(&self.all[index].1)
     }
 }
 
@@ -258,6 +267,7 @@ impl Judging<'_, '_> {
         let indirect = Shown::from_linear(indirect, exposure_ev);
         let film = Film {
             lights: &now.lights,
+            time_s: now.time_s,
             edits: &now.edits,
             ..self.film
         };

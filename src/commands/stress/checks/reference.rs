@@ -28,6 +28,7 @@ pub fn traced(play: &Play<'_>) -> Result<Picture, Failure> {
         view: View::Full,
         spp: SAMPLES,
         seed: 1,
+        time_s: play.shot.time_s,
         textures: play.shot.textures,
         antialias: false,
     };

@@ -1,0 +1,41 @@
+//! Pass `probes/cover`: which probes bodies cover. Needed when bodies have moved, and after pass `probes/classify`.
+
+use super::ProbeField;
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
+
+pub struct ProbeCover {
+    kernel: Kernel,
+    bindings: Bindings,
+    groups: [u32; 2],
+}
+
+impl ProbeCover {
+    /// `scene` is the offer of the voxels and the bodies; `None` where it has no bodies.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(gpu: &Gpu, field: &ProbeField, scene: &Offer<'_>) -> Result<Option<Self>, GpuError> {
+        if !scene.constants.contains(&("BODIES", 1.0)) {
+            return Ok(None);
+        }
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "probes/cover",
+                ..Default::default()
+            },
+        )?;
+        let all = scene.with(field.state_resources());
+        let groups = field.atlas().slots.div_ceil(kernel.workgroup_size[0]);
+        Ok(Some(Self {
+            bindings: kernel.bind(gpu, &all.resources),
+            kernel,
+            groups: rectangle(groups),
+        }))
+    }
+
+    /// Before pass `probes/schedule`.
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        recorder.run(&self.kernel, &self.bindings, self.groups);
+    }
+}
