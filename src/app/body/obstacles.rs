@@ -117,12 +117,12 @@ impl<'a> Obstacles<'a> {
         }
         let (middle_ws, half_ws) = extent(shape);
         for body in &self.bodies {
-            // The box around the box, in the space of the model.
+            // The box around the box, in the space of the model; what bears it is a gap away.
             let back = body.turn.transpose();
             let middle = back * (middle_ws - body.pivot_ws) + body.pivot_ms;
             let half = DMat3::from_cols(back.x_axis.abs(), back.y_axis.abs(), back.z_axis.abs())
                 * half_ws
-                + TOUCHING;
+                + BORNE / ONE as f64;
             let size = body.model.size.as_ivec3();
             let low = (middle - half).floor().as_ivec3().max(glam::IVec3::ZERO);
             let high = (middle + half).floor().as_ivec3().min(size - 1);
