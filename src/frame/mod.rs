@@ -41,7 +41,7 @@ use crate::{
     parameters::ProbeParameters,
     passes::{
         bench::shadow_count::{self, Senders},
-        probes::{ProbeField, ProbeFieldError},
+        probes::{OcclusionFrame, ProbeField, ProbeFieldError},
         scene::GpuLights,
         surface_cache::{NextFrame, SurfaceCache},
         view::{Inspection, InspectionError, Shot},
@@ -176,6 +176,16 @@ impl Frame {
         // Frames of the surface cache are numbered from 1.
         let still_since = self.resting.follow(&lights, self.frames + 1);
         let ranked = self.ranks.follow(&lights, &still_since, self.frames + 1);
+        self.field.changes.begin_frame(light_change, self.frames);
+        let of_occlusion = OcclusionFrame {
+            lights: &lights,
+            still_since: &still_since,
+            eye_ws: shot.camera.position.as_dvec3(),
+            shadows: shot.shadows,
+            frame: self.frames,
+            shows_edit: self.field.changes.shown_first().is_some(),
+        };
+        (self.field.occlusion_mut()).begin_frame(gpu, probes, &of_occlusion);
         let of_frame = LightsOfFrame {
             gain,
             still_since,
@@ -185,7 +195,6 @@ impl Frame {
         };
         self.lights.set(gpu, &lights, &of_frame);
         self.lights_before = Some(lights);
-        self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(shot.seed), u64::from(self.frames));
         let is_settled = SurfaceCache::is_settled(probes, self.frames);

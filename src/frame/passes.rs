@@ -15,8 +15,9 @@ use crate::{
     gpu::{Gpu, Offer, Recorder},
     passes::{
         probes::{
-            ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
-            seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
+            ProbeField, blend::ProbeBlend, classify::ProbeClassify,
+            occlusion_blend::OcclusionBlend, occlusion_rays::OcclusionRays,
+            schedule::ProbeSchedule, seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
             visibility::ProbeVisibility,
         },
         scene::{GpuLights, lamp_lists::LampLists},
@@ -41,6 +42,7 @@ pub(super) struct Passes {
     schedule: ProbeSchedule,
     walk: Option<SourceWalk>,
     probe_trace: ProbeTrace,
+    occlusion: (Option<OcclusionRays>, Option<OcclusionBlend>),
     blend: ProbeBlend,
     allocate: SurfaceAllocate,
     surface_trace: SurfaceTrace,
@@ -84,6 +86,8 @@ impl Passes {
             let seed = threads.spawn(|| ProbeSeed::new(gpu, field, scene));
             let walk = threads.spawn(|| SourceWalk::new(gpu, field, scene));
             let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, &offer));
+            let occlusion_rays = threads.spawn(|| OcclusionRays::new(gpu, field, &offer));
+            let occlusion_blend = threads.spawn(|| OcclusionBlend::new(gpu, field));
             let blend = threads.spawn(|| ProbeBlend::new(gpu, field));
             let surface_trace =
                 threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &requests_apart));
@@ -121,6 +125,7 @@ impl Passes {
                 seed: made(seed)?,
                 walk: made(walk)?,
                 probe_trace: made(probe_trace)?,
+                occlusion: (made(occlusion_rays)?, made(occlusion_blend)?),
                 blend: made(blend)?,
                 allocate: made(allocate)?,
                 surface_trace: made(surface_trace)?,
@@ -287,6 +292,10 @@ impl Passes {
     }
 
     fn blend_probes(&self, recorder: &mut Recorder<'_>, _: ActiveList, _: ProbeRays) -> ProbeLight {
+        if let (Some(rays), Some(blend)) = &self.occlusion {
+            rays.record(recorder);
+            blend.record(recorder);
+        }
         self.blend.record(recorder);
         if let Some(walk) = &self.walk {
             walk.record(recorder);
@@ -372,8 +381,10 @@ pub fn offer<'a>(
     let mut resources = scene.to_vec();
     resources.extend(field.resources());
     resources.extend(field.schedule_resources());
+    resources.extend(field.occlusion().resources());
     resources.extend(cache.resources());
     let mut constants = field.gather_constants().to_vec();
+    constants.extend(field.occlusion().constants());
     constants.extend(cache.constants());
     Offer {
         resources,

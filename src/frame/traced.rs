@@ -120,6 +120,7 @@ impl TraceRequest<'_> {
             time_s: 0.0,
             textures: self.textures,
             soft_rays: 1,
+            shadows: Default::default(),
         }
     }
 }

@@ -19,6 +19,7 @@ mod lamps;
 mod light;
 mod many_lamps;
 mod marching;
+mod occlusion;
 mod octree;
 mod placed_lamps;
 mod probe_views;

@@ -43,6 +43,8 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
             "field",
             "gather",
             "incident_light",
+            "occlusion",
+            "occlusion_gather",
             "probe_cube",
             "requests",
             "state_colours",

@@ -6,6 +6,7 @@
 mod arguments;
 mod machine;
 mod motion;
+mod occlusion;
 mod plan;
 mod quality;
 mod rig;

@@ -8,6 +8,7 @@ use glam::{IVec3, Vec3};
 
 use super::{
     GpuChanges, GpuProbeInfo, GpuProbePlace, GpuProbeState,
+    occlusion::OcclusionField,
     octree::GpuOctree,
     source::Source,
     update_schedule::{GpuProbeDispatch, StateCounts, UpdateSchedule},
@@ -16,8 +17,8 @@ use crate::{
     gpu::{Gpu, GpuError},
     parameters::{ProbeParameters, Visibility},
     probes::{
-        AtlasLayout, Changes, Layout as _, Motion, Octree, ProbeError, VisibilityBits, Volume,
-        atlas::ProbeMemory, packed, sampling,
+        AtlasLayout, Changes, Layout as _, Motion, OcclusionLayout, Octree, ProbeError,
+        VisibilityBits, Volume, atlas::ProbeMemory, packed, sampling,
     },
     world::voxels::Voxels,
 };
@@ -49,6 +50,7 @@ pub struct ProbeField {
     update_schedule: UpdateSchedule,
     rays_per_probe: u32,
     source: Option<Source>,
+    occlusion: OcclusionField,
     info: wgpu::Buffer,
     ray_directions: wgpu::Buffer,
     rays: wgpu::Buffer,
@@ -91,10 +93,14 @@ impl ProbeField {
             gpu.limits.max_texture_dimension_2d,
             gpu.limits.max_texture_array_layers,
         )?;
+        let rays = parameters.rays;
+        let occlusion = OcclusionLayout::new(&parameters.occlusion);
+        OcclusionField::check(gpu, occlusion, slots, rays)?;
         let memory = ProbeMemory {
+            occlusion: occlusion.map_bytes(slots) + occlusion.ray_bytes(slots, rays),
             visibility_bits: visibility_bits.as_ref().map_or(0, VisibilityBits::bytes),
             octree: GpuOctree::bytes(&volume),
-            ..atlas.memory(parameters.rays)
+            ..atlas.memory(rays)
         };
         let parts = [
             (VISIBILITY_BITS, memory.visibility_bits),
@@ -154,6 +160,12 @@ impl ProbeField {
             distance_atlas,
             rays_per_probe: parameters.rays,
             source: Source::new(gpu, volume.slots(), parameters)?,
+            occlusion: OcclusionField::new(
+                gpu,
+                OcclusionLayout::new(&parameters.occlusion),
+                atlas.slots,
+                parameters.rays,
+            )?,
             motion: Motion::new(&volume),
             volume,
             atlas,
@@ -246,6 +258,16 @@ impl ProbeField {
     /// What the field has in addition when the algorithm is not grotto's own.
     pub(super) fn source(&self) -> Option<&Source> {
         self.source.as_ref()
+    }
+
+    /// What the probes keep of the visibility of lamps.
+    pub fn occlusion(&self) -> &OcclusionField {
+        &self.occlusion
+    }
+
+    /// To be updated once before each frame.
+    pub fn occlusion_mut(&mut self) -> &mut OcclusionField {
+        &mut self.occlusion
     }
 
     /// Whether probes store distances. Exact visibility does not read distances.
