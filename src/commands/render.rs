@@ -13,7 +13,8 @@ use super::{
     frame_loop::smooth,
     memory,
     options::{
-        DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup, check_view, world_file,
+        DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup, check_view,
+        world_file,
     },
     output,
     record::{FrameTimes, ProbeCounts, Rays, Record, frame_spans, median_passes, mrays_per_s},

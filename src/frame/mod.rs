@@ -20,6 +20,7 @@ mod order;
 mod passes;
 mod pictures;
 mod stage;
+mod threads;
 mod traced;
 mod values;
 

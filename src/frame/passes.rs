@@ -1,11 +1,12 @@
 //! Every pass of a frame, with what it reads and writes there.
 
-use std::thread::{self, ScopedJoinHandle};
+use std::thread;
 
 use super::{
     FrameError, Stage,
     antialias::Smoothing,
     inspect::Inspect,
+    threads::made,
     values::{
         ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
         ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update,
@@ -363,13 +364,6 @@ impl Passes {
         let which = drawn.smoothed.map_or(0, |which| 1 + which);
         self.tonemap.record(recorder, which);
     }
-}
-
-/// What a thread has made; a panic there is one here.
-fn made<T>(thread: ScopedJoinHandle<'_, T>) -> T {
-    thread
-        .join()
-        .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// What subjects offer to each other: the scene, the light of the probes, and the light of surfaces.

@@ -43,10 +43,7 @@ pub enum ParameterError {
     RemovedKey { name: String, instead: &'static str },
     /// Two values that do not go together, and a remedy.
     #[error("`{assignment}` needs {needs}")]
-    Contradiction {
-        assignment: String,
-        needs: String,
-    },
+    Contradiction { assignment: String, needs: String },
     #[error("`{key}` takes {kind}, not `{text}`{}", instead.map_or(String::new(), |text| format!(": {text}")))]
     BadValue {
         key: &'static str,

@@ -459,7 +459,10 @@ mod tests {
         assert_eq!(parameters.check_occlusion_shown(), Ok(()));
         set(&mut parameters, "occlusion.shown=3");
         let message = fault(parameters.check_occlusion_shown());
-        assert_eq!(message, "`occlusion.shown=3` needs occlusion.lamps=3 or more");
+        assert_eq!(
+            message,
+            "`occlusion.shown=3` needs occlusion.lamps=3 or more"
+        );
         set(&mut parameters, "occlusion.shown=ambient");
         assert!(fault(parameters.check_occlusion_shown()).contains("occlusion.ambient=on"));
         set(&mut parameters, "occlusion.ambient=on");

@@ -55,7 +55,7 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
     (
         "bench",
         "probes",
-        &["active_list", "field", "update_schedule"],
+        &["active_list", "field", "occlusion", "update_schedule"],
     ),
     (
         "bench",

@@ -13,8 +13,8 @@ use serde::Serialize;
 use super::{
     Cli, Command, Failure,
     options::{
-        InspectionOptions, OutputOptions, PictureOptions, RunOptions, Setup, assignment, check_view,
-        picture_size, world_file,
+        InspectionOptions, OutputOptions, PictureOptions, RunOptions, Setup, assignment,
+        check_view, picture_size, world_file,
     },
     output, stop,
 };

@@ -29,6 +29,7 @@ pub fn count(gpu: &Gpu, senders: &Senders<'_>, offer: &Offer<'_>) -> Result<u64,
         let spec = KernelSpec {
             shader: "bench/shadow_count",
             entry,
+            offered: &offer.constants,
             ..Default::default()
         };
         let kernel = Kernel::new(gpu, &spec)?;

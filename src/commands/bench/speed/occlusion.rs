@@ -138,7 +138,11 @@ mod tests {
     fn worlds_with_few_lamps_have_fewer_rows() {
         // Two lamps, one of which is a sphere already.
         let scene = with_spheres(&scene("soft_shadows.ron"));
-        let radii = scene.most_lamps().iter().map(|lamp| lamp.soft_radius).collect::<Vec<_>>();
+        let radii = scene
+            .most_lamps()
+            .iter()
+            .map(|lamp| lamp.soft_radius)
+            .collect::<Vec<_>>();
         assert_eq!(radii, [1.5, 1.0]);
         assert_eq!(rows_of(scene).len(), RAYS.len() * 2 * 2);
     }

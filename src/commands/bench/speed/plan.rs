@@ -236,11 +236,7 @@ impl Plan {
     }
 
     /// The index of a world whose lamps are spheres: shadow rays to them are what the occlusion field replaces.
-    fn scene_of_spheres(
-        &mut self,
-        path: &Path,
-        parameters: &Parameters,
-    ) -> Result<usize, Failure> {
+    fn scene_of_spheres(&mut self, path: &Path, parameters: &Parameters) -> Result<usize, Failure> {
         let own = self.scene(path, parameters)?;
         let scene = occlusion::with_spheres(&self.scenes[own]);
         let same = |known: &BenchScene| known.hash == scene.hash && known.path == scene.path;
