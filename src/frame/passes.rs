@@ -293,10 +293,8 @@ impl Passes {
     }
 
     fn blend_probes(&self, recorder: &mut Recorder<'_>, _: ActiveList, _: ProbeRays) -> ProbeLight {
-        if let (Some(rays), Some(blend)) = &self.occlusion {
-            rays.record(recorder);
-            blend.record(recorder);
-        }
+        (self.occlusion.0.iter()).for_each(|rays| rays.record(recorder));
+        (self.occlusion.1.iter()).for_each(|blend| blend.record(recorder));
         self.blend.record(recorder);
         if let Some(walk) = &self.walk {
             walk.record(recorder);

@@ -51,7 +51,7 @@ crate::shared! {
 }
 
 /// See [`GpuOcclusionValue::updates_after_change`].
-const UPDATES_AFTER_CHANGE: u32 = 4;
+const UPDATES_AFTER_CHANGE: u32 = 2;
 
 /// What of a frame the field depends on.
 pub struct OcclusionFrame<'a> {
