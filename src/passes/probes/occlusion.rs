@@ -46,7 +46,8 @@ crate::shared! {
         pub sharpness: f32,
         /// Length of the rays that find the openness (voxels).
         pub radius: f32,
-        pub _pad: u32,
+        /// One over `radius`.
+        pub inverse_radius: f32,
     }
 }
 
@@ -185,7 +186,7 @@ impl OcclusionField {
             shown: shown(parameters.shown),
             sharpness: parameters.sharpness,
             radius: parameters.radius,
-            _pad: 0,
+            inverse_radius: 1.0 / parameters.radius,
         }
     }
 
