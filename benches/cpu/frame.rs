@@ -75,6 +75,7 @@ impl Recording {
             time_s: self.time_s,
             textures: true,
             soft_rays: 4,
+            shadows: Default::default(),
         };
         let lights = Lights::at(&self.world, &self.world.lamp_presets[0], self.time_s);
         let mut recorder = Recorder::new(&self.gpu, None);

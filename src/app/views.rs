@@ -13,8 +13,14 @@ use crate::{
 pub fn rows(ui: &mut Ui, viewport: &Viewport, inspection: &mut Inspection) {
     ui.label("view").on_hover_text("What the picture shows");
     combo(ui, "view", name(&inspection.view), |ui| {
+        let keeps_occlusion = viewport.frame().field().occlusion().layout().is_kept();
         for view in View::value_variants() {
-            variant(ui, &mut inspection.view, view, *view);
+            let is_kept = *view != View::Occlusion || keeps_occlusion;
+            ui.add_enabled_ui(is_kept, |ui| {
+                variant(ui, &mut inspection.view, view, *view);
+            })
+            .response
+            .on_disabled_hover_text("Needs occlusion.lamps or occlusion.ambient");
         }
     });
     ui.end_row();

@@ -151,8 +151,22 @@ impl RunOptions {
         for assignment in &self.set {
             parameters.set(assignment)?;
         }
+        parameters.check()?;
         Ok(parameters)
     }
+}
+
+/// Whether the probes keep what a view shows.
+///
+/// # Errors
+/// For the view of occlusion, where they keep nothing of it.
+pub fn check_view(view: View, parameters: &Parameters) -> Result<(), Failure> {
+    if view == View::Occlusion {
+        parameters.check_occlusion_shown().map_err(|error| {
+            Failure::bad_input(format!("--view occlusion: {error}, as in --set KEY=VALUE"))
+        })?;
+    }
+    Ok(())
 }
 
 /// A world and everything selected in it for a picture.

@@ -12,7 +12,10 @@ use super::{
     Failure,
     frame_loop::smooth,
     memory,
-    options::{DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup, world_file},
+    options::{
+        DEFAULT_FRAMES, InspectionOptions, PictureOptions, RunOptions, Setup, check_view,
+        world_file,
+    },
     output,
     record::{FrameTimes, ProbeCounts, Rays, Record, frame_spans, median_passes, mrays_per_s},
 };
@@ -176,6 +179,7 @@ fn on_the_cpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
 
 fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record), Failure> {
     let (options, run) = (&arguments.picture, &arguments.run);
+    check_view(options.view, &setup.parameters)?;
     let gpu = output::open_gpu(run)?;
     check_size(&gpu, options.size)?;
     let spinner = output::spinner(run, VOXELISING);
@@ -201,6 +205,7 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
         time_s: setup.time_s,
         textures: setup.parameters.textures.enabled,
         soft_rays: setup.parameters.lights.soft_rays,
+        shadows: setup.parameters.lights.shadows,
     };
     for index in 0..=settling {
         let start = Instant::now();

@@ -190,6 +190,7 @@ impl TestCase {
             time_s: self.options.time_s,
             textures: self.parameters.textures.enabled,
             soft_rays: self.parameters.lights.soft_rays,
+            shadows: self.parameters.lights.shadows,
         }
     }
 }

@@ -15,6 +15,7 @@
 
 mod antialias;
 mod bits;
+mod error;
 mod inspect;
 mod lost;
 mod made;
@@ -28,6 +29,7 @@ mod traced;
 mod values;
 
 pub use antialias::{Smoothing, scaled};
+pub use error::FrameError;
 pub use stage::{BuildReport, Stage, scene};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 
@@ -45,37 +47,17 @@ use crate::{
     parameters::ProbeParameters,
     passes::{
         bench::shadow_count::{self, Senders},
-        probes::{ProbeField, ProbeFieldError},
+        probes::{OcclusionFrame, ProbeField},
         scene::GpuLights,
         surface_cache::{NextFrame, SurfaceCache},
-        view::{Inspection, InspectionError, Shot},
+        view::{Inspection, Shot},
     },
-    probes::{ProbeError, changes::change_of_bodies, warmup_frames},
+    probes::{changes::change_of_bodies, warmup_frames},
     world::{
         LayoutSpec,
         voxels::{Edit, Voxels},
     },
 };
-
-/// Why a world cannot be shown.
-#[derive(Debug, thiserror::Error)]
-pub enum FrameError {
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    #[error(transparent)]
-    Probes(#[from] ProbeError),
-    #[error(transparent)]
-    Inspection(#[from] InspectionError),
-}
-
-impl From<ProbeFieldError> for FrameError {
-    fn from(error: ProbeFieldError) -> Self {
-        match error {
-            ProbeFieldError::Layout(error) => Self::Probes(error),
-            ProbeFieldError::Gpu(error) => Self::Gpu(error),
-        }
-    }
-}
 
 /// Everything between a [`Stage`] and a picture of one size, lit by one field of probes.
 pub struct Frame {
@@ -187,6 +169,16 @@ impl Frame {
         // Frames of the surface cache are numbered from 1.
         let still_since = self.resting.follow(&lights, self.frames + 1);
         let ranked = self.ranks.follow(&lights, &still_since, self.frames + 1);
+        self.field.changes.begin_frame(light_change, self.frames);
+        let of_occlusion = OcclusionFrame {
+            lights: &lights,
+            still_since: &still_since,
+            eye_ws: shot.camera.position.as_dvec3(),
+            shadows: shot.shadows,
+            frame: self.frames,
+            shows_edit: self.field.changes.shown_first().is_some(),
+        };
+        (self.field.occlusion_mut()).begin_frame(gpu, probes, &of_occlusion);
         let of_frame = LightsOfFrame {
             gain,
             still_since,
@@ -198,7 +190,6 @@ impl Frame {
         let lamps_have_changed = ranked.is_new || of_frame.still_since.contains(&(self.frames + 1));
         self.lights.set(gpu, &lights, &of_frame);
         self.lights_before = Some(lights);
-        self.field.changes.begin_frame(light_change, self.frames);
         self.field
             .begin_frame(gpu, probes, u64::from(shot.seed), u64::from(self.frames));
         let is_settled = SurfaceCache::is_settled(probes, self.frames);

@@ -10,9 +10,11 @@ pub fn offer<'a>(field: &'a ProbeField, cache: &'a SurfaceCache, scene: &Offer<'
     let mut resources = scene.resources.clone();
     resources.extend(field.resources());
     resources.extend(field.schedule_resources());
+    resources.extend(field.occlusion().resources());
     resources.extend(cache.resources());
     let mut constants = scene.constants.clone();
     constants.extend(field.gather_constants());
+    constants.extend(field.occlusion().constants());
     constants.extend(cache.constants());
     Offer {
         resources,

@@ -18,7 +18,8 @@ use crate::{
     passes::{
         probes::{
             ProbeField, blend::ProbeBlend, classify::ProbeClassify, cover::ProbeCover,
-            forget_hits::ForgetHits, schedule::ProbeSchedule, seed::ProbeSeed,
+            forget_hits::ForgetHits, occlusion_blend::OcclusionBlend,
+            occlusion_rays::OcclusionRays, schedule::ProbeSchedule, seed::ProbeSeed,
             source_walk::SourceWalk, trace::ProbeTrace, visibility::ProbeVisibility,
         },
         scene::{GpuLights, lamp_lists::LampLists},
@@ -47,6 +48,7 @@ pub(super) struct Passes {
     walk: Option<SourceWalk>,
     forget_hits: Option<ForgetHits>,
     probe_trace: ProbeTrace,
+    occlusion: (Option<OcclusionRays>, Option<OcclusionBlend>),
     blend: ProbeBlend,
     face_lamps: SurfaceLamps,
     allocate: SurfaceAllocate,
@@ -93,6 +95,8 @@ impl Passes {
             let walk = threads.spawn(|| SourceWalk::new(gpu, field, resources));
             let forget_hits = threads.spawn(|| ForgetHits::new(gpu, field, resources));
             let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, &offer));
+            let occlusion_rays = threads.spawn(|| OcclusionRays::new(gpu, field, &offer));
+            let occlusion_blend = threads.spawn(|| OcclusionBlend::new(gpu, field));
             let blend = threads.spawn(|| ProbeBlend::new(gpu, field));
             let surface_trace =
                 threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &requests_apart));
@@ -133,6 +137,7 @@ impl Passes {
                 walk: made(walk)?,
                 forget_hits: made(forget_hits)?,
                 probe_trace: made(probe_trace)?,
+                occlusion: (made(occlusion_rays)?, made(occlusion_blend)?),
                 blend: made(blend)?,
                 face_lamps: made(face_lamps)?,
                 allocate: made(allocate)?,
@@ -319,6 +324,8 @@ impl Passes {
     }
 
     fn blend_probes(&self, recorder: &mut Recorder<'_>, _: ActiveList, _: ProbeRays) -> ProbeLight {
+        (self.occlusion.0.iter()).for_each(|rays| rays.record(recorder));
+        (self.occlusion.1.iter()).for_each(|blend| blend.record(recorder));
         self.blend.record(recorder);
         if let Some(walk) = &self.walk {
             walk.record(recorder);

@@ -123,6 +123,7 @@ impl TraceRequest<'_> {
             time_s: self.time_s,
             textures: self.textures,
             soft_rays: 1,
+            shadows: Default::default(),
         }
     }
 }

@@ -14,12 +14,14 @@ pub mod rest;
 pub mod sky;
 pub mod sphere;
 pub mod table;
+pub mod tracked;
 
 pub use emitters::Emitters;
 pub use gain::CommonGain;
 pub use lamp::{LampRay, LampShape, LampState, evaluate};
 pub use lists::LampRanks;
 pub use rest::RestingLamps;
+pub use tracked::{TrackedLamp, TrackedLamps};
 
 use crate::world::{LampPreset, Sky, World};
 

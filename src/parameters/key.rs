@@ -41,6 +41,9 @@ pub enum ParameterError {
     },
     #[error("`{name}` is no longer a parameter: {instead}")]
     RemovedKey { name: String, instead: &'static str },
+    /// Two values that do not go together, and a remedy.
+    #[error("`{assignment}` needs {needs}")]
+    Contradiction { assignment: String, needs: String },
     #[error("`{key}` takes {kind}, not `{text}`{}", instead.map_or(String::new(), |text| format!(": {text}")))]
     BadValue {
         key: &'static str,

@@ -4,8 +4,11 @@
 //! info --keys` and the panel read. A key is `section.field`. Users read the one line above a field, so
 //! it says what higher and lower values cost.
 
+#[macro_use]
+mod choices;
 mod key;
 mod nearest;
+mod probes;
 mod removed;
 mod value;
 
@@ -13,12 +16,17 @@ use std::ops::RangeInclusive;
 
 use glam::{UVec3, Vec3};
 
+pub use choices::{
+    Antialias, FinalGather, Method, OcclusionShown, ProbeStates, Relocation, Shadows, SourceDepth,
+    SourceRelocation, SourceWeights, Visibility,
+};
 pub use key::{Key, ParameterError, Remake};
 pub use nearest::nearest;
+pub use probes::{ProbeHits, RayLattice};
 pub use value::{Kind, Value};
 
 /// Declares the sections: per field one doc line, type, default, kind, and what a change rebuilds. A
-/// section may have another one `within` it.
+/// section may have others `within` it.
 macro_rules! parameters {
     ($(
         #[doc = $section_doc:literal]
@@ -37,7 +45,7 @@ macro_rules! parameters {
                             $inner_kind:expr, $inner_remake:ident;
                     )+
                 }
-            )?
+            )*
         }
     )+) => {
         /// All tunables. `Default` gives the values of a user who sets nothing.
@@ -51,14 +59,14 @@ macro_rules! parameters {
             #[derive(Clone, Debug, PartialEq)]
             pub struct $Section {
                 $(#[doc = $doc] pub $field: $type,)+
-                $(#[doc = $inner_doc] pub $inner: $Inner,)?
+                $(#[doc = $inner_doc] pub $inner: $Inner,)*
             }
 
             impl Default for $Section {
                 fn default() -> Self {
                     Self {
                         $($field: $default,)+
-                        $($inner: $Inner::default(),)?
+                        $($inner: $Inner::default(),)*
                     }
                 }
             }
@@ -75,7 +83,7 @@ macro_rules! parameters {
                         Self { $($inner_field: $inner_default,)+ }
                     }
                 }
-            )?
+            )*
         )+
 
         /// Every key, section by section.
@@ -84,7 +92,7 @@ macro_rules! parameters {
             $($(key!(
                 $inner.$inner_field, [$section.$inner], $inner_field,
                 $inner_field_doc, $inner_kind, $inner_remake
-            ),)+)?
+            ),)+)*
         )+];
     };
 }
@@ -107,151 +115,6 @@ macro_rules! key {
             },
         }
     };
-}
-
-/// Declares a choice: an enum whose values are words.
-macro_rules! choice {
-    (
-        $(#[$meta:meta])*
-        $Choice:ident { $($(#[$variant_meta:meta])* $Variant:ident = $word:literal,)+ }
-    ) => {
-        $(#[$meta])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $Choice {
-            $($(#[$variant_meta])* $Variant,)+
-        }
-
-        impl $Choice {
-            pub(super) const KIND: Kind = Kind::Choice { words: &[$($word),+] };
-        }
-
-        impl From<$Choice> for Value {
-            fn from(choice: $Choice) -> Self {
-                Value::Choice(match choice { $($Choice::$Variant => $word,)+ })
-            }
-        }
-
-        impl TryFrom<Value> for $Choice {
-            type Error = Value;
-
-            fn try_from(value: Value) -> Result<Self, Value> {
-                match value {
-                    $(Value::Choice($word) => Ok($Choice::$Variant),)+
-                    other => Err(other),
-                }
-            }
-        }
-    };
-}
-
-mod probes;
-
-pub use probes::{ProbeHits, RayLattice};
-
-choice! {
-    /// How a probe behind a wall loses its weight.
-    Visibility {
-        /// By the mean and the variance of the distances that the probe's rays measured (Majercik et
-        /// al. 2019).
-        Chebyshev = "chebyshev",
-        /// By marching: one bit for every voxel of air that borders on a solid voxel in the probe's
-        /// cages.
-        Exact = "exact",
-        /// Exact for one level of probes; by distances for nested levels, where that is more accurate.
-        Auto = "auto",
-    }
-}
-
-choice! {
-    /// What happens to a probe whose lattice point lies in a solid voxel.
-    Relocation {
-        /// The probe is dead.
-        Off = "off",
-        /// The probe moves to the nearest air, if that is near enough.
-        Exact = "exact",
-    }
-}
-
-choice! {
-    /// The algorithm that lights the picture.
-    Method {
-        /// Ours.
-        Grotto = "grotto",
-        /// The algorithm of the published DDGI systems that grotto is compared with: probes alone,
-        /// which estimate visibility from distances.
-        Source = "source",
-    }
-}
-
-choice! {
-    /// Weights of a cage's probes at a point under [`Method::Source`]. Each variant includes the
-    /// previous ones.
-    SourceWeights {
-        /// By position on the lattice alone: walls hide nothing.
-        Trilinear = "trilinear",
-        /// Also reduced, the farther a probe lies behind the surface.
-        Direction = "direction",
-        /// Also by Chebyshev's bound on the probe's visibility.
-        Visibility = "visibility",
-        /// Small weights are reduced further, because the eye is sensitive to faint light.
-        Perception = "perception",
-        /// A moved probe also moves its corner of the cage.
-        Adjusted = "adjusted",
-    }
-}
-
-choice! {
-    /// What happens to a probe in a solid voxel under [`Method::Source`].
-    SourceRelocation {
-        /// The probe is dead.
-        Off = "off",
-        /// The probe walks along the axes until its rays start in air.
-        Surface = "surface",
-        /// The probe also walks until it is a voxel away from surfaces.
-        Clear = "clear",
-    }
-}
-
-choice! {
-    /// What happens to a distance that is too long for any cage under [`Method::Source`].
-    SourceDepth {
-        /// It counts as the longest possible distance: the mean says "far".
-        Clamp = "clamp",
-        /// It is left out: the mean covers only near surfaces.
-        Reject = "reject",
-    }
-}
-
-choice! {
-    /// Whether probes that no pixel requests sleep.
-    ProbeStates {
-        /// Every probe outside solid voxels is updated in every frame.
-        Off = "off",
-        /// Probes that nothing needs now are updated only occasionally.
-        On = "on",
-    }
-}
-
-choice! {
-    /// Whether visible surfaces trace rays for their own light.
-    FinalGather {
-        /// Surfaces take their light from the surrounding probes.
-        Off = "off",
-        /// Rays from each face find its light; the probes light what those rays hit.
-        On = "on",
-    }
-}
-
-choice! {
-    /// How edges are smoothed.
-    #[derive(Default)]
-    Antialias {
-        /// One ray through the centre of each pixel.
-        #[default]
-        Off = "off",
-        /// Frames with jittered rays are averaged.
-        Temporal = "temporal",
-    }
 }
 
 parameters! {
@@ -327,6 +190,22 @@ parameters! {
             #[doc = "Distances too long to matter for any surface point: clamp shortens them, reject ignores them and keeps near walls sharper."]
             depth: SourceDepth = SourceDepth::Clamp, SourceDepth::KIND, Probes;
         }
+        within
+        #[doc = "The occlusion field: what the surfaces around each probe see of lamps and of their surroundings."]
+        occlusion: OcclusionParameters {
+            #[doc = "Lamps whose visibility the probes keep: the brightest at the camera. Each costs a shadow ray per probe ray, and a value in each texel; 0 keeps none and costs nothing."]
+            lamps: u32 = 0, Kind::Count { min: 0, max: MOST_OCCLUSION_LAMPS }, Probes;
+            #[doc = "Whether probes keep how open the surroundings of surfaces are, and the picture's indirect light is multiplied by that. It darkens corners whose light is already dark; it is not physical."]
+            ambient: bool = false, Kind::Flag, Probes;
+            #[doc = "Length of the rays of occlusion.ambient in voxels. More darkens larger corners and takes longer; less keeps to contacts."]
+            radius: f32 = 12.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;
+            #[doc = "Width of a map of the occlusion field in texels. More resolves sharper shadows; memory and time grow with its square."]
+            texels: u32 = 16, Kind::Count { min: 4, max: 64 }, Probes;
+            #[doc = "Exponent of every value that is read from the field. Above 1 shadows are darker and their edges steeper; 1 shows the mean itself."]
+            sharpness: f32 = 1.0, Kind::Number { min: 0.1, max: 16.0 }, Nothing;
+            #[doc = "What --view occlusion shows: all for the product of all lamps, 1 to 8 for one lamp of the field, ambient for the openness."]
+            shown: OcclusionShown = OcclusionShown::All, OcclusionShown::KIND, Nothing;
+        }
     }
 
     #[doc = "The lamps."]
@@ -339,6 +218,8 @@ parameters! {
         max_lamps: u32 = 65_536, Kind::Count { min: 0, max: 65_536 }, Nothing;
         #[doc = "Shadow rays per pixel to each lamp with a soft_radius, where a voxel face sees it in part. More is less grainy and costs as much more; with picture.antialias=off there are four times as many, because no frames are averaged."]
         soft_rays: u32 = 4, Kind::Count { min: 1, max: 256 }, Nothing;
+        #[doc = "What shadows the direct light of lamps in the picture: rays, or field for the occlusion field in place of rays to the lamps that it keeps (occlusion.lamps). The field is soft, coarse and free of noise."]
+        shadows: Shadows = Shadows::Rays, Shadows::KIND, Nothing;
     }
 
     #[doc = "From linear light to the display."]
@@ -361,6 +242,9 @@ parameters! {
 /// Values of `picture.scale`. Below one half fewer than one pixel of four would have a ray in a frame.
 pub const SCALES: RangeInclusive<f32> = 0.5..=1.0;
 
+/// Most lamps whose visibility probes can keep.
+pub const MOST_OCCLUSION_LAMPS: u32 = 8;
+
 /// Fewest rays of an update: the least value of `probes.rays`.
 const LEAST_RAYS: u32 = 8;
 
@@ -378,6 +262,40 @@ impl Parameters {
             .ok_or_else(|| ParameterError::NotAnAssignment(assignment.to_owned()))?;
         let key = Key::find(name.trim())?;
         key.set(self, key.parse(text.trim())?)
+    }
+
+    /// Whether the values go together.
+    ///
+    /// # Errors
+    /// [`ParameterError::Contradiction`] for direct light that a field without lamps would shadow.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        if self.lights.shadows == Shadows::Field && self.probes.occlusion.lamps == 0 {
+            return Err(ParameterError::Contradiction {
+                assignment: "lights.shadows=field".to_owned(),
+                needs: "lamps in the occlusion field: occlusion.lamps=1 or more".to_owned(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Whether the occlusion field keeps what the view of occlusion is to show.
+    ///
+    /// # Errors
+    /// [`ParameterError::Contradiction`] otherwise.
+    pub fn check_occlusion_shown(&self) -> Result<(), ParameterError> {
+        let OcclusionParameters { lamps, ambient, .. } = self.probes.occlusion;
+        let shown = self.probes.occlusion.shown;
+        let needs = match shown.lamp() {
+            _ if shown == OcclusionShown::Ambient && ambient => return Ok(()),
+            _ if shown == OcclusionShown::Ambient => "occlusion.ambient=on".to_owned(),
+            Some(lamp) if lamp >= lamps => format!("occlusion.lamps={} or more", lamp + 1),
+            None if lamps == 0 => "occlusion.lamps=1 or more".to_owned(),
+            Some(_) | None => return Ok(()),
+        };
+        Err(ParameterError::Contradiction {
+            assignment: format!("occlusion.shown={}", Value::from(shown)),
+            needs,
+        })
     }
 
     /// The most that must be rebuilt when these parameters change to `next`.
@@ -514,6 +432,33 @@ mod tests {
                 assert!(message.contains(part), "{assignment}: {message}");
             }
         }
+    }
+
+    #[test]
+    fn what_a_field_does_not_keep_is_neither_used_nor_shown() {
+        let mut parameters = Parameters::default();
+        let set = |parameters: &mut Parameters, assignment| {
+            parameters.set(assignment).expect("a key and a value");
+        };
+        let fault = |found: Result<(), ParameterError>| found.expect_err("missing").to_string();
+        assert_eq!(parameters.check(), Ok(()));
+        assert!(fault(parameters.check_occlusion_shown()).contains("occlusion.lamps=1"));
+        set(&mut parameters, "lights.shadows=field");
+        assert!(fault(parameters.check()).contains("occlusion.lamps=1"));
+        set(&mut parameters, "occlusion.lamps=2");
+        assert_eq!(parameters.check(), Ok(()));
+        assert_eq!(parameters.check_occlusion_shown(), Ok(()));
+        set(&mut parameters, "occlusion.shown=3");
+        let message = fault(parameters.check_occlusion_shown());
+        assert_eq!(
+            message,
+            "`occlusion.shown=3` needs occlusion.lamps=3 or more"
+        );
+        set(&mut parameters, "occlusion.shown=ambient");
+        assert!(fault(parameters.check_occlusion_shown()).contains("occlusion.ambient=on"));
+        set(&mut parameters, "occlusion.ambient=on");
+        assert_eq!(parameters.check_occlusion_shown(), Ok(()));
+        assert!(parameters.set("occlusion.lamps=9").is_err());
     }
 
     #[test]

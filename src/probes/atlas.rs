@@ -72,6 +72,8 @@ pub struct ProbeMemory {
     pub visibility_bits: u64,
     /// The octree's cells and slots; not part of the atlas.
     pub octree: u64,
+    /// Maps and rays of the occlusion field; not part of the atlas.
+    pub occlusion: u64,
     pub update_schedule: u64,
 }
 
@@ -88,6 +90,7 @@ impl ProbeMemory {
             + self.ambient_cubes
             + self.visibility_bits
             + self.octree
+            + self.occlusion
             + self.update_schedule
     }
 }
@@ -182,6 +185,7 @@ impl AtlasLayout {
             ambient_cubes: self.ambient_cube_bytes(),
             visibility_bits: 0,
             octree: 0,
+            occlusion: 0,
             update_schedule: slots * PLAN_BYTES,
         }
     }

@@ -223,7 +223,7 @@ impl<'a> Film<'a> {
                     View::Albedo => vertex.albedo,
                     View::Normal => (vertex.normal() + 1.0) / 2.0,
                     View::Depth => DVec3::splat(vertex.distance),
-                    View::Steps | View::Cage | View::States => {
+                    View::Steps | View::Cage | View::States | View::Occlusion => {
                         unreachable!("only traceable views are rendered")
                     }
                 },

@@ -30,6 +30,9 @@ pub enum View {
     /// and moved out of a solid voxel; pink: back-side probes; light blue: updated now and then; indigo: asleep; wine:
     /// none gives light there.
     States,
+    /// What the occlusion field keeps at each point: white sees the lamps, black does not; wine: the field keeps
+    /// nothing there. `occlusion.shown` chooses what is shown.
+    Occlusion,
 }
 
 crate::shared! {
@@ -37,6 +40,7 @@ crate::shared! {
 
     enum View as VIEW {
         Full, Direct, Indirect, Irradiance, Albedo, Normal, Depth, Steps, Cage, TexturesOff, States,
+        Occlusion,
     }
 
     /// Voxels over which the view of depth loses half its light.
@@ -46,13 +50,19 @@ crate::shared! {
 impl View {
     /// Views of data are not light: no exposure and no tone mapping.
     pub fn is_data(self) -> bool {
-        use View::{Albedo, Cage, Depth, Normal, States, Steps};
-        matches!(self, Albedo | Normal | Depth | Steps | Cage | States)
+        use View::{Albedo, Cage, Depth, Normal, Occlusion, States, Steps};
+        matches!(
+            self,
+            Albedo | Normal | Depth | Steps | Cage | States | Occlusion
+        )
     }
 
     /// Whether path tracers have this view. The other views show how probes light a picture.
     pub fn is_traceable(self) -> bool {
-        !matches!(self, Self::Steps | Self::Cage | Self::States)
+        !matches!(
+            self,
+            Self::Steps | Self::Cage | Self::States | Self::Occlusion
+        )
     }
 
     /// Whether a path tracer's samples of one camera ray differ. Direct light is random where lamps are spheres.

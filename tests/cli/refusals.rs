@@ -31,6 +31,16 @@ fn bad_flags_are_refused_before_any_work() {
         (&["--cpu", "--spp", "0"], &["--spp"]),
         (&["--cpu", "--view", "cage"], &["--view cage", "irradiance"]),
         (&["--cpu", "--view", "states"], &["--view states"]),
+        (&["--cpu", "--view", "occlusion"], &["--view occlusion"]),
+        (
+            &["--view", "occlusion"],
+            &["--view occlusion", "occlusion.lamps=1 or more", "--set"],
+        ),
+        (
+            &["--set", "lights.shadows=field"],
+            &["`lights.shadows=field`", "occlusion.lamps=1 or more"],
+        ),
+        (&["--set", "occlusion.lamps=9"], &["0 to 8", "`9`"]),
         (
             &["--probes", "light"],
             &["--probes", "irradiance", "state", "offset", "cascade"],

@@ -21,6 +21,7 @@ mod lamps;
 mod light;
 mod many_lamps;
 mod marching;
+mod occlusion;
 mod octree;
 mod placed_lamps;
 mod probe_views;

@@ -44,6 +44,8 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
             "field",
             "gather",
             "incident_light",
+            "occlusion",
+            "occlusion_gather",
             "probe_cube",
             "requests",
             "state_colours",
@@ -54,7 +56,7 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
     (
         "bench",
         "probes",
-        &["active_list", "field", "update_schedule"],
+        &["active_list", "field", "occlusion", "update_schedule"],
     ),
     (
         "bench",

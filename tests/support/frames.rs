@@ -24,6 +24,7 @@ pub fn shot(camera: Camera, size: [u32; 2]) -> Shot {
         time_s: 0.0,
         textures: true,
         soft_rays: 4,
+        shadows: Default::default(),
     }
 }
 

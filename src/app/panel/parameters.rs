@@ -21,9 +21,10 @@ struct Group {
 }
 
 /// In the order of the table of parameters, except that those that rebuild the world come last.
-const GROUPS: [Group; 7] = [
+const GROUPS: [Group; 8] = [
     group("probes", "Probes", false),
     group("source", "Probes: the source's method", false),
+    group("occlusion", "Probes: the occlusion field", false),
     group("lights", "Lights", true),
     group("picture", "Picture", true),
     group("textures", "Textures", true),

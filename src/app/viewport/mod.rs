@@ -353,6 +353,7 @@ impl Viewport {
             time_s,
             textures: parameters.textures.enabled,
             soft_rays: parameters.lights.soft_rays,
+            shadows: parameters.lights.shadows,
         };
         let lamp_time_s = self.lamp_time_s(time_s);
         let lights = Lights::at(&self.world, &self.lamps(), lamp_time_s);

@@ -55,6 +55,8 @@ enum Suite {
     States(speed::Arguments),
     /// By the levels of nested volumes
     Cascades(speed::Arguments),
+    /// The occlusion field in place of shadow rays, by lamps and rays
+    Occlusion(speed::Arguments),
     /// Voxelising, by the world's size and seed
     World(speed::Arguments),
     /// From the start of a process to its first frame, its first picture, settled light
@@ -121,6 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Suite::Resolution(arguments) => speed::run(Speed::Resolution, arguments),
         Suite::States(arguments) => speed::run(Speed::States, arguments),
         Suite::Cascades(arguments) => speed::run(Speed::Cascades, arguments),
+        Suite::Occlusion(arguments) => speed::run(Speed::Occlusion, arguments),
         Suite::World(arguments) => speed::run(Speed::World, arguments),
         Suite::Start(arguments) => speed::run(Speed::Start, arguments),
         Suite::Probes(arguments) => speed::run(Speed::Probes, arguments),

@@ -243,6 +243,7 @@ fn still(camera: &Camera, size: [u32; 2]) -> Shot {
         time_s: 0.0,
         textures: true,
         soft_rays: 1,
+        shadows: Default::default(),
     }
 }
 

@@ -14,7 +14,7 @@ use super::{
     Cli, Command, Failure,
     options::{
         InspectionOptions, OutputOptions, PictureOptions, RunOptions, Setup, assignment,
-        picture_size, world_file,
+        check_view, picture_size, world_file,
     },
     output, stop,
 };
@@ -176,6 +176,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         replay,
         seed,
     } = beginning(&arguments, &mut run)?;
+    check_view(arguments.view, &setup.parameters)?;
     let inspection = arguments.inspection.with(arguments.view);
     if let (Some(replay), Some(folder)) = (replay.clone(), &arguments.out) {
         let options = ReplayOptions {

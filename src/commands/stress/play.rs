@@ -106,6 +106,7 @@ impl<'a> Play<'a> {
                 time_s: case.script.start_s,
                 textures: parameters.textures.enabled,
                 soft_rays: parameters.lights.soft_rays,
+                shadows: parameters.lights.shadows,
             },
             probes,
             elapsed_s: 0.0,

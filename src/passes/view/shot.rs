@@ -2,6 +2,7 @@
 
 use crate::{
     gpu::Gpu,
+    parameters::Shadows,
     world::{Camera, View},
 };
 
@@ -58,6 +59,8 @@ pub struct Shot {
     /// Shadow rays of a pixel to each lamp that is a sphere, in pictures that are averaged. A picture that stands alone
     /// has several times as many (`ALONE`).
     pub soft_rays: u32,
+    /// What shadows the direct light of lamps.
+    pub shadows: Shadows,
 }
 
 /// How many times as many rays to soft lamps a picture has that no other is averaged with.

@@ -6,6 +6,7 @@
 mod arguments;
 mod machine;
 mod motion;
+mod occlusion;
 mod plan;
 mod probe_figures;
 mod probe_tables;

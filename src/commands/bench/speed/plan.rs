@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{
     super::{super::Failure, model::Missing},
-    Arguments, probe_tables,
+    Arguments, occlusion, probe_tables,
     rig::Length,
     spec::{BenchScene, RowSpec, Work},
     suites::{self, Wanted},
@@ -23,6 +23,7 @@ pub enum SpeedSuite {
     Resolution,
     States,
     Cascades,
+    Occlusion,
     World,
     Start,
     Probes,
@@ -54,6 +55,7 @@ impl SpeedSuite {
             Self::Resolution => "resolution",
             Self::States => "states",
             Self::Cascades => "cascades",
+            Self::Occlusion => "occlusion",
             Self::World => "world",
             Self::Start => "start",
             Self::Probes => "probes",
@@ -75,6 +77,7 @@ impl SpeedSuite {
             Self::Resolution => &[P::Resolution],
             Self::States => &[P::States],
             Self::Cascades => &[P::Cascades],
+            Self::Occlusion => &[P::Occlusion],
             Self::World => &[P::World],
             Self::Start => &[P::Start],
             Self::Probes => &[P::Probes],
@@ -89,6 +92,7 @@ impl SpeedSuite {
                 P::Resolution,
                 P::States,
                 P::Cascades,
+                P::Occlusion,
                 P::World,
                 P::Start,
                 P::Traversal,
@@ -111,6 +115,7 @@ enum Part {
     Resolution,
     States,
     Cascades,
+    Occlusion,
     World,
     Start,
     Probes,
@@ -141,6 +146,7 @@ impl Part {
             Self::Resolution => suites::resolution(wanted),
             Self::States => suites::states(wanted),
             Self::Cascades => suites::cascades(wanted),
+            Self::Occlusion => occlusion::rows(wanted),
             Self::World => suites::world(wanted),
             Self::Start => suites::start(wanted),
             Self::Probes => probe_tables::probes(wanted),
@@ -186,6 +192,7 @@ impl Plan {
                     Part::World => {
                         only.extend(plan.variants(path, &parameters, arguments.quick)?)
                     }
+                    Part::Occlusion => only.push(plan.scene_of_spheres(path, &parameters)?),
                     _ => only.push(plan.scene(path, &parameters)?),
                 }
             }
@@ -236,6 +243,18 @@ impl Plan {
             return Ok(known);
         }
         self.scenes.push(BenchScene::load(path, parameters)?);
+        Ok(self.scenes.len() - 1)
+    }
+
+    /// The index of a world whose lamps are spheres: shadow rays to them are what the occlusion field replaces.
+    fn scene_of_spheres(&mut self, path: &Path, parameters: &Parameters) -> Result<usize, Failure> {
+        let own = self.scene(path, parameters)?;
+        let scene = occlusion::with_spheres(&self.scenes[own]);
+        let same = |known: &BenchScene| known.hash == scene.hash && known.path == scene.path;
+        if let Some(known) = self.scenes.iter().position(same) {
+            return Ok(known);
+        }
+        self.scenes.push(scene);
         Ok(self.scenes.len() - 1)
     }
 

@@ -134,6 +134,7 @@ impl<'a> Rig<'a> {
             time_s,
             textures: spec.parameters.textures.enabled,
             soft_rays: spec.parameters.lights.soft_rays,
+            shadows: spec.parameters.lights.shadows,
         }
     }
 

@@ -34,13 +34,17 @@ impl BenchScene {
     /// For a world that cannot be read.
     pub fn load(path: &Path, parameters: &Parameters) -> Result<Self, Failure> {
         let world = load_world(path, parameters)?;
-        let hash = format!("{:032x}", fnv1a(format!("{world:?}").as_bytes()));
-        Ok(Self {
+        Ok(Self::of(path, world, parameters))
+    }
+
+    /// A world that was read from `path`, and perhaps changed since.
+    pub fn of(path: &Path, world: World, parameters: &Parameters) -> Self {
+        Self {
+            hash: format!("{:032x}", fnv1a(format!("{world:?}").as_bytes())),
             path: path.to_owned(),
             world,
             parameters: parameters.clone(),
-            hash,
-        })
+        }
     }
 
     pub fn record(&self) -> WorldRecord {

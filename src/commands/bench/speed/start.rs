@@ -96,6 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             time_s: scene.time_s,
             textures: scene.parameters.textures.enabled,
             soft_rays: scene.parameters.lights.soft_rays,
+            shadows: scene.parameters.lights.shadows,
         };
         let mut recorder = Recorder::new(&gpu, Some(&mut timing));
         frame.record(&gpu, &mut recorder, &shot, &lights, probes);

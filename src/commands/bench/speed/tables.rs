@@ -1,9 +1,10 @@
 //! The tables and charts of the four source documents, by their numbers, on our own worlds.
 
-use glam::{UVec3, Vec3};
+use glam::UVec3;
 
 use super::{
     super::{super::Failure, model::Missing},
+    occlusion,
     spec::{BenchScene, Condition, RowSpec, Work},
     suites::Wanted,
 };
@@ -18,18 +19,12 @@ pub const BEAM: &str = "beam";
 
 /// Tables of the sources whose systems grotto does not have.
 pub fn missing() -> Vec<Missing> {
-    [
-        (
-            "g3d-7.8",
-            "the ray-traced occlusion field is not part of grotto yet",
-        ),
-        ("octree", "suites `probes` and `hits` have its tables"),
-    ]
-    .map(|(table, reason)| Missing {
-        id: format!("{SUITE}/{table}"),
-        reason: reason.to_owned(),
-    })
-    .into()
+    [("octree", "suites `probes` and `hits` have its tables")]
+        .map(|(table, reason)| Missing {
+            id: format!("{SUITE}/{table}"),
+            reason: reason.to_owned(),
+        })
+        .into()
 }
 
 /// Rows of every table whose world is among the wanted ones.
@@ -170,7 +165,7 @@ impl Tables<'_> {
         Ok(())
     }
 
-    /// Tables 7.3–7.7 and 7.9: the field's rays, times and states by grid, rays and culling; and its weights,
+    /// Tables 7.3–7.9: the field's rays, times and states by grid, rays and culling; the occlusion field; and the field's weights,
     /// added one by one.
     fn g3d(&mut self) -> Result<(), Failure> {
         const ALONE: (&str, &str) = ("probes.method", "source");
@@ -204,6 +199,21 @@ impl Tables<'_> {
                 let work = (layout, Work::Frames(Condition::Moving));
                 self.add("g3d-7.7", CAVE, &name, work, &set)?;
             }
+        }
+        // One lamp, as in the source.
+        for rays in ["64", "512"] {
+            let set = [
+                ALONE,
+                ("probes.rays", rays),
+                ("probes.states", "off"),
+                ("lights.max_lamps", "1"),
+                ("occlusion.lamps", "1"),
+                ("lights.shadows", "field"),
+            ];
+            let lattice = self.lattice("32×16×32", UVec3::new(32, 16, 32));
+            let work = (lattice, Work::Frames(Condition::Moving));
+            self.add("g3d-7.8", CAVE, &format!("rays {rays}"), work, &set)?;
+            self.light_by(1);
         }
         for weights in ["trilinear", "direction", "visibility", "perception"] {
             let set = [ALONE, ("source.weights", weights)];
@@ -268,24 +278,9 @@ impl Tables<'_> {
     /// Probes that fill the space of the cave's coarsest layout. `None` without the cave.
     fn lattice(&self, name: &str, counts: UVec3) -> Option<LayoutSpec> {
         let (_, scene) = self.scene(CAVE)?;
-        let reach = |layout: &&LayoutSpec| {
-            let span = (layout.counts - 1).as_vec3() * layout.spacing;
-            span.element_product()
-        };
-        let layouts = scene.world.layouts.iter();
-        let widest = layouts.max_by(|a, b| reach(a).total_cmp(&reach(b)))?;
-        let span = (widest.counts - 1).as_vec3() * widest.spacing;
-        let gaps = (counts - 1).max(UVec3::ONE).as_vec3();
-        // Rounded down to a quarter of a voxel.
-        let spacing = ((span / gaps) * 4.0).floor() / 4.0;
         Some(LayoutSpec {
             name: name.to_owned(),
-            counts,
-            spacing: spacing.max(Vec3::splat(1.0)),
-            cascades: 1,
-            octree: None,
-            follow: false,
-            ..widest.clone()
+            ..occlusion::lattice(&scene.world, counts)?
         })
     }
 }
@@ -331,6 +326,7 @@ mod tests {
             ("fibix-4.7", 5),
             ("g3d-7.3-7.6-7.9", 12),
             ("g3d-7.7", 10),
+            ("g3d-7.8", 2),
             ("g3d-weights", 4),
             ("minecraft-layouts", 10),
             ("minecraft-rays", 6),

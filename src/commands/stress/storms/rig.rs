@@ -185,6 +185,7 @@ fn draw(gpu: &Gpu, frame: &mut Frame, now: &Now, lights: &Lights) -> Result<(), 
         time_s: now.time_s,
         textures: now.parameters.textures.enabled,
         soft_rays: now.parameters.lights.soft_rays,
+        shadows: now.parameters.lights.shadows,
     };
     let mut recorder = Recorder::new(gpu, None);
     frame.record(gpu, &mut recorder, &shot, lights, &now.parameters.probes);

@@ -1,6 +1,7 @@
 //! The probe field on the GPU: what the passes that trace, blend and gather probes share.
 
 mod bindings;
+mod read_back;
 
 use std::mem::offset_of;
 
@@ -9,6 +10,7 @@ use glam::{IVec3, Vec3};
 use super::{
     GpuChanges, GpuProbeInfo, GpuProbePlace, GpuProbeState,
     kept_hits::KeptHits,
+    occlusion::OcclusionField,
     octree::GpuOctree,
     source::Source,
     update_schedule::{GpuProbeDispatch, StateCounts, UpdateSchedule},
@@ -17,8 +19,8 @@ use crate::{
     gpu::{Gpu, GpuError},
     parameters::{ProbeHits, ProbeParameters, Visibility},
     probes::{
-        AtlasLayout, Changes, Layout as _, Motion, Octree, ProbeError, VisibilityBits, Volume,
-        atlas::ProbeMemory, packed, sampling,
+        AtlasLayout, Changes, Layout as _, Motion, OcclusionLayout, Octree, ProbeError,
+        VisibilityBits, Volume, atlas::ProbeMemory, sampling,
     },
     world::voxels::Voxels,
 };
@@ -55,6 +57,7 @@ pub struct ProbeField {
     rays_per_probe: u32,
     source: Option<Source>,
     kept_hits: Option<KeptHits>,
+    occlusion: OcclusionField,
     info: wgpu::Buffer,
     ray_directions: wgpu::Buffer,
     rays: wgpu::Buffer,
@@ -97,7 +100,11 @@ impl ProbeField {
             gpu.limits.max_texture_dimension_2d,
             gpu.limits.max_texture_array_layers,
         )?;
+        let rays = parameters.rays;
+        let occlusion = OcclusionLayout::new(&parameters.occlusion);
+        OcclusionField::check(gpu, occlusion, slots, rays)?;
         let memory = ProbeMemory {
+            occlusion: occlusion.map_bytes(slots) + occlusion.ray_bytes(slots, rays),
             visibility_bits: visibility_bits.as_ref().map_or(0, VisibilityBits::bytes),
             octree: GpuOctree::bytes(&volume),
             ..atlas.memory(parameters)
@@ -170,6 +177,12 @@ impl ProbeField {
             rays_per_probe: parameters.rays,
             source: Source::new(gpu, volume.slots(), parameters)?,
             kept_hits: KeptHits::new(gpu, memory.hit_places, parameters)?,
+            occlusion: OcclusionField::new(
+                gpu,
+                OcclusionLayout::new(&parameters.occlusion),
+                atlas.slots,
+                parameters.rays,
+            )?,
             motion: Motion::new(&volume),
             volume,
             atlas,
@@ -271,6 +284,16 @@ impl ProbeField {
         self.kept_hits.as_ref()
     }
 
+    /// What the probes keep of the visibility of lamps.
+    pub fn occlusion(&self) -> &OcclusionField {
+        &self.occlusion
+    }
+
+    /// To be updated once before each frame.
+    pub fn occlusion_mut(&mut self) -> &mut OcclusionField {
+        &mut self.occlusion
+    }
+
     /// Whether probes store distances. Exact visibility does not read distances.
     pub fn keeps_distances(&self) -> bool {
         self.atlas.distance_texels > 0
@@ -295,14 +318,6 @@ impl ProbeField {
     /// Byte offsets in [`Self::dispatch`].
     pub const RAYS_OFFSET: u64 = offset_of!(GpuProbeDispatch, ray_groups) as u64;
     pub const PROBES_OFFSET: u64 = offset_of!(GpuProbeDispatch, probe_groups) as u64;
-
-    /// Slots that were active in the last update, in no particular order.
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn active_slots(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        self.update_schedule.active_slots(gpu)
-    }
 
     /// The place of each probe, back-side probes after the others: [`GpuProbePlace`].
     pub fn places(&self) -> &wgpu::Buffer {
@@ -343,47 +358,10 @@ impl ProbeField {
         &self.ambient_cubes
     }
 
-    /// Irradiance over π (linear RGB) of every texel of the maps: rows without borders, probe by probe; 0 where a probe
-    /// gives no light.
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn irradiance(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, GpuError> {
-        let stored: Vec<[u32; 2]> = gpu.read_buffer(&self.irradiance_maps)?;
-        Ok(stored.into_iter().map(packed::light_of).collect())
-    }
-
     /// Distances: r32uint, which [`distances_of`](crate::probes::packed::distances_of) unpacks; one texel where
     /// [`Self::keeps_distances`] says no.
     pub fn distance_atlas(&self) -> &wgpu::Texture {
         &self.distance_atlas
-    }
-
-    /// How many probes are in each state, and how many were active in the last update.
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn state_counts(&self, gpu: &Gpu) -> Result<StateCounts, GpuError> {
-        self.update_schedule.count(gpu, &self.states, &self.volume)
-    }
-
-    /// How often each probe has been updated since it was new; 0 for a probe in a solid voxel.
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
-        let states = self.states(gpu)?;
-        Ok(states.iter().map(|state| state.updates).collect())
-    }
-
-    /// What each probe of the lattice knows of its own light.
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn states(&self, gpu: &Gpu) -> Result<Vec<GpuProbeState>, GpuError> {
-        let mut states: Vec<GpuProbeState> = gpu.read_buffer(&self.states)?;
-        states.truncate(self.volume.slots() as usize);
-        Ok(states)
     }
 
     /// Bytes of GPU memory.

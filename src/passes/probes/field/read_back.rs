@@ -1,0 +1,54 @@
+//! What tests, tables and views read back from the probes.
+
+use super::{GpuProbeState, ProbeField, StateCounts};
+use crate::{
+    gpu::{Gpu, GpuError},
+    probes::{Layout as _, packed},
+};
+
+impl ProbeField {
+    /// Slots that were active in the last update, in no particular order.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn active_slots(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        self.update_schedule.active_slots(gpu)
+    }
+
+    /// Irradiance over π (linear RGB) of every texel of the maps: rows without borders, probe by probe; 0 where a probe
+    /// gives no light.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn irradiance(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, GpuError> {
+        let stored: Vec<[u32; 2]> = gpu.read_buffer(&self.irradiance_maps)?;
+        Ok(stored.into_iter().map(packed::light_of).collect())
+    }
+
+    /// How many probes are in each state, and how many were active in the last update.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn state_counts(&self, gpu: &Gpu) -> Result<StateCounts, GpuError> {
+        self.update_schedule.count(gpu, &self.states, &self.volume)
+    }
+
+    /// How often each probe has been updated since it was new; 0 for a probe in a solid voxel.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn updates(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
+        let states = self.states(gpu)?;
+        Ok(states.iter().map(|state| state.updates).collect())
+    }
+
+    /// What each probe of the lattice knows of its own light.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn states(&self, gpu: &Gpu) -> Result<Vec<GpuProbeState>, GpuError> {
+        let mut states: Vec<GpuProbeState> = gpu.read_buffer(&self.states)?;
+        states.truncate(self.volume.slots() as usize);
+        Ok(states)
+    }
+}
