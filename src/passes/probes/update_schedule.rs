@@ -40,6 +40,7 @@ crate::shared! {
         pub far_interval: u32,
         /// Which set of kept hits the updates of this frame take.
         pub hit_set: u32,
+        pub _pad: [u32; 3],
     }
 }
 
@@ -187,6 +188,7 @@ impl UpdateSchedule {
             still_interval,
             far_interval: if may_wait { FAR_INTERVAL } else { 1 },
             hit_set: sampling::set_of_frame(frame, parameters.hit_sets),
+            ..Default::default()
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&update_schedule));
