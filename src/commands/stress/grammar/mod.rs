@@ -3,7 +3,6 @@
 //! A world is built as a tree of choices ([`term`]) and passed on as the text of a world file, so the reader of
 //! all other world files reads it.
 
-mod bodies;
 mod dice;
 mod matter;
 mod scenery;
@@ -22,7 +21,6 @@ const PARAMETERS: u64 = 1;
 pub const SCRIPT: u64 = 2;
 /// What came later has a stream of its own: the other things of a seed stay as they were.
 const OCTREES: u64 = 3;
-const BODIES: u64 = 4;
 
 /// A generated world, and the parameters that it is rendered with.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +36,6 @@ pub fn generate(seed: u32) -> Generated {
         world: world(
             &mut Dice::new(seed, WORLD),
             &mut Dice::new(seed, OCTREES),
-            &mut Dice::new(seed, BODIES),
             seed,
         ),
         set: parameters(&mut Dice::new(seed, PARAMETERS)),
@@ -67,7 +64,7 @@ fn size(dice: &mut Dice) -> [f64; 3] {
     }
 }
 
-fn world(dice: &mut Dice, octrees: &mut Dice, bodies: &mut Dice, seed: u32) -> Term {
+fn world(dice: &mut Dice, octrees: &mut Dice, seed: u32) -> Term {
     let size = size(dice);
     let half = size.map(|edge| edge / 2.0);
     let origin = match dice.whole(0, 5) {
@@ -103,8 +100,6 @@ fn world(dice: &mut Dice, octrees: &mut Dice, bodies: &mut Dice, seed: u32) -> T
     if dice.chance(0.4) {
         keys.push(("features", matter::features(dice, &ground, centre, &names)));
     }
-    let bodies = bodies::bodies(bodies, &ground, centre, &names);
-    keys.extend(bodies.map(|bodies| ("bodies", bodies)));
     keys.push(("lamps", scenery::lamps(dice, &ground, centre)));
     keys.extend(scenery::sky(dice));
     keys.push(("cameras", scenery::cameras(dice, &ground, centre)));
@@ -266,15 +261,6 @@ mod tests {
             "voxel_m",
             "origin",
             "response",
-            "bodies",
-            "Shape(",
-            "Like",
-            "pivot",
-            "Turn(",
-            "TurnBetween",
-            "ease",
-            "Swing",
-            "Lift",
         ];
         for form in forms {
             assert!(all.contains(form), "{form} is never generated");

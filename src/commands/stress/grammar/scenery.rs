@@ -11,7 +11,7 @@ fn number(value: f64) -> Term {
 }
 
 /// A position: in a room, in air, in solid voxels, at a face, an edge or a corner of the world, or outside.
-pub(super) fn place(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> [f64; 3] {
+fn place(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> [f64; 3] {
     if !ground.rooms.is_empty() && dice.chance(0.7) {
         let room = *dice.pick(&ground.rooms);
         return [0, 1, 2].map(|axis| {
@@ -87,21 +87,25 @@ fn lamp(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3], is_scattered: bo
     record("", keys)
 }
 
-/// A motion that lamps and bodies share, by its number.
-pub(super) fn motion_of_place(
-    dice: &mut Dice,
-    ground: &Ground<'_>,
-    centre: [f64; 3],
-    form: u32,
-) -> Term {
+fn motion(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3], is_scattered: bool) -> Term {
     let rate = |dice: &mut Dice| ("rate", number(dice.number(-6.0, 6.0)));
-    match form % 3 {
+    let share = |dice: &mut Dice| ("amount", number(dice.number(0.0, 1.0)));
+    match dice.whole(0, 5) {
         0 => record("Orbit", vec![("radius", dice.within([6.0; 3])), rate(dice)]),
         1 => record(
             "Bob",
             vec![("amplitude", dice.within([6.0; 3])), rate(dice)],
         ),
-        _ => {
+        2 => record("Flicker", vec![share(dice), rate(dice)]),
+        3 => record(
+            "Pulse",
+            vec![
+                share(dice),
+                rate(dice),
+                ("phase", number(dice.number(-3.0, 3.0))),
+            ],
+        ),
+        4 if !is_scattered => {
             let count = dice.whole(2, 4);
             let points = (0..count).map(|_| Term::vector(place(dice, ground, centre)));
             let points = Term::List(points.collect());
@@ -113,24 +117,6 @@ pub(super) fn motion_of_place(
                 ],
             )
         }
-    }
-}
-
-fn motion(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3], is_scattered: bool) -> Term {
-    let rate = |dice: &mut Dice| ("rate", number(dice.number(-6.0, 6.0)));
-    let share = |dice: &mut Dice| ("amount", number(dice.number(0.0, 1.0)));
-    match dice.whole(0, 5) {
-        form @ (0 | 1) => motion_of_place(dice, ground, centre, form),
-        2 => record("Flicker", vec![share(dice), rate(dice)]),
-        3 => record(
-            "Pulse",
-            vec![
-                share(dice),
-                rate(dice),
-                ("phase", number(dice.number(-3.0, 3.0))),
-            ],
-        ),
-        4 if !is_scattered => motion_of_place(dice, ground, centre, 2),
         _ => record("HueCycle", vec![("rate", number(dice.number(-1.0, 1.0)))]),
     }
 }
