@@ -158,7 +158,7 @@ fn values_lie_between_in_a_penumbra_and_hold_for_every_power() {
     for (file, sound, faulty) in [
         (
             "probes/occlusion_rays.wesl",
-            "let is_seen = !march_out_of(point_gs, before, towards.towards_ws, towards.distance).found;",
+            "let is_seen = !is_blocked(point_gs, before, towards.towards_ws, towards.distance);",
             "let is_seen = true;",
         ),
         (
