@@ -38,7 +38,7 @@ use bits::DrawnBits;
 use inspect::Inspect;
 pub use offers::offer;
 use order::FrameOrder;
-use passes::{Passes, Wanted};
+use passes::{Passes, Subjects, Wanted};
 use values::{Drawn, Update};
 
 use crate::{
@@ -99,7 +99,13 @@ impl Frame {
         let faces = SurfaceCache::new(gpu, probes)?;
         let scene = scene(&stage, &view, &lights);
         let wanted = Wanted::default();
-        let passes = Passes::new(gpu, size, &field, &faces, wanted, &lights, &scene)?;
+        let subjects = Subjects {
+            field: &field,
+            cache: &faces,
+            lights: &lights,
+            bodies: &stage.voxels.bodies,
+        };
+        let passes = Passes::new(gpu, size, subjects, wanted, &scene)?;
         Ok(Self {
             stage,
             size,
@@ -218,6 +224,7 @@ impl Frame {
                 lamps_have_changed || self.field.changes.shown_first().is_some(),
             ),
             moves_bodies: bodies_moved > 0.0,
+            asks_bodies: bodies_moved > 0.0 || lamps_have_changed || self.frames == 0,
             shades_early: self.order.shades_early(is_calm),
         };
         self.field.set_placed();
@@ -265,15 +272,7 @@ impl Frame {
             smoothing: self.antialiasing.wanted,
             bits: self.bits.wanted,
         };
-        self.passes = Passes::new(
-            gpu,
-            size,
-            &self.field,
-            &self.faces,
-            wanted,
-            &self.lights,
-            &scene,
-        )?;
+        self.passes = Passes::new(gpu, size, self.subjects(), wanted, &scene)?;
         self.size = size;
         self.order = FrameOrder::default();
         self.antialiasing.restart();
@@ -302,7 +301,12 @@ impl Frame {
             smoothing: self.antialiasing.wanted,
             bits: self.bits.wanted,
         };
-        self.passes = Passes::new(gpu, self.size, &field, &faces, wanted, &self.lights, &scene)?;
+        let subjects = Subjects {
+            field: &field,
+            cache: &faces,
+            ..self.subjects()
+        };
+        self.passes = Passes::new(gpu, self.size, subjects, wanted, &scene)?;
         self.field = field;
         self.faces = faces;
         self.frames = 0;
@@ -357,6 +361,15 @@ impl Frame {
 
     pub fn field(&self) -> &ProbeField {
         &self.field
+    }
+
+    fn subjects(&self) -> Subjects<'_> {
+        Subjects {
+            field: &self.field,
+            cache: &self.faces,
+            lights: &self.lights,
+            bodies: &self.stage.voxels.bodies,
+        }
     }
 
     /// The faces that have light of their own.

@@ -93,7 +93,7 @@ impl Stage {
     pub fn upload(gpu: &Gpu, world: &World, voxels: &Voxels) -> Result<Self, FrameError> {
         Ok(Self {
             voxels: GpuVoxels {
-                bodies: GpuBodies::upload(gpu, &world.bodies)?,
+                bodies: GpuBodies::upload(gpu, &world.bodies, world.size)?,
                 ..GpuVoxels::upload(gpu, voxels, world.origin)?
             },
             materials: bake(gpu, world)?,

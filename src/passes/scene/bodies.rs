@@ -4,10 +4,14 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use glam::{Mat3, UVec3, Vec3};
 
-use super::hierarchy::{Bounds, Node, hierarchy};
+use super::{
+    body_models::{LIT_FACES, blocks_of, lit_voxels, masks, materials, solid},
+    hierarchy::{Bounds, Node, hierarchy},
+};
 use crate::{
     gpu::{Gpu, GpuError},
-    world::bodies::{Bodies, Body, BodyModel, Pose},
+    lights::lists,
+    world::bodies::{Bodies, Body, Pose},
 };
 
 crate::shared! {
@@ -38,17 +42,18 @@ crate::shared! {
         blocks: u32,
         /// The pivot, in world space and in model space.
         position_ws: [f32; 3],
-        _pad0: u32,
+        /// Index of the vector with the first four of the model's voxels whose faces have stored light.
+        lit_voxels_at: u32,
         pivot: [f32; 3],
-        _pad1: u32,
+        _pad0: u32,
     }
 
     use size_of::<GpuBodyNode>() / 16 => NODE_VECTORS: usize;
     use size_of::<GpuBody>() / 16 => BODY_VECTORS: usize;
+    /// Vectors of the head.
+    const HEAD_VECTORS as HEAD_VECTORS: usize = 2;
 }
 
-/// Edge of a block in voxels.
-const BLOCK: u32 = 4;
 const NO_BODY: u32 = u32::MAX;
 /// Boxes are larger than their bodies by this many voxels, and by this share of their distance from the origin, so that
 /// rounding does not cut off corners.
@@ -61,6 +66,13 @@ pub struct GpuBodies {
     buffer: wgpu::Buffer,
     /// The bodies as the frame before showed them, without hierarchy and models.
     before: wgpu::Buffer,
+    /// What passes find out about the bodies: the light of their faces, then for each cell the ways to lamps that they
+    /// may block. Copied into `buffer` at `facts_at` (bytes).
+    facts: wgpu::Buffer,
+    facts_at: u64,
+    /// Cells of the world along each axis, and log2 of the voxels along a cell.
+    cells: UVec3,
+    shift: u32,
     placed: Arc<[Placed]>,
     /// Whether any body ever moves.
     move_at_all: bool,
@@ -94,16 +106,19 @@ impl GpuBodies {
     /// # Errors
     /// [`GpuError::TooLarge`].
     pub fn none(gpu: &Gpu) -> Result<Self, GpuError> {
-        Self::upload(gpu, &Bodies::default())
+        Self::upload(gpu, &Bodies::default(), UVec3::ONE)
     }
 
-    /// All bodies where they are at time 0.
+    /// All bodies where they are at time 0, in a world of `size` voxels.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`].
-    pub fn upload(gpu: &Gpu, bodies: &Bodies) -> Result<Self, GpuError> {
+    pub fn upload(gpu: &Gpu, bodies: &Bodies, size: UVec3) -> Result<Self, GpuError> {
         let count = bodies.bodies.len();
-        let first_model = moving_vectors(count);
+        let (cells, shift) = (lists::cells(size), lists::cell_shift(size));
+        let first_fact = moving_vectors(count);
+        let facts = fact_vectors(count, cells);
+        let first_model = first_fact + facts;
         let mut models = Vec::<[u32; 4]>::new();
         let places: Vec<_> = bodies
             .models
@@ -113,26 +128,32 @@ impl GpuBodies {
                 models.extend(masks(model));
                 let materials_at = first_model + models.len();
                 models.extend(materials(model));
-                (masks_at as u32, materials_at as u32, solid(model))
+                let lit_voxels_at = first_model + models.len();
+                models.extend(lit_voxels(model));
+                let at = [masks_at, materials_at, lit_voxels_at].map(|at| at as u32);
+                (at, solid(model))
             })
             .collect();
-        let bytes = (first_model + models.len()) * size_of::<[u32; 4]>();
-        let (buffer, before) = gpu.making("the bodies", bytes as u64, || {
-            let buffer = gpu.storage_buffer("bodies", bytes as u64)?;
+        let bytes = |vectors: usize| (vectors * size_of::<[u32; 4]>()) as u64;
+        let all = bytes(first_model + models.len());
+        let (buffer, before, facts) = gpu.making("the bodies", all + bytes(facts), || {
+            let buffer = gpu.storage_buffer("bodies", all)?;
             let records = count.max(1) * size_of::<GpuBody>();
             let before = gpu.storage_buffer("bodies_before", records as u64)?;
-            Ok::<_, GpuError>((buffer, before))
+            let facts = gpu.storage_buffer("body_facts", bytes(facts))?;
+            Ok::<_, GpuError>((buffer, before, facts))
         })?;
-        let at = (first_model * size_of::<[u32; 4]>()) as u64;
+        let at = bytes(first_model);
         gpu.queue
             .write_buffer(&buffer, at, bytemuck::cast_slice(&models));
         let placed = bodies.bodies.iter().map(|body| {
-            let (masks_at, materials_at, solid) = places[body.model];
+            let ([masks_at, materials_at, lit_voxels_at], solid) = places[body.model];
             let blocks = blocks_of(bodies.models[body.model].size);
             Placed {
                 record: GpuBody {
                     masks_at,
                     materials_at,
+                    lit_voxels_at,
                     blocks: blocks.x | blocks.y << 8 | blocks.z << 16,
                     pivot: body.pivot.to_array(),
                     ..GpuBody::default()
@@ -145,6 +166,10 @@ impl GpuBodies {
         let all = Self {
             buffer,
             before,
+            facts,
+            facts_at: bytes(first_fact),
+            cells,
+            shift,
             placed: placed.collect(),
             move_at_all: bodies.bodies.iter().any(|body| !body.is_still()),
             poses: Arc::new(Mutex::new(Poses {
@@ -222,9 +247,30 @@ impl GpuBodies {
         ]
     }
 
+    /// What the passes about bodies write.
+    pub fn facts(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("body_facts", self.facts.as_entire_binding())
+    }
+
+    /// Number of faces with stored light, of all bodies.
+    pub fn lit_faces(&self) -> u32 {
+        self.placed.len() as u32 * LIT_FACES
+    }
+
+    /// Number of cells with facts about the ways to lamps.
+    pub fn cells(&self) -> u32 {
+        self.cells.element_product()
+    }
+
+    /// Hands what passes have found out to those that follow.
+    pub fn publish_facts(&self, encoder: &mut wgpu::CommandEncoder) {
+        let bytes = self.facts.size();
+        encoder.copy_buffer_to_buffer(&self.facts, 0, &self.buffer, self.facts_at, bytes);
+    }
+
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.buffer.size() + self.before.size()
+        self.buffer.size() + self.before.size() + self.facts.size()
     }
 
     fn poses(&self) -> MutexGuard<'_, Poses> {
@@ -248,9 +294,20 @@ impl GpuBodies {
             .into_iter()
             .map(GpuBodyNode::from)
             .collect();
-        let first_body = 1 + nodes.len() * (size_of::<GpuBodyNode>() / 16);
-        let head = [nodes.len() as u32, first_body as u32, 0, 0];
-        let mut bytes = bytemuck::bytes_of(&head).to_vec();
+        let first_body = HEAD_VECTORS + nodes.len() * (size_of::<GpuBodyNode>() / 16);
+        let first_fact = self.facts_at / size_of::<[u32; 4]>() as u64;
+        let count = self.placed.len() as u32;
+        let [x, y, z] = self.cells.to_array();
+        let head = [
+            [
+                nodes.len() as u32,
+                first_body as u32,
+                first_fact as u32,
+                count,
+            ],
+            [x, y, z, self.shift],
+        ];
+        let mut bytes = bytemuck::cast_slice(&head).to_vec();
         bytes.extend_from_slice(bytemuck::cast_slice(&nodes));
         bytes.extend_from_slice(bytemuck::cast_slice(&self.records(poses)));
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
@@ -316,65 +373,12 @@ impl From<Node> for GpuBodyNode {
 /// Vectors of the head, the nodes and the bodies.
 fn moving_vectors(bodies: usize) -> usize {
     let nodes = (2 * bodies).saturating_sub(1);
-    1 + (nodes * size_of::<GpuBodyNode>() + bodies * size_of::<GpuBody>()) / size_of::<[u32; 4]>()
+    let bytes = nodes * size_of::<GpuBodyNode>() + bodies * size_of::<GpuBody>();
+    HEAD_VECTORS + bytes / size_of::<[u32; 4]>()
 }
 
-fn blocks_of(size: UVec3) -> UVec3 {
-    size.map(|edge| edge.div_ceil(BLOCK))
-}
-
-/// The material of a voxel, 0 beyond the model's end.
-fn material(model: &BodyModel, at: UVec3) -> u8 {
-    if at.cmpge(model.size).any() {
-        return 0;
-    }
-    model.materials[(at.x + model.size.x * (at.y + model.size.y * at.z)) as usize]
-}
-
-/// All places of a box of this extent, x first.
-fn places(extent: UVec3) -> impl Iterator<Item = UVec3> {
-    let rows = (0..extent.z).flat_map(move |z| (0..extent.y).map(move |y| (y, z)));
-    rows.flat_map(move |(y, z)| (0..extent.x).map(move |x| UVec3::new(x, y, z)))
-}
-
-/// 64 bits for each block, two blocks in a vector.
-fn masks(model: &BodyModel) -> Vec<[u32; 4]> {
-    let mask = |block: UVec3| {
-        let bits = places(UVec3::splat(BLOCK)).enumerate();
-        bits.fold(0u64, |mask, (bit, at)| {
-            let is_solid = material(model, block * BLOCK + at) != 0;
-            mask | u64::from(is_solid) << bit
-        })
-    };
-    let all: Vec<u64> = places(blocks_of(model.size)).map(mask).collect();
-    let words = |mask: u64| [mask as u32, (mask >> 32) as u32];
-    all.chunks(2)
-        .map(|pair| {
-            let [low, high] = words(pair[0]);
-            let [next_low, next_high] = words(pair.get(1).copied().unwrap_or(0));
-            [low, high, next_low, next_high]
-        })
-        .collect()
-}
-
-/// A byte for each voxel of the blocks' extent.
-fn materials(model: &BodyModel) -> Vec<[u32; 4]> {
-    let extent = blocks_of(model.size) * BLOCK;
-    let bytes: Vec<u8> = places(extent).map(|at| material(model, at)).collect();
-    // The extent is a multiple of 64 voxels.
-    bytes.chunks(16).map(bytemuck::pod_read_unaligned).collect()
-}
-
-/// The box around the solid voxels; around the first corner where there are none.
-fn solid(model: &BodyModel) -> Bounds {
-    let solid = places(model.size).filter(|at| material(model, *at) != 0);
-    let found = solid.fold(None, |found: Option<(UVec3, UVec3)>, at| {
-        let (low, high) = found.unwrap_or((at, at));
-        Some((low.min(at), high.max(at)))
-    });
-    let (low, high) = found.map_or((UVec3::ZERO, UVec3::ZERO), |(low, high)| (low, high + 1));
-    Bounds {
-        low: low.as_vec3(),
-        high: high.as_vec3(),
-    }
+/// Vectors of what passes find out, eight bytes for each face and each cell; one where there are no bodies.
+fn fact_vectors(bodies: usize, cells: UVec3) -> usize {
+    let cells = cells.element_product() as usize * bodies.min(1);
+    (bodies * LIT_FACES as usize + cells).div_ceil(2).max(1)
 }

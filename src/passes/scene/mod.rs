@@ -1,6 +1,8 @@
 //! The scene on the GPU: voxels, materials, lights, emissive faces.
 
 mod bodies;
+mod body_models;
+pub mod body_shafts;
 pub mod distances;
 mod emitters;
 mod hierarchy;

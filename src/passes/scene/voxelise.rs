@@ -248,7 +248,7 @@ impl Voxelise {
             grid,
             masks,
             materials,
-            bodies: GpuBodies::upload(gpu, &world.bodies)?,
+            bodies: GpuBodies::upload(gpu, &world.bodies, world.size)?,
         };
         Ok((voxels, report))
     }

@@ -6,6 +6,8 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, r
 pub struct Shade {
     kernel: Kernel,
     bindings: Bindings,
+    /// For the pixels on bodies, where there are bodies.
+    on_bodies: Option<(Kernel, Bindings)>,
     /// `rgba16float`: linear HDR radiance (or the view's data), alpha 1; rows from the top.
     pub hdr: wgpu::Texture,
 }
@@ -24,22 +26,33 @@ impl Shade {
     ) -> Result<Self, GpuError> {
         let format = wgpu::TextureFormat::Rgba16Float;
         let hdr = gpu.texture("hdr", [size[0], size[1], 1], format)?;
-        let kernel = Kernel::new(
-            gpu,
-            &KernelSpec {
-                shader: "view/shade",
-                offered: &offer.constants,
-                ..Default::default()
-            },
-        )?;
+        let made = |on_bodies: bool| {
+            Kernel::new(
+                gpu,
+                &KernelSpec {
+                    shader: "view/shade",
+                    overrides: &[("ON_BODIES", f64::from(u8::from(on_bodies)))],
+                    offered: &offer.constants,
+                    ..Default::default()
+                },
+            )
+        };
+        let kernel = made(false)?;
+        let has_bodies = offer.constants.contains(&("BODIES", 1.0));
+        let on_bodies = has_bodies.then(|| made(true)).transpose()?;
         let hdr_view = hdr.create_view(&Default::default());
         let all = offer.with([
             ("surfaces", surfaces.as_entire_binding()),
             ("hdr", wgpu::BindingResource::TextureView(&hdr_view)),
         ]);
+        let bound = |kernel: Kernel| {
+            let bindings = kernel.bind(gpu, &all.resources);
+            (kernel, bindings)
+        };
         Ok(Self {
             bindings: kernel.bind(gpu, &all.resources),
             kernel,
+            on_bodies: on_bodies.map(bound),
             hdr,
         })
     }
@@ -47,6 +60,10 @@ impl Shade {
     /// `size` is that of the frame's view.
     pub fn record(&self, recorder: &mut Recorder<'_>, size: [u32; 2]) {
         let [columns, rows] = self.kernel.groups_of(size);
-        recorder.run(&self.kernel, &self.bindings, rectangle(columns * rows));
+        let groups = rectangle(columns * rows);
+        recorder.run(&self.kernel, &self.bindings, groups);
+        if let Some((kernel, bindings)) = &self.on_bodies {
+            recorder.run(kernel, bindings, groups);
+        }
     }
 }
