@@ -11,19 +11,25 @@ pub struct Shade {
 }
 
 impl Shade {
-    /// For pictures of at most `size` pixels. `surfaces` is what the camera rays hit; `offer` is that of the scene, the probes
-    /// and the surface cache.
+    /// A picture of at most `size` pixels.
     ///
     /// # Errors
-    /// [`GpuError::Shader`], and [`GpuError::TooLarge`] for a picture that no texture can hold.
+    /// [`GpuError::TooLarge`] for a picture that no texture can hold.
+    pub fn hdr(gpu: &Gpu, size: [u32; 2]) -> Result<wgpu::Texture, GpuError> {
+        let format = wgpu::TextureFormat::Rgba16Float;
+        gpu.texture("hdr", [size[0], size[1], 1], format)
+    }
+
+    /// `surfaces` is what the camera rays hit; `offer` is that of the scene, the probes and the surface cache.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
     pub fn new(
         gpu: &Gpu,
-        size: [u32; 2],
+        hdr: wgpu::Texture,
         surfaces: &wgpu::Buffer,
         offer: &Offer<'_>,
     ) -> Result<Self, GpuError> {
-        let format = wgpu::TextureFormat::Rgba16Float;
-        let hdr = gpu.texture("hdr", [size[0], size[1], 1], format)?;
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
