@@ -73,6 +73,15 @@ impl EarlyShaders {
         }
     }
 
+    /// Whether a kernel has asked for everything that has begun.
+    #[cfg(test)]
+    pub fn is_used_up(&self) -> bool {
+        self.begun
+            .lock()
+            .expect("nobody panics holding it")
+            .is_empty()
+    }
+
     pub(super) fn library(&self) -> &Arc<ShaderLibrary> {
         &self.library
     }
