@@ -46,6 +46,7 @@ mod views;
 mod widgets;
 
 use std::{
+    cell::Cell,
     env,
     path::{Path, PathBuf},
     sync::{
@@ -65,7 +66,7 @@ use winit::{
 
 use crate::{
     frame::FrameError,
-    gpu::GpuError,
+    gpu::{Gpu, GpuError},
     measure::whole_file::FileError,
     parameters::Parameters,
     passes::view::Inspection,
@@ -120,6 +121,8 @@ pub struct Options {
     pub stop: Arc<AtomicBool>,
     /// Destroys the device after this many frames, as a failing driver does: for tests.
     pub lose_device_at: Option<u32>,
+    /// The adapter, opened while the world was read. The window takes it if it can present there.
+    pub opened: Cell<Option<Gpu>>,
 }
 
 /// Why the window did not open, or closed.

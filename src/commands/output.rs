@@ -3,14 +3,21 @@
 use std::{
     io::{self, IsTerminal as _, Write as _},
     path::Path,
-    time::Duration,
+    thread,
+    time::{Duration, Instant},
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use super::{Failure, options::RunOptions};
-use crate::gpu::{Gpu, ShaderChecks};
+use super::{
+    Failure,
+    options::{RunOptions, Setup},
+};
+use crate::{
+    frame::{begin_shaders, begin_voxels},
+    gpu::{EarlyShaders, Gpu, GpuError, ShaderChecks, made},
+};
 
 /// Prints a result. A reader that has closed the pipe (`grotto info | head -1`) is not an error.
 ///
@@ -74,7 +81,58 @@ pub fn spinner(run: &RunOptions, doing: &'static str) -> ProgressBar {
 /// # Errors
 /// Without any adapter, and when none has that name.
 pub fn open_gpu(run: &RunOptions) -> Result<Gpu, Failure> {
-    let gpu = Gpu::open(run.adapter.as_deref(), ShaderChecks::default())?;
+    let ((), opened) = open_while(run.adapter.as_deref(), |_| Ok(()))?;
+    usable(run, opened.gpu)
+}
+
+/// Opens the adapter as [`open_gpu`] does, while `load` reads a scene and checks it.
+///
+/// # Errors
+/// Those of `load`, then those of [`open_gpu`].
+pub fn load_and_open(
+    run: &RunOptions,
+    load: impl FnOnce() -> Result<Setup, Failure>,
+) -> Result<(Setup, Gpu), Failure> {
+    let (setup, opened) = open_while(run.adapter.as_deref(), |shaders| {
+        let setup = load()?;
+        begin_voxels(shaders, &setup.world);
+        Ok(setup)
+    })?;
+    Ok((setup, usable(run, opened.gpu)?))
+}
+
+/// An adapter that was opened beside other work.
+pub struct Opened {
+    pub gpu: Result<Gpu, GpuError>,
+    pub at: Instant,
+}
+
+/// Opens an adapter and composes the shaders of the first frame while `load` runs, which may begin further shaders.
+/// What is wrong with the user's files is told first, whatever the adapter says.
+///
+/// # Errors
+/// Those of `load`.
+pub fn open_while<T>(
+    adapter: Option<&str>,
+    load: impl FnOnce(&EarlyShaders) -> Result<T, Failure>,
+) -> Result<(T, Opened), Failure> {
+    let shaders = begin_shaders();
+    thread::scope(|threads| {
+        let opening = threads.spawn(|| {
+            let gpu = Gpu::open(adapter, ShaderChecks::default());
+            (gpu, Instant::now())
+        });
+        let loaded = load(&shaders);
+        // A process must not end while a driver opens a device: wait even after an error.
+        let (gpu, at) = made(opening);
+        let gpu = gpu.map(|gpu| gpu.with_early(shaders.clone()));
+        Ok((loaded?, Opened { gpu, at }))
+    })
+}
+
+/// Warns if an opened adapter is a CPU.
+pub fn usable(run: &RunOptions, gpu: Result<Gpu, GpuError>) -> Result<Gpu, Failure> {
+    let gpu = gpu?;
     if gpu.summary.is_software() {
         note(
             run,

@@ -64,11 +64,19 @@ pub(super) const VOXELISING: &str = "building the voxels";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     picture_file::check_writable(&arguments.output)?;
-    let setup = Setup::load(&arguments.world, &arguments.run, &arguments.picture)?;
-    let (picture, record) = if arguments.cpu {
-        on_the_cpu(arguments, &setup)?
+    let load = || Setup::load(&arguments.world, &arguments.run, &arguments.picture);
+    let (setup, (picture, record)) = if arguments.cpu {
+        let setup = load()?;
+        let made = on_the_cpu(arguments, &setup)?;
+        (setup, made)
     } else {
-        on_the_gpu(arguments, &setup)?
+        let (setup, gpu) = output::load_and_open(&arguments.run, || {
+            let setup = load()?;
+            check_view(arguments.picture.view, &setup.parameters)?;
+            Ok(setup)
+        })?;
+        let made = on_the_gpu(arguments, &setup, &gpu)?;
+        (setup, made)
     };
     if shows_as_displayed(arguments)? {
         picture_file::write_png(&arguments.output, &picture)?;
@@ -177,19 +185,21 @@ fn on_the_cpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     Ok((picture, record))
 }
 
-fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record), Failure> {
+fn on_the_gpu(
+    arguments: &Arguments,
+    setup: &Setup,
+    gpu: &Gpu,
+) -> Result<(Picture, Record), Failure> {
     let (options, run) = (&arguments.picture, &arguments.run);
-    check_view(options.view, &setup.parameters)?;
-    let gpu = output::open_gpu(run)?;
-    check_size(&gpu, options.size)?;
+    check_size(gpu, options.size)?;
     let spinner = output::spinner(run, VOXELISING);
-    let stage = Stage::build(&gpu, &setup.world)?;
+    let stage = Stage::build(gpu, &setup.world)?;
     spinner.finish_and_clear();
     let probes = &setup.parameters.probes;
-    let mut frame = Frame::new(&gpu, stage, &setup.layout, probes, options.size)?;
-    frame.antialias(&gpu, &setup.parameters.picture)?;
-    frame.inspect(&gpu, arguments.inspection.with(options.view))?;
-    let mut timing = Timing::new(&gpu)?;
+    let mut frame = Frame::new(gpu, stage, &setup.layout, probes, options.size)?;
+    frame.antialias(gpu, &setup.parameters.picture)?;
+    frame.inspect(gpu, arguments.inspection.with(options.view))?;
+    let mut timing = Timing::new(gpu)?;
     let lights = Lights::at(&setup.world, &setup.lamps, setup.lamp_time_s);
     let settling = options.frames.unwrap_or(DEFAULT_FRAMES);
     let bar = output::progress(run, "frames", u64::from(settling) + 1);
@@ -211,23 +221,23 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
         let start = Instant::now();
         shot.frame = index;
         let mut recorder = if index / 2 % 2 == 1 {
-            Recorder::new_whole(&gpu, &mut timing)
+            Recorder::new_whole(gpu, &mut timing)
         } else {
-            Recorder::new(&gpu, Some(&mut timing))
+            Recorder::new(gpu, Some(&mut timing))
         };
-        frame.record(&gpu, &mut recorder, &shot, &lights, probes);
-        recorder.submit(&gpu)?;
+        frame.record(gpu, &mut recorder, &shot, &lights, probes);
+        recorder.submit(gpu)?;
         gpu.wait()?;
         wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
         times.extend(std::iter::from_fn(|| timing.next_frame()));
         bar.inc(1);
     }
     bar.finish_and_clear();
-    smooth(&gpu, &mut frame, &shot)?;
+    smooth(gpu, &mut frame, &shot)?;
     let picture = if shows_as_displayed(arguments)? {
-        frame.read_display(&gpu)?
+        frame.read_display(gpu)?
     } else {
-        frame.read_radiance(&gpu)?
+        frame.read_radiance(gpu)?
     };
 
     // The times of the passes do not include the waits between them.
@@ -238,15 +248,15 @@ fn on_the_gpu(arguments: &Arguments, setup: &Setup) -> Result<(Picture, Record),
     };
     let frame_ms = FrameTimes::of(&frames_ms).expect("one frame was rendered");
     let passes = median_passes(&times);
-    let probe_counts = ProbeCounts::read(&gpu, frame.field())?;
+    let probe_counts = ProbeCounts::read(gpu, frame.field())?;
     let [width, height] = frame.rendered_size().map(u64::from);
     let direct = matches!(options.view, View::Full | View::Direct | View::TexturesOff);
     let faces = frame.faces();
     let rays = Rays {
         camera: Some(width * height),
-        shadow: Some(frame.count_shadow_rays(&gpu, direct)?),
+        shadow: Some(frame.count_shadow_rays(gpu, direct)?),
         probe: Some(u64::from(probe_counts.updated) * u64::from(probes.rays_per_update())),
-        face: faces.is_used().then(|| faces.rays_sent(&gpu)).transpose()?,
+        face: faces.is_used().then(|| faces.rays_sent(gpu)).transpose()?,
     };
     let rate = |rays, pass: &str| mrays_per_s(rays, passes.get(pass).copied());
     let record = Record {

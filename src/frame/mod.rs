@@ -15,10 +15,10 @@
 
 mod antialias;
 mod bits;
+mod early;
 mod error;
 mod inspect;
 mod lost;
-mod made;
 mod memory;
 mod offers;
 mod order;
@@ -29,6 +29,7 @@ mod traced;
 mod values;
 
 pub use antialias::{Smoothing, scaled};
+pub use early::{begin_shaders, begin_voxels};
 pub use error::FrameError;
 pub use stage::{BuildReport, Stage, scene};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};

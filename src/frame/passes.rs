@@ -6,7 +6,6 @@ use super::{
     FrameError,
     antialias::Smoothing,
     inspect::Inspect,
-    made::made,
     offers::offer,
     values::{
         ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
@@ -14,7 +13,7 @@ use super::{
     },
 };
 use crate::{
-    gpu::{Gpu, Offer, Recorder},
+    gpu::{Gpu, Offer, Recorder, made},
     passes::{
         probes::{
             ProbeField, blend::ProbeBlend, body_light::BodyLight, classify::ProbeClassify,
@@ -101,6 +100,8 @@ impl Passes {
         let resources = &scene.resources[..];
         let requests_apart = offer.with([field.requests_of_faces()]);
         let of_pixels = offer.with([field.requests_of_pixels()]);
+        let surfaces = &CameraRays::surfaces(gpu, size)?;
+        let hdr = &Shade::hdr(gpu, size)?;
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
@@ -120,29 +121,29 @@ impl Passes {
                 threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &requests_apart));
             let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
             let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));
-            let camera_rays = CameraRays::new(gpu, size, scene)?;
-            let surfaces = camera_rays.surfaces.clone();
             let allocate =
-                threads.spawn(move || SurfaceAllocate::new(gpu, size, &surfaces, cache, scene));
-            let shade = Shade::new(gpu, size, &camera_rays.surfaces, &of_pixels)?;
+                threads.spawn(|| SurfaceAllocate::new(gpu, size, surfaces, cache, scene));
+            let camera_rays = threads.spawn(|| CameraRays::new(gpu, surfaces.clone(), scene));
+            let shade = threads.spawn(|| Shade::new(gpu, hdr.clone(), surfaces, &of_pixels));
             let bits = wanted
                 .bits
-                .then(|| Bits::new(gpu, &shade.hdr, &camera_rays.surfaces, &offer))
+                .then(|| Bits::new(gpu, hdr, surfaces, &offer))
                 .transpose()?;
             let upscales = wanted.smoothing.scale < 1.0;
-            let (hdr, surfaces) = (&shade.hdr, &camera_rays.surfaces);
             let antialias = (!wanted.smoothing.is_plain())
                 .then(|| TemporalAntialias::new(gpu, size, hdr, surfaces, upscales, &offer))
                 .transpose()?;
             let smoothed = antialias.iter().flat_map(|pass| &pass.colours);
-            let lit: Vec<_> = std::iter::once(&shade.hdr)
+            let lit: Vec<_> = std::iter::once(hdr)
                 .chain(smoothed)
                 .map(|texture| texture.create_view(&Default::default()))
                 .collect();
+            let tonemap = Tonemap::new(gpu, size, &lit, resources)?;
+            let (camera_rays, shade) = (made(camera_rays)?, made(shade)?);
             let inspection = wanted.inspection;
             Ok(Self {
                 uses_cache: cache.is_used(),
-                tonemap: Tonemap::new(gpu, size, &lit, resources)?,
+                tonemap,
                 inspect: Inspect::new(gpu, inspection, &camera_rays, &shade, field, &offer)?,
                 antialias,
                 bits,

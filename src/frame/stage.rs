@@ -1,10 +1,10 @@
 //! A world's voxels and materials on the GPU: what a frame shows.
 
-use std::mem;
+use std::{mem, thread};
 
 use super::FrameError;
 use crate::{
-    gpu::{Gpu, GpuError, Offer, Recorder, Timing},
+    gpu::{Gpu, GpuError, Offer, Recorder, Timing, made},
     lights::Emitters,
     passes::scene::{
         GpuBodies, GpuEmitters, GpuLights, GpuMaterials, GpuVoxels,
@@ -48,8 +48,14 @@ impl Stage {
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold it.
     pub fn build(gpu: &Gpu, world: &World) -> Result<Self, FrameError> {
-        let (voxels, voxelise) = Voxelise::new(gpu, world)?.run(gpu, world)?;
-        let distances = Distances::new(gpu)?;
+        let (voxelised, distances, materials) = thread::scope(|threads| {
+            let distances = threads.spawn(|| Distances::new(gpu));
+            let materials = threads.spawn(|| bake(gpu, world));
+            let voxelised = Voxelise::new(gpu, world).and_then(|pass| pass.run(gpu, world));
+            (voxelised, made(distances), made(materials))
+        });
+        let (voxels, voxelise) = voxelised?;
+        let (distances, materials) = (distances?, materials?);
         let mut timing = Timing::new(gpu)?;
         let mut recorder = Recorder::new(gpu, Some(&mut timing));
         distances.record(gpu, &mut recorder, &voxels);
@@ -65,7 +71,7 @@ impl Stage {
             changed.apply(&world.restored.overlay);
             return Ok(Self {
                 built: Some(built),
-                ..Self::upload(gpu, world, &changed)?
+                ..Self::of_voxels(gpu, world, &changed, materials)?
             });
         }
         let emitters = if world
@@ -79,7 +85,7 @@ impl Stage {
         };
         Ok(Self {
             voxels,
-            materials: bake(gpu, world)?,
+            materials,
             emitters: GpuEmitters::upload(gpu, emitters)?,
             built: Some(built),
             has_spheres: has_spheres(world),
@@ -91,12 +97,21 @@ impl Stage {
     /// # Errors
     /// [`FrameError::Gpu`] when the adapter cannot hold it.
     pub fn upload(gpu: &Gpu, world: &World, voxels: &Voxels) -> Result<Self, FrameError> {
+        Self::of_voxels(gpu, world, voxels, bake(gpu, world)?)
+    }
+
+    fn of_voxels(
+        gpu: &Gpu,
+        world: &World,
+        voxels: &Voxels,
+        materials: GpuMaterials,
+    ) -> Result<Self, FrameError> {
         Ok(Self {
             voxels: GpuVoxels {
                 bodies: GpuBodies::upload(gpu, &world.bodies, world.size)?,
                 ..GpuVoxels::upload(gpu, voxels, world.origin)?
             },
-            materials: bake(gpu, world)?,
+            materials,
             emitters: GpuEmitters::upload(gpu, Emitters::find(voxels, &world.materials))?,
             built: None,
             has_spheres: has_spheres(world),

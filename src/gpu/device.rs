@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    GpuError, Kernel, ShaderLibrary,
+    Composed, EarlyShaders, GpuError, Kernel, ShaderLibrary,
     dispatch_chunks::{self, ChunkTime},
 };
 
@@ -31,7 +31,7 @@ pub struct Gpu {
     pub limits: wgpu::Limits,
     pub features: wgpu::Features,
     pub checks: ShaderChecks,
-    pub shaders: Arc<ShaderLibrary>,
+    shaders: EarlyShaders,
     /// Workgroups of a first dispatch, while the time of the work is unknown: see
     /// [`super::Recorder::run`].
     pub first_groups: u32,
@@ -223,7 +223,7 @@ impl Gpu {
             chunk_arguments: dispatch_chunks::ChunkArguments::new(&device, &first_rows),
             first_rows,
             summary,
-            shaders: Arc::new(ShaderLibrary::embedded()),
+            shaders: EarlyShaders::begin(&[]),
             kernels: Arc::default(),
             chunk_times: Arc::default(),
             instance,
@@ -251,10 +251,29 @@ impl Gpu {
         })
     }
 
+    /// The same device, whose kernels use what is being composed already.
+    #[must_use]
+    pub fn with_early(self, shaders: EarlyShaders) -> Self {
+        Self { shaders, ..self }
+    }
+
+    /// The text of every shader module.
+    pub fn shaders(&self) -> &ShaderLibrary {
+        self.shaders.library()
+    }
+
+    /// A shader with its imports, composed now or early: see [`ShaderLibrary::compose`].
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn compose(&self, name: &str, generated: &[(&str, &str)]) -> Result<Composed, GpuError> {
+        self.shaders.composed(name, generated)
+    }
+
     /// The same device with other shaders; nothing compiled before is reused.
     pub fn with_shaders(&self, shaders: ShaderLibrary) -> Self {
         Self {
-            shaders: Arc::new(shaders),
+            shaders: EarlyShaders::none(Arc::new(shaders)),
             kernels: Arc::default(),
             chunk_times: Arc::default(),
             ..self.clone()

@@ -6,11 +6,13 @@ use std::{
     num::NonZeroU64,
     ops::Range,
     sync::Arc,
+    thread,
 };
 
 use super::{
     Composed, Gpu, GpuError, ShaderChecks,
     dispatch_chunks::{self, ChunkTime, FIRST_ROW},
+    made,
     reflect::{Group, reflect},
     shader::base_name,
 };
@@ -68,37 +70,62 @@ impl Kernel {
     /// # Panics
     /// If the shader lacks a named override: that is a caller's bug.
     pub fn new(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
-        let key = spec.key();
-        let cache = || gpu.kernels.lock().expect("nobody panics holding it");
-        if let Some(known) = cache().get(&key) {
-            return Ok(known.clone());
+        match gpu.known(spec.key()) {
+            Some(known) => Ok(known),
+            None => Self::compile(gpu, spec, &Module::new(gpu, spec)?),
         }
-        let compiled = Self::compile(gpu, spec, key)?;
-        cache().insert(key, compiled.clone());
-        Ok(compiled)
     }
 
-    fn compile(gpu: &Gpu, spec: &KernelSpec<'_>, key: u64) -> Result<Self, GpuError> {
-        let composed = gpu.shaders.compose(spec.shader, spec.generated)?;
+    /// Kernels of several entry points of one shader, which is composed once; its pipelines are compiled side by
+    /// side.
+    ///
+    /// # Errors
+    /// As [`Kernel::new`].
+    ///
+    /// # Panics
+    /// As [`Kernel::new`].
+    pub fn of_entries<const N: usize>(
+        gpu: &Gpu,
+        spec: &KernelSpec<'_>,
+        entries: [&str; N],
+    ) -> Result<[Self; N], GpuError> {
+        let specs = entries.map(|entry| KernelSpec { entry, ..*spec });
+        let known = specs.each_ref().map(|spec| gpu.known(spec.key()));
+        if known.iter().all(Option::is_some) {
+            return Ok(known.map(|kernel| kernel.expect("all are known")));
+        }
+        let module = Module::new(gpu, spec)?;
+        let compiled: Result<Vec<_>, _> = thread::scope(|threads| {
+            let compiling = specs
+                .each_ref()
+                .map(|spec| threads.spawn(|| Self::compile(gpu, spec, &module)));
+            compiling.into_iter().map(made).collect()
+        });
+        compiled.map(|kernels| {
+            kernels
+                .try_into()
+                .map_err(|_| ())
+                .expect("one for each entry")
+        })
+    }
+
+    fn compile(gpu: &Gpu, spec: &KernelSpec<'_>, module: &Module) -> Result<Self, GpuError> {
+        let composed = &module.composed;
         let label = spec.shader;
         let entry = if spec.entry.is_empty() {
             "main"
         } else {
             spec.entry
         };
-        let fault = |message: String| GpuError::Shader {
-            name: spec.shader.to_owned(),
-            message,
-        };
         let index = composed
             .module
             .entry_points
             .iter()
             .position(|point| point.name == entry)
-            .ok_or_else(|| fault(format!("has no entry point `{entry}`")))?;
-        let constants = constants(&composed, spec);
+            .ok_or_else(|| fault(spec, format!("has no entry point `{entry}`")))?;
+        let constants = constants(composed, spec);
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let groups = reflect(gpu, &composed, index, label);
+        let groups = reflect(gpu, composed, index, label);
         let layouts: Vec<_> = groups.iter().map(|group| Some(&group.layout)).collect();
         let layout = gpu
             .device
@@ -107,13 +134,12 @@ impl Kernel {
                 bind_group_layouts: &layouts,
                 immediate_size: 0,
             });
-        let module = create_module(gpu, label, &composed.wgsl);
         let pipeline = gpu
             .device
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(label),
                 layout: Some(&layout),
-                module: &module,
+                module: &module.module,
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions {
                     constants: &constants,
@@ -122,15 +148,17 @@ impl Kernel {
                 cache: None,
             });
         if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(fault(error.to_string()));
+            return Err(fault(spec, error.to_string()));
         }
-        Ok(Self {
+        let compiled = Self {
             label: label.to_owned(),
-            key,
+            key: spec.key(),
             pipeline,
             groups: groups.into(),
             workgroup_size: composed.module.entry_points[index].workgroup_size,
-        })
+        };
+        gpu.keep(&compiled);
+        Ok(compiled)
     }
 
     /// Binds every resource of the shader by its name. Names that the shader does not use are ignored,
@@ -249,6 +277,43 @@ impl Kernel {
                 pass.set_bind_group(index as u32, group, offsets);
             }
         }
+    }
+}
+
+/// A composed shader on the device: all its entry points.
+struct Module {
+    composed: Composed,
+    module: wgpu::ShaderModule,
+}
+
+impl Module {
+    fn new(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
+        let composed = gpu.compose(spec.shader, spec.generated)?;
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let module = create_module(gpu, spec.shader, &composed.wgsl);
+        match pollster::block_on(scope.pop()) {
+            Some(error) => Err(fault(spec, error.to_string())),
+            None => Ok(Self { composed, module }),
+        }
+    }
+}
+
+impl Gpu {
+    fn known(&self, key: u64) -> Option<Kernel> {
+        let kernels = self.kernels.lock().expect("nobody panics holding it");
+        kernels.get(&key).cloned()
+    }
+
+    fn keep(&self, kernel: &Kernel) {
+        let mut kernels = self.kernels.lock().expect("nobody panics holding it");
+        kernels.insert(kernel.key, kernel.clone());
+    }
+}
+
+fn fault(spec: &KernelSpec<'_>, message: String) -> GpuError {
+    GpuError::Shader {
+        name: spec.shader.to_owned(),
+        message,
     }
 }
 

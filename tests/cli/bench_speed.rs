@@ -163,12 +163,15 @@ fn rows_without_frames_have_figures() {
     let order = [
         "adapter_open_ms",
         "world_built_ms",
+        "passes_made_ms",
         "first_frame_ms",
         "first_picture_ms",
         "settled_ms",
     ]
     .map(|name| number(&figures[name]["value"]));
     assert!(order.is_sorted(), "{order:?}");
+    let loaded = number(&figures["world_loaded_ms"]["value"]);
+    assert!(loaded < order[1], "{loaded} {order:?}");
 }
 
 #[test]

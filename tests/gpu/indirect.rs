@@ -167,7 +167,8 @@ impl Stage {
             resources,
             constants: Vec::new(),
         };
-        let camera = CameraRays::new(&self.gpu, size, &scene).expect("compiles");
+        let seen = CameraRays::surfaces(&self.gpu, size).expect("fits");
+        let camera = CameraRays::new(&self.gpu, seen, &scene).expect("compiles");
         // These tests judge the light of the probes alone.
         let probes_alone = ProbeParameters {
             final_gather: FinalGather::Off,
@@ -176,7 +177,8 @@ impl Stage {
         let faces = SurfaceCache::new(&self.gpu, &probes_alone).expect("fits");
         let surfaces = &camera.surfaces;
         let offer = frame::offer(&self.field, &faces, &scene);
-        let shade = Shade::new(&self.gpu, size, surfaces, &offer).expect("compiles");
+        let hdr = Shade::hdr(&self.gpu, size).expect("fits");
+        let shade = Shade::new(&self.gpu, hdr, surfaces, &offer).expect("compiles");
         let mut recorder = Recorder::new(&self.gpu, None);
         camera.record(&mut recorder, size);
         shade.record(&mut recorder, size);

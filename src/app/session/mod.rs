@@ -39,14 +39,14 @@ use super::{
     quality::Auto,
     reload::Watch,
     saving::Saving,
-    screen::{self, Acquired, Screen},
+    screen::{Acquired, Screen},
     settings::{Preferences, Store},
     texts::toasts,
     viewport::{Choice, Viewport},
     without_place,
 };
 use crate::{
-    gpu::{self, DeviceErrors, Gpu, Recorder, ShaderChecks, Timing},
+    gpu::{DeviceErrors, Recorder, Timing},
     parameters::Parameters,
     passes::view::overlay::Overlay,
     world::Camera,
@@ -134,10 +134,7 @@ impl Session {
             .create_window(attributes)
             .map_err(|error| AppError::NoWindow(without_place(&error.to_string())))?;
         let window = Arc::new(window);
-        let instance = gpu::instance();
-        let surface = screen::surface(&instance, &window)?;
-        let adapter = options.adapter.as_deref();
-        let gpu = Gpu::open_with(instance, adapter, Some(&surface), ShaderChecks::default())?;
+        let (gpu, surface) = start::open_gpu(&window, options)?;
         let device_errors = DeviceErrors::watch(&gpu);
         let screen = Screen::new(&gpu, window.clone(), surface)?;
         let is_software = gpu.summary.is_software();

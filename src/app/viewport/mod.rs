@@ -214,7 +214,7 @@ impl Viewport {
     pub fn reload_shaders(&mut self, folder: &Path) -> Result<(), FrameError> {
         let shaders = ShaderLibrary::from_folder(folder)?;
         let stage_changed = shaders
-            .differences(&self.gpu.shaders)
+            .differences(self.gpu.shaders())
             .any(|name| STAGE_SHADERS.iter().any(|part| name.starts_with(part)));
         let gpu = self.gpu.with_shaders(shaders);
         if stage_changed {

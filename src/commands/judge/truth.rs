@@ -140,7 +140,7 @@ impl<'a> Tracer<'a> {
     fn version(&self) -> Result<String, Failure> {
         let sources = match self.against {
             Against::Cpu => CPU_SOURCES.concat(),
-            Against::Reference => sources(&self.gpu.shaders)?,
+            Against::Reference => sources(self.gpu.shaders())?,
         };
         Ok(format!(
             "{} {:032x}",

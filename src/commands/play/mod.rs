@@ -3,6 +3,7 @@
 mod replay;
 
 use std::{
+    cell::Cell,
     path::{Path, PathBuf},
     sync::atomic::Ordering,
 };
@@ -26,6 +27,7 @@ use crate::{
         replay::ReplayOptions,
         saving::SaveOptions,
     },
+    frame::begin_voxels,
     measure::whole_file,
     world::{
         View,
@@ -169,14 +171,19 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         json: arguments.output.json,
         quiet: arguments.output.quiet,
     };
+    let (beginning, opened) = output::open_while(arguments.adapter.as_deref(), |shaders| {
+        let beginning = beginning(&arguments, &mut run)?;
+        check_view(arguments.view, &beginning.setup.parameters)?;
+        begin_voxels(shaders, &beginning.setup.world);
+        Ok(beginning)
+    })?;
     let Beginning {
         setup,
         world_path,
         named_path,
         replay,
         seed,
-    } = beginning(&arguments, &mut run)?;
-    check_view(arguments.view, &setup.parameters)?;
+    } = beginning;
     let inspection = arguments.inspection.with(arguments.view);
     if let (Some(replay), Some(folder)) = (replay.clone(), &arguments.out) {
         let options = ReplayOptions {
@@ -193,7 +200,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
             every: arguments.every,
             sound: arguments.sound,
         };
-        return replay::run(replay, options, &film, &run);
+        return replay::run(replay, options, &film, &run, opened.gpu);
     }
     let world = setup.world.name.clone();
     let camera = match &replay {
@@ -237,6 +244,8 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         replay,
         stop: stop.clone(),
         lose_device_at: arguments.lose_device_at,
+        // Errors wait until there is a window that an adapter could show.
+        opened: Cell::new(opened.gpu.ok()),
     })?;
     if stop.load(Ordering::Relaxed) {
         return Err(Failure::interrupted("stopped"));

@@ -19,6 +19,7 @@ use crate::{
         replay::{LatencyFigures, Replay, ReplayOptions},
         sound::wav::WavFile,
     },
+    gpu::{Gpu, GpuError},
     measure::{picture_file, whole_file},
     world::PlacedLamp,
 };
@@ -84,11 +85,12 @@ pub fn run(
     options: ReplayOptions<'_>,
     film: &Film,
     run: &RunOptions,
+    gpu: Result<Gpu, GpuError>,
 ) -> Result<(), Failure> {
     whole_file::create_folder(&film.folder)?;
     let mut wav = film.sound.as_deref().map(WavFile::create).transpose()?;
     let stop = stop::at_ctrl_c(run);
-    let gpu = output::open_gpu(run)?;
+    let gpu = output::usable(run, gpu)?;
     let world = options.world.name.clone();
     let mut replay = Replay::new(gpu, record, options)?;
     let length = replay.length();

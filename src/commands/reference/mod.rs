@@ -92,17 +92,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => picture_file::check_writable(&arguments.output)?,
         Some(_) => PictureFormat::of(&arguments.output)?,
     };
-    let scene = Setup::load(&arguments.world, run, options)?;
-    render::check_traceable(options.view)?;
-    render::note_without_probes(options, run, "`reference`");
     let pixels = options.size.map(u64::from).iter().product::<u64>();
-    // Memory: sums that are read back, at most eight sums of many blocks, and the picture with its bytes.
-    memory::check(
-        "a picture of this size",
-        pixels * (3 * PathTrace::BYTES_PER_PIXEL + 8 * 12 + 24),
-    )?;
+    let (scene, gpu) = output::load_and_open(run, || {
+        let scene = Setup::load(&arguments.world, run, options)?;
+        render::check_traceable(options.view)?;
+        render::note_without_probes(options, run, "`reference`");
+        // Memory: sums that are read back, at most eight sums of many blocks, and the picture with its bytes.
+        memory::check(
+            "a picture of this size",
+            pixels * (3 * PathTrace::BYTES_PER_PIXEL + 8 * 12 + 24),
+        )?;
+        Ok(scene)
+    })?;
     let cancel = stop::at_ctrl_c(run);
-    let gpu = output::open_gpu(run)?;
     gpu.check_buffer(
         "a picture of this size",
         pixels * PathTrace::BYTES_PER_PIXEL,

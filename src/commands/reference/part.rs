@@ -77,7 +77,7 @@ pub fn head(
             format!(
                 "{} {}",
                 env!("CARGO_PKG_VERSION"),
-                name(&sources(&gpu.shaders)?)
+                name(&sources(gpu.shaders())?)
             ),
         ),
         ("the adapter", format!("{adapter} ({driver}, {backend})")),

@@ -15,21 +15,19 @@ impl ProbeSchedule {
     pub fn new(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
         let mut resources = field.resources().to_vec();
         resources.extend(field.schedule_resources());
-        let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
-            let spec = KernelSpec {
-                shader: "probes/schedule",
-                entry,
-                ..Default::default()
-            };
-            let kernel = Kernel::new(gpu, &spec)?;
-            let bindings = kernel.bind(gpu, &resources);
-            Ok((kernel, bindings))
+        let spec = KernelSpec {
+            shader: "probes/schedule",
+            ..Default::default()
         };
-        let list = entry("list")?;
+        let kernels = Kernel::of_entries(gpu, &spec, ["list", "arguments"])?;
+        let [list, arguments] = kernels.map(|kernel| {
+            let bindings = kernel.bind(gpu, &resources);
+            (kernel, bindings)
+        });
         let groups = field.atlas().slots.div_ceil(list.0.workgroup_size[0]);
         Ok(Self {
             list,
-            arguments: entry("arguments")?,
+            arguments,
             groups: rectangle(groups),
         })
     }

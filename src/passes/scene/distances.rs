@@ -18,20 +18,12 @@ impl Distances {
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let kernel = |entry| {
-            Kernel::new(
-                gpu,
-                &KernelSpec {
-                    shader: "scene/distances",
-                    entry,
-                    ..Default::default()
-                },
-            )
+        let spec = KernelSpec {
+            shader: "scene/distances",
+            ..Default::default()
         };
-        Ok(Self {
-            start: kernel("start")?,
-            sweep: kernel("sweep")?,
-        })
+        let [start, sweep] = Kernel::of_entries(gpu, &spec, ["start", "sweep"])?;
+        Ok(Self { start, sweep })
     }
 
     /// Overwrites all that the grid holds for empty cells.

@@ -15,7 +15,7 @@ use glam::UVec3;
 
 use super::voxels::{GpuGridInfo, MASK_BYTES, MATERIAL_BYTES};
 use super::{GpuBodies, GpuVoxels};
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing};
+use crate::gpu::{Bindings, EarlyShaders, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing};
 use crate::world::World;
 use crate::world::generate::FeatureBins;
 use crate::world::noise::NoiseBank;
@@ -66,6 +66,8 @@ const RECORD_BYTES: u64 = 4 * RECORD_WORDS as u64;
 /// Bytes of an entry of `fill`.
 const ENTRY_BYTES: u64 = 8;
 
+const SHADER: &str = "scene/voxelise";
+
 /// The entry points, in the order in which they run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
@@ -110,26 +112,27 @@ impl Voxelise {
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, world: &World) -> Result<Self, GpuError> {
-        let module = shape_module(world);
-        let kernel = |entry| {
-            Kernel::new(
-                gpu,
-                &KernelSpec {
-                    shader: "scene/voxelise",
-                    entry,
-                    generated: &[("shape", &module)],
-                    ..Default::default()
-                },
-            )
+        let spec = KernelSpec {
+            shader: SHADER,
+            generated: &[("shape", &shape_module(world))],
+            ..Default::default()
         };
+        let entries = ["classify", "solid", "survey", "exposed", "fill", "place"];
+        let [classify, solid, survey, exposed, fill, place] =
+            Kernel::of_entries(gpu, &spec, entries)?;
         Ok(Self {
-            classify: kernel("classify")?,
-            solid: kernel("solid")?,
-            survey: kernel("survey")?,
-            exposed: kernel("exposed")?,
-            fill: kernel("fill")?,
-            place: kernel("place")?,
+            classify,
+            solid,
+            survey,
+            exposed,
+            fill,
+            place,
         })
+    }
+
+    /// Begins to compose the kernels for a world: most of what [`Voxelise::new`] does without a device.
+    pub fn compose(shaders: &EarlyShaders, world: &World) {
+        shaders.compose(SHADER, &[("shape", &shape_module(world))]);
     }
 
     /// Builds the brick map of the world that the kernels were compiled for. Its distances are left
@@ -355,7 +358,7 @@ impl<'a> Work<'a> {
             let groups = self.job.end - self.job.first;
             let start = Instant::now();
             let mut recorder = Recorder::new(self.gpu, Some(&mut self.timing));
-            recorder.compute("scene/voxelise", |pass| {
+            recorder.compute(SHADER, |pass| {
                 kernel.dispatch(pass, bindings, [groups.min(ROW), groups.div_ceil(ROW), 1]);
             });
             recorder.submit(self.gpu)?;

@@ -33,28 +33,29 @@ impl SurfaceAllocate {
         let mut all = scene.resources.clone();
         all.extend(faces.update_resources());
         all.push(("surfaces", surfaces.as_entire_binding()));
-        let entry = |entry| -> Result<(Kernel, Bindings), GpuError> {
-            let spec = KernelSpec {
-                shader: "surface_cache/allocate",
-                entry,
-                offered: &scene.constants,
-                ..Default::default()
-            };
-            let kernel = Kernel::new(gpu, &spec)?;
-            let bindings = kernel.bind(gpu, &all);
-            Ok((kernel, bindings))
+        let spec = KernelSpec {
+            shader: "surface_cache/allocate",
+            offered: &scene.constants,
+            ..Default::default()
         };
-        let seen = entry("allocate_seen")?;
+        let entries = [
+            "allocate_seen",
+            "claim_requested",
+            "take_requested",
+            "allocate_requested",
+            "arguments",
+        ];
+        let kernels = Kernel::of_entries(gpu, &spec, entries)?;
+        let [seen, claim, take, allocate, arguments] = kernels.map(|kernel| {
+            let bindings = kernel.bind(gpu, &all);
+            (kernel, bindings)
+        });
         // One thread per four pixels.
         let [columns, rows] = seen.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
         Ok(Self {
             seen,
-            requested: [
-                entry("claim_requested")?,
-                entry("take_requested")?,
-                entry("allocate_requested")?,
-            ],
-            arguments: entry("arguments")?,
+            requested: [claim, take, allocate],
+            arguments,
             groups: rectangle(columns * rows),
         })
     }

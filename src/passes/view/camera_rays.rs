@@ -14,13 +14,20 @@ impl CameraRays {
     /// Bytes per pixel of the largest buffer of a picture.
     pub const BYTES_PER_PIXEL: u64 = 8;
 
-    /// For pictures of at most `size` pixels. `scene` is the offer of the voxels, the bodies and the view.
+    /// The surfaces of pictures of at most `size` pixels.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`], [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, size: [u32; 2], scene: &Offer<'_>) -> Result<Self, GpuError> {
+    /// [`GpuError::TooLarge`].
+    pub fn surfaces(gpu: &Gpu, size: [u32; 2]) -> Result<wgpu::Buffer, GpuError> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let surfaces = gpu.storage_buffer("surfaces", pixels * Self::BYTES_PER_PIXEL)?;
+        gpu.storage_buffer("surfaces", pixels * Self::BYTES_PER_PIXEL)
+    }
+
+    /// `scene` is the offer of the voxels, the bodies and the view.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(gpu: &Gpu, surfaces: wgpu::Buffer, scene: &Offer<'_>) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {

@@ -114,7 +114,7 @@ impl Overlay {
 
 fn pipeline(gpu: &Gpu, format: wgpu::TextureFormat) -> Result<wgpu::RenderPipeline, GpuError> {
     const SHADER: &str = "view/overlay";
-    let composed = gpu.shaders.compose(SHADER, &[])?;
+    let composed = gpu.compose(SHADER, &[])?;
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let module = gpu
         .device

@@ -1,5 +1,7 @@
 //! Pass `view/shade`: lights what the camera rays hit.
 
+use std::thread;
+
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
 /// The kernel and the picture that it writes.
@@ -13,19 +15,25 @@ pub struct Shade {
 }
 
 impl Shade {
-    /// For pictures of at most `size` pixels. `surfaces` is what the camera rays hit; `offer` is that of the scene, the probes
-    /// and the surface cache.
+    /// A picture of at most `size` pixels.
     ///
     /// # Errors
-    /// [`GpuError::Shader`], and [`GpuError::TooLarge`] for a picture that no texture can hold.
+    /// [`GpuError::TooLarge`] for a picture that no texture can hold.
+    pub fn hdr(gpu: &Gpu, size: [u32; 2]) -> Result<wgpu::Texture, GpuError> {
+        let format = wgpu::TextureFormat::Rgba16Float;
+        gpu.texture("hdr", [size[0], size[1], 1], format)
+    }
+
+    /// `surfaces` is what the camera rays hit; `offer` is that of the scene, the probes and the surface cache.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
     pub fn new(
         gpu: &Gpu,
-        size: [u32; 2],
+        hdr: wgpu::Texture,
         surfaces: &wgpu::Buffer,
         offer: &Offer<'_>,
     ) -> Result<Self, GpuError> {
-        let format = wgpu::TextureFormat::Rgba16Float;
-        let hdr = gpu.texture("hdr", [size[0], size[1], 1], format)?;
         let made = |on_bodies: bool| {
             Kernel::new(
                 gpu,
@@ -37,9 +45,13 @@ impl Shade {
                 },
             )
         };
-        let kernel = made(false)?;
         let has_bodies = offer.constants.contains(&("BODIES", 1.0));
-        let on_bodies = has_bodies.then(|| made(true)).transpose()?;
+        let (kernel, on_bodies) = thread::scope(|threads| {
+            let on_bodies = threads.spawn(|| has_bodies.then(|| made(true)).transpose());
+            let kernel = made(false)?;
+            let on_bodies = on_bodies.join().expect("compiling does not panic")?;
+            Ok::<_, GpuError>((kernel, on_bodies))
+        })?;
         let hdr_view = hdr.create_view(&Default::default());
         let all = offer.with([
             ("surfaces", surfaces.as_entire_binding()),

@@ -23,7 +23,7 @@ use super::{
     spec::{RowSpec, changed},
 };
 use crate::{
-    frame::{Frame, Stage},
+    frame::{Frame, Stage, begin_voxels},
     gpu::{Recorder, Timing},
     lights::Lights,
     measure::frame_times::Interval,
@@ -54,10 +54,14 @@ pub struct Arguments {
 /// Milliseconds since the process was started.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Milestones {
+    /// The world is read; beside it the adapter opens.
+    loaded_ms: f64,
     /// The adapter is open.
     opened_ms: f64,
     /// The world's voxels are on the adapter.
     built_ms: f64,
+    /// The passes are compiled, and their buffers made.
+    made_ms: f64,
     /// The first frame is done.
     first_frame_ms: f64,
     /// The first frame's picture has been read back.
@@ -75,13 +79,19 @@ fn now_ns() -> u64 {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let elapsed_ms = || now_ns().saturating_sub(arguments.since) as f64 / 1e6;
     let picture = &arguments.picture;
-    let scene = Setup::load(&arguments.world, &arguments.run, picture)?;
-    let gpu = output::open_gpu(&arguments.run)?;
-    let opened_ms = elapsed_ms();
+    let run = &arguments.run;
+    let ((scene, loaded_ms), opened) = output::open_while(run.adapter.as_deref(), |shaders| {
+        let scene = Setup::load(&arguments.world, run, picture)?;
+        begin_voxels(shaders, &scene.world);
+        Ok((scene, elapsed_ms()))
+    })?;
+    let opened_ms = elapsed_ms() - opened.at.elapsed().as_secs_f64() * 1e3;
+    let gpu = output::usable(run, opened.gpu)?;
     let stage = Stage::build(&gpu, &scene.world)?;
     let built_ms = elapsed_ms();
     let probes = &scene.parameters.probes;
     let mut frame = Frame::new(&gpu, stage, &scene.layout, probes, picture.size)?;
+    let made_ms = elapsed_ms();
     let lights = Lights::at(&scene.world, &scene.lamps, scene.lamp_time_s);
     // As in the window: without timings, the frame's dispatches would stay cut into chunks.
     let mut timing = Timing::new(&gpu)?;
@@ -114,8 +124,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let settled_ms = elapsed_ms();
     output::print_json(&Milestones {
+        loaded_ms,
         opened_ms,
         built_ms,
+        made_ms,
         first_frame_ms,
         first_picture_ms,
         settled_ms,
@@ -155,8 +167,10 @@ pub fn measure(
         let milestones: Milestones =
             serde_json::from_slice(&output.stdout).map_err(Failure::fault)?;
         for (name, ms) in [
+            ("world_loaded_ms", milestones.loaded_ms),
             ("adapter_open_ms", milestones.opened_ms),
             ("world_built_ms", milestones.built_ms),
+            ("passes_made_ms", milestones.made_ms),
             ("first_frame_ms", milestones.first_frame_ms),
             ("first_picture_ms", milestones.first_picture_ms),
             ("settled_ms", milestones.settled_ms),
