@@ -15,6 +15,7 @@
 
 mod antialias;
 mod bits;
+mod bodies;
 mod error;
 mod inspect;
 mod lost;

@@ -1,13 +1,16 @@
-//! Rigid bodies on the GPU: their models, once, and where they are, whenever that changes.
+//! Rigid bodies on the GPU: their models, whenever there are others, and where they are, whenever that changes.
 
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use glam::{Mat3, UVec3, Vec3};
 
-use super::hierarchy::{Bounds, Node, hierarchy};
+use super::{
+    body_models::{Room, blocks_of, masks, materials, solid},
+    hierarchy::{Bounds, Node, hierarchy},
+};
 use crate::{
     gpu::{Gpu, GpuError},
-    world::bodies::{Bodies, Body, BodyModel, Pose},
+    world::bodies::{Bodies, Body, Pose},
 };
 
 crate::shared! {
@@ -47,13 +50,14 @@ crate::shared! {
     use size_of::<GpuBody>() / 16 => BODY_VECTORS: usize;
 }
 
-/// Edge of a block in voxels.
-const BLOCK: u32 = 4;
 const NO_BODY: u32 = u32::MAX;
 /// Boxes are larger than their bodies by this many voxels, and by this share of their distance from the origin, so that
 /// rounding does not cut off corners.
 const MARGIN: f32 = 1e-3;
 const MARGIN_SHARE: f32 = 1e-6;
+
+/// Bodies that come or go change light as a way of this many voxels does.
+const APPEARING: f32 = 8.0;
 
 /// The binding of `shaders/scene/bodies.wesl`. A clone is another handle to the same bodies.
 #[derive(Clone)]
@@ -61,9 +65,7 @@ pub struct GpuBodies {
     buffer: wgpu::Buffer,
     /// The bodies as the frame before showed them, without hierarchy and models.
     before: wgpu::Buffer,
-    placed: Arc<[Placed]>,
-    /// Whether any body ever moves.
-    move_at_all: bool,
+    room: Room,
     poses: Arc<Mutex<Poses>>,
 }
 
@@ -77,6 +79,9 @@ struct Placed {
 }
 
 struct Poses {
+    placed: Vec<Placed>,
+    /// Whether any body ever moves by itself.
+    move_at_all: bool,
     /// World time of `now` (seconds).
     time_s: f64,
     now: Vec<Pose>,
@@ -84,6 +89,8 @@ struct Poses {
     shown: Option<Vec<Pose>>,
     /// Whether `before` differs from the poses of the last frame.
     is_before_old: bool,
+    /// Whether there are others than in the last frame.
+    are_others: bool,
     /// How often they have changed.
     version: u64,
 }
@@ -102,8 +109,65 @@ impl GpuBodies {
     /// # Errors
     /// [`GpuError::TooLarge`].
     pub fn upload(gpu: &Gpu, bodies: &Bodies) -> Result<Self, GpuError> {
-        let count = bodies.bodies.len();
-        let first_model = moving_vectors(count);
+        Self::with(gpu, bodies, Room::of(bodies))
+    }
+
+    /// The same, with room for more of them, so that one more needs other buffers only now and then.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`].
+    pub fn with_room(gpu: &Gpu, bodies: &Bodies) -> Result<Self, GpuError> {
+        let needed = Room::of(bodies);
+        let ample = Room {
+            bodies: needed.bodies * 3 / 2 + 16,
+            models: needed.models * 3 / 2 + (1 << 14),
+        };
+        let fits = gpu.check_buffer("bodies", ample.bytes()).is_ok();
+        let all = Self::with(gpu, bodies, if fits { ample } else { needed })?;
+        all.poses().are_others = true;
+        Ok(all)
+    }
+
+    fn with(gpu: &Gpu, bodies: &Bodies, room: Room) -> Result<Self, GpuError> {
+        let (buffer, before) = gpu.making("the bodies", room.bytes(), || {
+            let buffer = gpu.storage_buffer("bodies", room.bytes())?;
+            let records = room.bodies.max(1) * size_of::<GpuBody>();
+            let before = gpu.storage_buffer("bodies_before", records as u64)?;
+            Ok::<_, GpuError>((buffer, before))
+        })?;
+        let all = Self {
+            buffer,
+            before,
+            room,
+            poses: Arc::new(Mutex::new(Poses {
+                placed: Vec::new(),
+                move_at_all: false,
+                time_s: 0.0,
+                shown: None,
+                now: Vec::new(),
+                is_before_old: true,
+                are_others: false,
+                version: 0,
+            })),
+        };
+        all.fill(gpu, bodies);
+        Ok(all)
+    }
+
+    /// Takes other bodies, where there is room for them, and returns whether there is. World time stays.
+    pub fn take(&self, gpu: &Gpu, bodies: &Bodies) -> bool {
+        let needed = Room::of(bodies);
+        let fits = needed.bodies <= self.room.bodies && needed.models <= self.room.models;
+        if fits {
+            self.fill(gpu, bodies);
+            self.poses().are_others = true;
+        }
+        fits
+    }
+
+    /// Writes all bodies and their models.
+    fn fill(&self, gpu: &Gpu, bodies: &Bodies) {
+        let first_model = moving_vectors(self.room.bodies);
         let mut models = Vec::<[u32; 4]>::new();
         let places: Vec<_> = bodies
             .models
@@ -116,16 +180,9 @@ impl GpuBodies {
                 (masks_at as u32, materials_at as u32, solid(model))
             })
             .collect();
-        let bytes = (first_model + models.len()) * size_of::<[u32; 4]>();
-        let (buffer, before) = gpu.making("the bodies", bytes as u64, || {
-            let buffer = gpu.storage_buffer("bodies", bytes as u64)?;
-            let records = count.max(1) * size_of::<GpuBody>();
-            let before = gpu.storage_buffer("bodies_before", records as u64)?;
-            Ok::<_, GpuError>((buffer, before))
-        })?;
         let at = (first_model * size_of::<[u32; 4]>()) as u64;
         gpu.queue
-            .write_buffer(&buffer, at, bytemuck::cast_slice(&models));
+            .write_buffer(&self.buffer, at, bytemuck::cast_slice(&models));
         let placed = bodies.bodies.iter().map(|body| {
             let (masks_at, materials_at, solid) = places[body.model];
             let blocks = blocks_of(bodies.models[body.model].size);
@@ -141,48 +198,51 @@ impl GpuBodies {
                 solid,
             }
         });
-        let now = bodies.poses(0.0);
-        let all = Self {
-            buffer,
-            before,
-            placed: placed.collect(),
-            move_at_all: bodies.bodies.iter().any(|body| !body.is_still()),
-            poses: Arc::new(Mutex::new(Poses {
-                time_s: 0.0,
-                shown: None,
-                now,
-                is_before_old: true,
-                version: 0,
-            })),
-        };
-        all.write(gpu, &all.poses().now);
-        Ok(all)
+        let mut poses = self.poses();
+        poses.placed = placed.collect();
+        poses.move_at_all = bodies.bodies.iter().any(|body| !body.is_still());
+        poses.now = bodies.poses(poses.time_s);
+        poses.shown = None;
+        poses.is_before_old = true;
+        poses.version += 1;
+        self.write(gpu, &poses.placed, &poses.now);
     }
 
-    /// Whether there are any.
-    pub fn exist(&self) -> bool {
-        !self.placed.is_empty()
-    }
-
-    /// The constant of kernels that are made for these bodies.
+    /// The constant of kernels that are made for these bodies: whether there may be any.
     pub fn constants(&self) -> [(&'static str, f64); 1] {
-        [("BODIES", f64::from(u8::from(self.exist())))]
+        [("BODIES", f64::from(u8::from(self.room.bodies > 0)))]
     }
 
     /// Moves the bodies to where they are at a world time (seconds). Where nothing moves, this costs nothing.
     pub fn set_time(&self, gpu: &Gpu, time_s: f64) {
         let mut poses = self.poses();
-        if !self.move_at_all || poses.time_s == time_s {
+        if !poses.move_at_all || poses.time_s == time_s {
             return;
         }
         poses.time_s = time_s;
-        let now: Vec<Pose> = self
-            .placed
-            .iter()
-            .map(|placed| placed.body.pose(time_s))
+        self.pose(gpu, &mut poses);
+    }
+
+    /// Moves the bodies to where these rest, which are the same bodies otherwise.
+    ///
+    /// # Panics
+    /// If there are more or fewer.
+    pub fn rest(&self, gpu: &Gpu, bodies: &Bodies) {
+        let mut poses = self.poses();
+        assert_eq!(poses.placed.len(), bodies.bodies.len(), "the same bodies");
+        for (placed, body) in poses.placed.iter_mut().zip(&bodies.bodies) {
+            placed.body.rest = body.rest;
+        }
+        self.pose(gpu, &mut poses);
+    }
+
+    fn pose(&self, gpu: &Gpu, poses: &mut Poses) {
+        let placed = poses.placed.iter();
+        let now: Vec<Pose> = placed
+            .map(|placed| placed.body.pose(poses.time_s))
             .collect();
         if poses.now != now {
-            self.write(gpu, &now);
+            self.write(gpu, &poses.placed, &now);
             poses.now = now;
             poses.version += 1;
         }
@@ -194,16 +254,20 @@ impl GpuBodies {
     }
 
     /// Begins a frame with the poses as they are now, and returns the farthest way of any point of a body since the last
-    /// frame (voxels).
+    /// frame (voxels). Bodies that come or go count as such a way.
     pub fn begin_frame(&self, gpu: &Gpu) -> f32 {
         let mut poses = self.poses();
         let shown = poses.shown.take().unwrap_or_else(|| poses.now.clone());
-        let pairs = shown.iter().zip(&poses.now).zip(self.placed.iter());
+        let pairs = shown.iter().zip(&poses.now).zip(&poses.placed);
         let farthest = pairs
             .map(|((before, now), placed)| placed.way(before, now))
             .fold(0.0, f32::max);
+        let farthest = match std::mem::take(&mut poses.are_others) {
+            true => farthest.max(APPEARING),
+            false => farthest,
+        };
         if farthest > 0.0 || poses.is_before_old {
-            let records = self.records(&shown);
+            let records = records(&poses.placed, &shown);
             gpu.queue
                 .write_buffer(&self.before, 0, bytemuck::cast_slice(&records));
             poses.is_before_old = farthest > 0.0;
@@ -231,15 +295,9 @@ impl GpuBodies {
         self.poses.lock().expect("nobody panics holding it")
     }
 
-    fn records(&self, poses: &[Pose]) -> Vec<GpuBody> {
-        let pairs = self.placed.iter().zip(poses);
-        pairs.map(|(body, pose)| body.at(pose)).collect()
-    }
-
     /// Writes the part that changes when bodies move.
-    fn write(&self, gpu: &Gpu, poses: &[Pose]) {
-        let boxes: Vec<Bounds> = self
-            .placed
+    fn write(&self, gpu: &Gpu, placed: &[Placed], poses: &[Pose]) {
+        let boxes: Vec<Bounds> = placed
             .iter()
             .zip(poses)
             .map(|(body, pose)| body.bounds(pose))
@@ -252,8 +310,14 @@ impl GpuBodies {
         let head = [nodes.len() as u32, first_body as u32, 0, 0];
         let mut bytes = bytemuck::bytes_of(&head).to_vec();
         bytes.extend_from_slice(bytemuck::cast_slice(&nodes));
-        bytes.extend_from_slice(bytemuck::cast_slice(&self.records(poses)));
+        bytes.extend_from_slice(bytemuck::cast_slice(&records(placed, poses)));
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
+    }
+}
+
+impl Room {
+    fn bytes(&self) -> u64 {
+        ((moving_vectors(self.bodies) + self.models) * size_of::<[u32; 4]>()) as u64
     }
 }
 
@@ -313,68 +377,13 @@ impl From<Node> for GpuBodyNode {
     }
 }
 
+fn records(placed: &[Placed], poses: &[Pose]) -> Vec<GpuBody> {
+    let pairs = placed.iter().zip(poses);
+    pairs.map(|(body, pose)| body.at(pose)).collect()
+}
+
 /// Vectors of the head, the nodes and the bodies.
 fn moving_vectors(bodies: usize) -> usize {
     let nodes = (2 * bodies).saturating_sub(1);
     1 + (nodes * size_of::<GpuBodyNode>() + bodies * size_of::<GpuBody>()) / size_of::<[u32; 4]>()
-}
-
-fn blocks_of(size: UVec3) -> UVec3 {
-    size.map(|edge| edge.div_ceil(BLOCK))
-}
-
-/// The material of a voxel, 0 beyond the model's end.
-fn material(model: &BodyModel, at: UVec3) -> u8 {
-    if at.cmpge(model.size).any() {
-        return 0;
-    }
-    model.materials[(at.x + model.size.x * (at.y + model.size.y * at.z)) as usize]
-}
-
-/// All places of a box of this extent, x first.
-fn places(extent: UVec3) -> impl Iterator<Item = UVec3> {
-    let rows = (0..extent.z).flat_map(move |z| (0..extent.y).map(move |y| (y, z)));
-    rows.flat_map(move |(y, z)| (0..extent.x).map(move |x| UVec3::new(x, y, z)))
-}
-
-/// 64 bits for each block, two blocks in a vector.
-fn masks(model: &BodyModel) -> Vec<[u32; 4]> {
-    let mask = |block: UVec3| {
-        let bits = places(UVec3::splat(BLOCK)).enumerate();
-        bits.fold(0u64, |mask, (bit, at)| {
-            let is_solid = material(model, block * BLOCK + at) != 0;
-            mask | u64::from(is_solid) << bit
-        })
-    };
-    let all: Vec<u64> = places(blocks_of(model.size)).map(mask).collect();
-    let words = |mask: u64| [mask as u32, (mask >> 32) as u32];
-    all.chunks(2)
-        .map(|pair| {
-            let [low, high] = words(pair[0]);
-            let [next_low, next_high] = words(pair.get(1).copied().unwrap_or(0));
-            [low, high, next_low, next_high]
-        })
-        .collect()
-}
-
-/// A byte for each voxel of the blocks' extent.
-fn materials(model: &BodyModel) -> Vec<[u32; 4]> {
-    let extent = blocks_of(model.size) * BLOCK;
-    let bytes: Vec<u8> = places(extent).map(|at| material(model, at)).collect();
-    // The extent is a multiple of 64 voxels.
-    bytes.chunks(16).map(bytemuck::pod_read_unaligned).collect()
-}
-
-/// The box around the solid voxels; around the first corner where there are none.
-fn solid(model: &BodyModel) -> Bounds {
-    let solid = places(model.size).filter(|at| material(model, *at) != 0);
-    let found = solid.fold(None, |found: Option<(UVec3, UVec3)>, at| {
-        let (low, high) = found.unwrap_or((at, at));
-        Some((low.min(at), high.max(at)))
-    });
-    let (low, high) = found.map_or((UVec3::ZERO, UVec3::ZERO), |(low, high)| (low, high + 1));
-    Bounds {
-        low: low.as_vec3(),
-        high: high.as_vec3(),
-    }
 }

@@ -1,6 +1,7 @@
 //! The scene on the GPU: voxels, materials, lights, emissive faces.
 
 mod bodies;
+mod body_models;
 pub mod distances;
 mod emitters;
 mod hierarchy;
