@@ -260,6 +260,10 @@ pub mod toasts {
         format!("This world has no material {names}: {voxels} voxels were left out")
     }
 
+    pub fn lost_bodies(lost: u64) -> String {
+        format!("{lost} bodies that you placed or pushed have no place or no material any more")
+    }
+
     pub fn lost_voxels(lost: u64) -> String {
         format!("{lost} changed voxels have no place or no material any more")
     }
@@ -326,6 +330,41 @@ pub mod lamps {
 
     pub fn too_many(most: usize) -> String {
         format!("A world holds no more than {most} lamps")
+    }
+}
+
+/// Bodies that a player makes of voxels, and voxels that they become again.
+pub mod bodies {
+    pub const EMPTY: &str = "There are no voxels to lift: mark a corner ({mark}) and aim at the opposite one, or aim at voxels with a brush";
+    pub const VOXELS: &str =
+        "The bodies of a world have no more voxels: set one into the world ({settle}) first";
+    pub const NO_ROOM: &str = "There is no room for the body there";
+    pub const NO_ROOM_TO_SET: &str =
+        "There is no room for its voxels: push the body away from what is beside it";
+    pub const NONE: &str = "You look at no body within reach: {lift} makes one";
+    pub const OF_WORLD: &str =
+        "This body belongs to the world file: it can be pushed, but not set into the world";
+
+    pub fn too_large(size: &str, most: u32) -> String {
+        format!(
+            "These are {size} voxels. A body has at most {most} along an edge: mark a nearer corner"
+        )
+    }
+
+    pub fn too_many(most: usize) -> String {
+        format!(
+            "A world holds no more than {most} bodies: set one into the world ({{settle}}) first"
+        )
+    }
+
+    pub fn lifted(size: &str) -> String {
+        format!(
+            "A body of {size} voxels: walk against it to push it, {{settle}} sets it into the world, {{undo}} takes it back"
+        )
+    }
+
+    pub fn settled(place: &str) -> String {
+        format!("The body is part of the world again, at {place}")
     }
 }
 

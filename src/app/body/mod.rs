@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub use measures::Measures;
 pub use sweep::{Aabb, point_to_units, to_units, to_voxels};
 use sweep::{FARTHEST, ONE};
-pub use terrain::{Ground, Terrain};
+pub use terrain::{Ground, Terrain, Walled};
 
 /// Seconds in which the speed closes 63 % of its distance to the wanted one.
 const ON_GROUND_S: f64 = 0.05;

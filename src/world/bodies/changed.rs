@@ -10,8 +10,6 @@ use super::{Bodies, Body, BodyModel, MAX_BODIES, MAX_BODY_EDGE, MAX_MODEL_VOXELS
 
 /// Coordinates of bodies lie within ± this many voxels.
 const FARTHEST: f32 = 16_777_216.0;
-/// Longest name of a body (bytes).
-const LONGEST_NAME: usize = 256;
 
 /// A body that a player has placed. It stands along the axes of the world.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +48,7 @@ impl ChangedBodies {
         let moved = self.moved.iter().map(|body| (&body.name, body.position));
         let mut names = HashSet::new();
         for (name, place) in places.chain(moved) {
-            if name.is_empty() || name.len() > LONGEST_NAME || !names.insert(name) {
+            if name.is_empty() || !names.insert(name) {
                 return Some(format!("no body can have the name `{name}`"));
             }
             if !place.to_array().iter().all(|axis| axis.abs() <= FARTHEST) {

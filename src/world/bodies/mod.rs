@@ -1,7 +1,7 @@
 //! Rigid bodies of voxels that move: a door that swings, a lift, a mill wheel. A body has its own small grid of voxels
 //! (its model), which a pose carries into the world; rays march through it in its own space.
 
-mod changed;
+pub mod changed;
 mod motion;
 
 use std::fmt;

@@ -51,6 +51,22 @@ pub struct Moved {
     pub pushed: DVec3,
 }
 
+/// Boxes that free bodies take.
+#[derive(Clone, Debug, Default)]
+pub struct Taken(Vec<Aabb>);
+
+impl Taken {
+    /// Whether a part of a voxel (world space) is taken.
+    pub fn has(&self, voxel: IVec3) -> bool {
+        let low = voxel.as_i64vec3() * ONE;
+        let shape = Aabb {
+            min: low,
+            max: low + ONE,
+        };
+        self.0.iter().any(|own| meet(own, &shape))
+    }
+}
+
 /// What is known of the bodies of a world besides their places. In the order of [`Bodies::bodies`].
 #[derive(Clone, Debug, Default)]
 pub struct FreeBodies {
@@ -196,22 +212,19 @@ impl FreeBodies {
         }
     }
 
-    /// Whether a free body takes a part of a voxel (world space).
-    pub fn covers(&self, bodies: &Bodies, voxel: IVec3) -> bool {
-        let low = voxel.as_i64vec3() * ONE;
-        let shape = Aabb {
-            min: low,
-            max: low + ONE,
+    /// What free bodies other than `except` take between two voxels (world space, both ends inclusive).
+    pub fn within(&self, bodies: &Bodies, [low, high]: [IVec3; 2], except: Option<usize>) -> Taken {
+        let region = Aabb {
+            min: low.as_i64vec3() * ONE,
+            max: (high.as_i64vec3() + 1) * ONE,
         };
-        self.overlaps(bodies, &shape, None)
-    }
-
-    /// Whether a free body other than `except` overlaps a box.
-    pub fn overlaps(&self, bodies: &Bodies, shape: &Aabb, except: Option<usize>) -> bool {
-        self.placed(bodies).any(|(index, at, boxes)| {
-            let is_met = |own: &Aabb| meet(&own.moved(at), shape);
-            Some(index) != except && is_met(&boxes.bounds) && boxes.boxes.iter().any(is_met)
-        })
+        let others = self
+            .placed(bodies)
+            .filter(|(index, ..)| Some(*index) != except);
+        let near = others.filter(|(_, at, boxes)| meet(&boxes.bounds.moved(*at), &region));
+        let boxes =
+            near.flat_map(|(_, at, boxes)| boxes.boxes.iter().map(move |own| own.moved(at)));
+        Taken(boxes.filter(|own| meet(own, &region)).collect())
     }
 
     /// The free body that a ray (world space, unit direction) meets first, and how far away (voxels).

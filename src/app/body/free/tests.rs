@@ -350,8 +350,11 @@ fn a_ray_meets_the_nearest_body() {
     );
     assert_eq!(met(DVec3::new(2.0, 2.0, 9.5), DVec3::X), None);
     assert_eq!(met(DVec3::new(6.0, 2.0, 8.0), DVec3::X), Some((1, 0.0)));
-    let covers = |x| stage.free.covers(&stage.bodies, IVec3::new(x, 1, 7));
-    assert_eq!([7, 8, 10, 11].map(covers), [false, true, true, false]);
+    let all = [IVec3::ZERO, IVec3::splat(EDGE)];
+    let taken = |except| stage.free.within(&stage.bodies, all, except);
+    let has = |x| taken(None).has(IVec3::new(x, 1, 7));
+    assert_eq!([7, 8, 10, 11].map(has), [false, true, true, false]);
+    assert!(!taken(Some(0)).has(IVec3::new(8, 1, 7)));
 }
 
 proptest! {
