@@ -57,8 +57,8 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<World, Report> {
         .collect();
     let renumbered = |material: u8| *numbers.get(usize::from(material) - 1)?;
     let shift = glam::IVec3::from(save.state.origin) - world.origin;
-    let (overlay, lost) = save.overlay.fitted(world.size, shift, &renumbered);
-    let lost_bodies = world.bodies.take_changes(&save.bodies, &renumbered);
+    let (overlay, lost) = save.overlay.fitted(world.size, shift, renumbered);
+    let lost_bodies = world.bodies.take_changes(&save.bodies, renumbered);
     let place = path.display();
     let world_place = world_file.display();
     let fits = match lost {

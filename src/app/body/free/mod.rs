@@ -138,20 +138,21 @@ impl FreeBodies {
         let mut moved = Moved::default();
         let before: Vec<I64Vec3> = places(bodies);
         let after = {
-            let others = Obstacles::of(bodies, time_s, |index| self.states[index].boxes.is_none());
+            let boxes: Vec<_> = self
+                .states
+                .iter()
+                .map(|state| state.boxes.clone())
+                .collect();
+            let others = Obstacles::of(bodies, time_s, |index| boxes[index].is_none());
             let mut scene = Scene {
                 stone,
                 others: &others,
-                boxes: self
-                    .states
-                    .iter()
-                    .map(|state| state.boxes.clone())
-                    .collect(),
+                boxes: boxes.clone(),
                 at: before.clone(),
                 player: player.map(|player| player.shape),
             };
-            for index in 0..self.states.len() {
-                if self.states[index].boxes.is_none() {
+            for (index, state) in self.states.iter_mut().enumerate() {
+                if state.boxes.is_none() {
                     continue;
                 }
                 if let Some(player) = player {
@@ -160,7 +161,6 @@ impl FreeBodies {
                 }
                 let is_pushed = scene.at[index] != before[index];
                 if bodies.bodies[index].put_by != PutBy::WorldFile || is_pushed {
-                    let state = &mut self.states[index];
                     state.is_at_rest &= !is_pushed && others.is_empty();
                     if !state.is_at_rest {
                         if state.rides {
