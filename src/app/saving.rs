@@ -16,7 +16,9 @@ use super::{
 };
 use crate::parameters::Parameters;
 use crate::world::{
-    Overlay, PlacedLamp, file,
+    Overlay, PlacedLamp,
+    bodies::ChangedBodies,
+    file,
     save::{self, Folder, Head, Save, SaveError, State, VARIABLE, now_s},
 };
 
@@ -40,12 +42,13 @@ pub struct Kept {
     pub state: State,
     pub overlay: Overlay,
     pub lamps: Vec<PlacedLamp>,
+    pub bodies: ChangedBodies,
 }
 
 impl Kept {
     /// Whether the world is the same, wherever the player is.
     fn has_same_world(&self, other: &Self) -> bool {
-        self.overlay == other.overlay && self.lamps == other.lamps
+        self.overlay == other.overlay && self.lamps == other.lamps && self.bodies == other.bodies
     }
 }
 
@@ -148,7 +151,7 @@ impl Saving {
         }
     }
 
-    /// Saves if voxels or lamps were changed since the last save.
+    /// Saves if voxels, lamps or bodies were changed since the last save.
     pub fn save_changes(&mut self, kept: Kept, messages: &mut Messages) {
         let is_same = |known: &Kept| known.has_same_world(&kept);
         if self.known.as_ref().is_some_and(is_same) {
@@ -173,8 +176,8 @@ impl Saving {
         }
     }
 
-    /// The end of the run: saves what was changed since the last save. A run that was never saved and changed no voxel
-    /// and no lamp leaves none. Returns the file that was written.
+    /// The end of the run: saves what was changed since the last save. A run that was never saved and changed no voxel,
+    /// no lamp and no body leaves none. Returns the file that was written.
     ///
     /// # Errors
     /// [`SaveError`] when it cannot be written.
@@ -243,6 +246,7 @@ fn write(path: &Path, world_file: &Path, kept: Kept) -> Result<(), SaveError> {
         state,
         overlay,
         lamps,
+        bodies,
     } = kept;
     let mut save = Save {
         head: Head {
@@ -254,11 +258,13 @@ fn write(path: &Path, world_file: &Path, kept: Kept) -> Result<(), SaveError> {
             saved_s: now_s(),
             voxels: overlay.count(),
             lamps: lamps.len(),
+            bodies: bodies.placed.len() + bodies.moved.len(),
             grotto: env!("CARGO_PKG_VERSION").to_owned(),
         },
         state,
         overlay,
         lamps,
+        bodies,
     };
     save.belongs_to(world_file, path);
     save::write(path, &save)
@@ -295,6 +301,7 @@ mod tests {
             },
             overlay,
             lamps: Vec::new(),
+            bodies: ChangedBodies::default(),
         }
     }
 

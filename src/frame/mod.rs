@@ -15,6 +15,8 @@
 
 mod antialias;
 mod bits;
+mod bodies;
+mod body_passes;
 mod early;
 mod error;
 mod inspect;
@@ -37,9 +39,10 @@ pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};
 use antialias::Antialiasing;
 use bits::DrawnBits;
 use inspect::Inspect;
+use offers::Subjects;
 pub use offers::offer;
 use order::FrameOrder;
-use passes::{Passes, Subjects, Wanted};
+use passes::{Passes, Wanted};
 use values::{Drawn, Update};
 
 use crate::{

@@ -2,7 +2,11 @@
 
 use crate::{
     gpu::Offer,
-    passes::{probes::ProbeField, surface_cache::SurfaceCache},
+    passes::{
+        probes::ProbeField,
+        scene::{GpuBodies, GpuLights},
+        surface_cache::SurfaceCache,
+    },
 };
 
 /// What subjects offer to each other: the scene, the light of the probes, and the light of surfaces.
@@ -20,4 +24,13 @@ pub fn offer<'a>(field: &'a ProbeField, cache: &'a SurfaceCache, scene: &Offer<'
         resources,
         constants,
     }
+}
+
+/// What the passes are about, besides the scene.
+#[derive(Clone, Copy)]
+pub(super) struct Subjects<'a> {
+    pub field: &'a ProbeField,
+    pub cache: &'a SurfaceCache,
+    pub lights: &'a GpuLights,
+    pub bodies: &'a GpuBodies,
 }

@@ -5,8 +5,9 @@ use std::thread;
 use super::{
     FrameError,
     antialias::Smoothing,
+    body_passes::BodyPasses,
     inspect::Inspect,
-    offers::offer,
+    offers::{Subjects, offer},
     values::{
         ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
         ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update,
@@ -16,14 +17,14 @@ use crate::{
     gpu::{Gpu, Offer, Recorder, made},
     passes::{
         probes::{
-            ProbeField, blend::ProbeBlend, body_light::BodyLight, classify::ProbeClassify,
-            cover::ProbeCover, forget_hits::ForgetHits, occlusion_blend::OcclusionBlend,
-            occlusion_rays::OcclusionRays, schedule::ProbeSchedule, seed::ProbeSeed,
-            source_walk::SourceWalk, trace::ProbeTrace, visibility::ProbeVisibility,
+            blend::ProbeBlend, classify::ProbeClassify, cover::ProbeCover, forget_hits::ForgetHits,
+            occlusion_blend::OcclusionBlend, occlusion_rays::OcclusionRays,
+            schedule::ProbeSchedule, seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
+            visibility::ProbeVisibility,
         },
-        scene::{GpuBodies, GpuLights, body_shafts::BodyShafts, lamp_lists::LampLists},
+        scene::lamp_lists::LampLists,
         surface_cache::{
-            SurfaceCache, allocate::SurfaceAllocate, lamps::SurfaceLamps, resolve::SurfaceResolve,
+            allocate::SurfaceAllocate, lamps::SurfaceLamps, resolve::SurfaceResolve,
             trace::SurfaceTrace,
         },
         view::{
@@ -41,9 +42,7 @@ pub(super) struct Passes {
     classify: ProbeClassify,
     /// Where there are bodies.
     cover: Option<ProbeCover>,
-    body_light: Option<BodyLight>,
-    body_shafts: Option<BodyShafts>,
-    bodies: GpuBodies,
+    bodies: Option<BodyPasses>,
     visibility: ProbeVisibility,
     seed: ProbeSeed,
     schedule: ProbeSchedule,
@@ -69,15 +68,6 @@ pub(super) struct Wanted {
     pub inspection: Inspection,
     pub smoothing: Smoothing,
     pub bits: bool,
-}
-
-/// What the passes are about, besides the scene.
-#[derive(Clone, Copy)]
-pub(super) struct Subjects<'a> {
-    pub field: &'a ProbeField,
-    pub cache: &'a SurfaceCache,
-    pub lights: &'a GpuLights,
-    pub bodies: &'a GpuBodies,
 }
 
 impl Passes {
@@ -106,8 +96,7 @@ impl Passes {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
             let cover = threads.spawn(|| ProbeCover::new(gpu, field, scene));
-            let body_light = threads.spawn(|| BodyLight::new(gpu, bodies, &offer));
-            let body_shafts = threads.spawn(|| BodyShafts::new(gpu, bodies, scene));
+            let bodies = threads.spawn(|| BodyPasses::new(gpu, bodies, &offer));
             let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));
             let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
             let seed = threads.spawn(|| ProbeSeed::new(gpu, field, resources));
@@ -150,9 +139,7 @@ impl Passes {
                 lamp_lists: made(lamp_lists)?,
                 classify: made(classify)?,
                 cover: made(cover)?,
-                body_light: made(body_light)?,
-                body_shafts: made(body_shafts)?,
-                bodies: bodies.clone(),
+                bodies: made(bodies)?,
                 visibility: made(visibility)?,
                 schedule: made(schedule)?,
                 seed: made(seed)?,
@@ -180,10 +167,10 @@ impl Passes {
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
             let surfaces = self.trace_camera(recorder, drawn);
             self.ask_faces(recorder, update.asks_faces);
-            self.ask_bodies(recorder, update.asks_bodies);
+            (self.bodies.iter()).for_each(|bodies| bodies.record(recorder, update.asks_bodies));
             (surfaces, self.list_probes(recorder, placed))
         });
-        self.publish_bodies(recorder);
+        (self.bodies.iter()).for_each(|bodies| bodies.publish(recorder));
         let (active, seen_faces) = recorder.concurrent(|recorder| {
             let active = self.size_list(recorder, listed_probes);
             (active, self.allocate_seen(recorder, &surfaces))
@@ -303,22 +290,6 @@ impl Passes {
     fn ask_faces(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
         if self.uses_cache && is_needed {
             self.face_lamps.record(recorder);
-        }
-    }
-
-    /// The light of bodies, and which lamps they may hide from where.
-    fn ask_bodies(&self, recorder: &mut Recorder<'_>, hide_others: bool) {
-        if let Some(body_light) = &self.body_light {
-            body_light.record(recorder);
-        }
-        if let Some(body_shafts) = self.body_shafts.as_ref().filter(|_| hide_others) {
-            body_shafts.record(recorder);
-        }
-    }
-
-    fn publish_bodies(&self, recorder: &mut Recorder<'_>) {
-        if self.bodies.exist() {
-            self.bodies.publish_facts(&mut recorder.encoder);
         }
     }
 

@@ -208,6 +208,7 @@ mod tests {
                     rotation: Quat::from_rotation_z(degrees.to_radians()),
                 },
                 motion: Vec::new(),
+                put_by: Default::default(),
             }],
         };
         PosedBodies::new(&bodies, IVec3::new(0, 10, 0), &bodies.poses(0.0))

@@ -6,6 +6,7 @@ mod support;
 mod bench;
 mod bench_reports;
 mod bench_speed;
+mod bodies;
 mod info;
 mod lamps;
 mod measuring;

@@ -37,6 +37,7 @@ pub fn save_of(path: &Path, overlay: Overlay) -> Save {
             saved_s: 1_790_000_000,
             voxels: overlay.count(),
             lamps: 0,
+            bodies: 0,
             grotto: "0.1.0".into(),
         },
         state: State {
@@ -55,6 +56,7 @@ pub fn save_of(path: &Path, overlay: Overlay) -> Save {
         },
         overlay,
         lamps: Vec::new(),
+        bodies: Default::default(),
     };
     save.belongs_to(&world_file, path);
     save

@@ -59,6 +59,7 @@ fn body(model: usize, pivot: Vec3, position: Vec3, rotation: Quat) -> Body {
         pivot,
         rest: Pose { position, rotation },
         motion: Vec::new(),
+        put_by: Default::default(),
     }
 }
 

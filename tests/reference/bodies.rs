@@ -30,6 +30,7 @@ fn body(size: UVec3, pivot: Vec3, at: Pose, material: impl Fn(UVec3) -> u8) -> (
         pivot,
         rest: at,
         motion: Vec::new(),
+        put_by: Default::default(),
     };
     (model, body)
 }

@@ -4,8 +4,10 @@
 //! voxels that move into it (see `obstacles`).
 
 mod escape;
+pub mod free;
 mod measures;
 mod obstacles;
+mod steps;
 mod sweep;
 mod terrain;
 #[cfg(test)]
@@ -17,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub use measures::Measures;
 pub use sweep::{Aabb, point_to_units, to_units, to_voxels};
 use sweep::{FARTHEST, ONE};
-pub use terrain::{Ground, Terrain};
+pub use terrain::{Ground, Terrain, Walled};
 
 /// Seconds in which the speed closes 63 % of its distance to the wanted one.
 const ON_GROUND_S: f64 = 0.05;
@@ -94,6 +96,8 @@ pub struct Body {
     bottom: f64,
     /// Whether it stands on a body of voxels, which may sink.
     rides: bool,
+    /// How fast what it pushes along each axis goes (voxels per second); 0 where it pushes nothing.
+    pushed: DVec3,
 }
 
 impl Body {
@@ -117,6 +121,7 @@ impl Body {
             search_in_s: 0.0,
             bottom,
             rides: false,
+            pushed: DVec3::ZERO,
         };
         // Ground that is nearly reached counts.
         let near = to_units(0.3 * measures.scale);
@@ -147,6 +152,12 @@ impl Body {
     /// Voxels per second.
     pub fn velocity(&self) -> DVec3 {
         self.velocity
+    }
+
+    /// Pushes bodies that go so fast along each axis (voxels per second) in the next step. It keeps pace with them, and
+    /// does not climb them.
+    pub fn push(&mut self, speeds: DVec3) {
+        self.pushed = speeds;
     }
 
     fn at(&self, feet: I64Vec3) -> Aabb {
@@ -277,7 +288,10 @@ impl Body {
             if intent.down {
                 self.stay_on_edges(terrain, &mut way);
             }
-            self.slide_and_step_up(terrain, way);
+            match self.pushed == DVec3::ZERO {
+                true => self.slide_and_step_up(terrain, way),
+                false => self.slide(terrain, way),
+            }
             if self.shape().is_supported(terrain) || (!intent.down && self.step_down(terrain)) {
                 return;
             }
@@ -313,81 +327,20 @@ impl Body {
         }
     }
 
-    /// Moves along one axis after the other; what stops the box also stops its velocity on that axis.
+    /// Moves along one axis after the other; what stops the box also stops its velocity on that axis, or gives it its own
+    /// if it is pushed.
     fn slide(&mut self, terrain: &impl Terrain, way: I64Vec3) {
         for axis in [1, 0, 2] {
             let free = self.shape().sweep(terrain, axis, way[axis]);
             self.feet[axis] += free;
             if free != way[axis] {
-                self.velocity[axis] = 0.0;
-            }
-        }
-    }
-
-    /// Slides over the ground. Where a step stops it that is low enough, it goes up instead.
-    fn slide_and_step_up(&mut self, terrain: &impl Terrain, way: I64Vec3) {
-        let before = (self.feet, self.velocity);
-        self.slide(terrain, way);
-        let stopped = (self.feet, self.velocity);
-        if stopped.0 == before.0 + way {
-            return;
-        }
-        (self.feet, self.velocity) = before;
-        let raised = self.shape().sweep(terrain, 1, self.measures.step_up);
-        self.feet.y += raised;
-        self.slide(terrain, way);
-        self.feet.y += self.shape().sweep(terrain, 1, -raised);
-        let progress = |feet: I64Vec3| (feet - before.0).with_y(0).length_squared();
-        let climbed = self.feet.y - before.0.y;
-        if climbed > 0 && progress(self.feet) > progress(stopped.0) {
-            self.eye_lift -= to_voxels(climbed);
-        } else {
-            (self.feet, self.velocity) = stopped;
-        }
-    }
-
-    /// Goes down a step that is low enough, and says whether there was one.
-    fn step_down(&mut self, terrain: &impl Terrain) -> bool {
-        let deepest = self.measures.step_up;
-        let drop = -self.shape().sweep(terrain, 1, -deepest);
-        let lands = self
-            .shape()
-            .moved(I64Vec3::NEG_Y * drop)
-            .is_supported(terrain);
-        if lands {
-            self.feet.y -= drop;
-            self.eye_lift += to_voxels(drop);
-        }
-        lands
-    }
-
-    /// Shortens the way of a body that sneaks, so that a part of it stays above the ground.
-    fn stay_on_edges(&mut self, terrain: &impl Terrain, way: &mut I64Vec3) {
-        let mut along = I64Vec3::ZERO;
-        for axis in [0, 2] {
-            let stands = |distance: i64| {
-                let mut to = along;
-                to[axis] = distance;
-                self.shape().moved(to).is_supported(terrain)
-            };
-            let (mut held, mut lost) = (0, way[axis]);
-            if stands(lost) {
-                held = lost;
-            }
-            // A step is shorter than a voxel, so there is one edge.
-            while (lost - held).abs() > 1 {
-                let middle = held + (lost - held) / 2;
-                if stands(middle) {
-                    held = middle;
+                let pushed = self.pushed[axis];
+                self.velocity[axis] = if pushed * self.velocity[axis] > 0.0 {
+                    pushed
                 } else {
-                    lost = middle;
-                }
+                    0.0
+                };
             }
-            if held != way[axis] {
-                self.velocity[axis] = 0.0;
-            }
-            way[axis] = held;
-            along[axis] = held;
         }
     }
 }

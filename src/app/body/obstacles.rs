@@ -48,7 +48,14 @@ struct Cube {
 impl<'a> Obstacles<'a> {
     /// The bodies of a world at a world time (seconds).
     pub fn at(bodies: &'a Bodies, time_s: f64) -> Self {
-        let all = bodies.bodies.iter().zip(bodies.poses(time_s));
+        Self::of(bodies, time_s, |_| true)
+    }
+
+    /// Those of the bodies that are wanted, by their indices.
+    pub fn of(bodies: &'a Bodies, time_s: f64, is_wanted: impl Fn(usize) -> bool) -> Self {
+        let all = bodies.bodies.iter().enumerate();
+        let all = all.filter(|(index, _)| is_wanted(*index));
+        let all = all.map(|(_, body)| (body, body.pose(time_s)));
         let all = all.map(|(body, pose)| Obstacle {
             model: &bodies.models[body.model],
             pivot_ms: body.pivot.as_dvec3(),
@@ -58,6 +65,10 @@ impl<'a> Obstacles<'a> {
         Self {
             bodies: all.collect(),
         }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
     }
 
     /// Whether a voxel of a body overlaps the box.
@@ -208,6 +219,7 @@ mod tests {
                     rotation: Quat::from_rotation_y(degrees.to_radians()),
                 },
                 motion: Vec::new(),
+                put_by: Default::default(),
             }],
         }
     }

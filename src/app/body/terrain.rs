@@ -71,6 +71,18 @@ impl<'a> Ground<'a> {
     }
 }
 
+/// The voxels of a world that no body leaves: its sides and what lies below it are solid.
+pub struct Walled<'a>(pub Ground<'a>);
+
+impl Terrain for Walled<'_> {
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        let at = voxel - self.0.origin;
+        let size = self.0.voxels.size().as_ivec3();
+        let is_beside = at.x < 0 || at.z < 0 || at.x >= size.x || at.z >= size.z;
+        is_beside || at.y < 0 || self.0.is_solid(voxel)
+    }
+}
+
 impl Terrain for Ground<'_> {
     fn is_solid(&self, voxel: IVec3) -> bool {
         self.voxels.material(voxel - self.origin) != 0

@@ -40,6 +40,10 @@ pub enum Action {
     Turn,
     /// Pastes the copy's air too, or not.
     Air,
+    /// Makes a body of voxels.
+    Lift,
+    /// Makes voxels of a body.
+    Settle,
     Undo,
     Redo,
     /// What is in the hand, by the index of its slot.
@@ -122,6 +126,8 @@ pub const ACTIONS: &[Entry] = &[
     entry(Action::Paste, "paste", "paste", COPY, &[key(KeyCode::KeyV)]),
     entry(Action::Turn, "turn", "turn the copy", COPY, &[key(KeyCode::KeyR)]),
     entry(Action::Air, "air", "paste air too", COPY, &[key(KeyCode::KeyN)]),
+    entry(Action::Lift, "lift", "lift out a body", "make a body of the box with a corner marked, of what the brush covers, or of the copy; walk against it to push it", &[key(KeyCode::KeyL)]),
+    entry(Action::Settle, "settle", "set a body", "set the body you look at into the world", &[key(KeyCode::KeyJ)]),
     entry(Action::Undo, "undo", "undo", "undo the last stroke", &[ctrl(KeyCode::KeyZ)]),
     entry(Action::Redo, "redo", "redo", "redo it", &[ctrl(KeyCode::KeyY), ctrl_shift(KeyCode::KeyZ)]),
     entry(Action::Slot(0), "slot_1", "slot 1", SLOT, &[key(KeyCode::Digit1)]),

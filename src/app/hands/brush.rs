@@ -96,7 +96,7 @@ impl Brush {
     }
 
     /// Whether the brush changes the voxel at this offset from its middle.
-    fn covers(&self, offset: IVec3) -> bool {
+    pub fn covers(&self, offset: IVec3) -> bool {
         let radius = self.radius();
         match self.shape {
             Shape::Voxel => offset == IVec3::ZERO,

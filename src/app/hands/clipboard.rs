@@ -12,7 +12,7 @@ use super::{aim::Target, brush::Stroked, history::Changes};
 use crate::{
     app::texts::hands as texts,
     reference::march::FACE_NORMALS,
-    world::{Material, voxels::Voxels},
+    world::{Material, bodies::BodyModel, voxels::Voxels},
 };
 
 /// Longest edge of a copy (voxels).
@@ -32,6 +32,10 @@ pub enum Clip {
     Air,
     /// Forgets the corner, or puts the copy away.
     Cancel,
+    /// Lifts the marked box, or what the brush covers, out of the world as a body; or places the copy as one.
+    Lift,
+    /// Sets the body aimed at into the world.
+    Settle,
 }
 
 /// Voxels that were copied.
@@ -150,6 +154,42 @@ impl Copied {
         }
     }
 
+    /// The copy as the model of a body, and where its lowest voxel goes at a target (grid space). With the materials that
+    /// this world lacks, and the number of voxels that are left out for that; `None` if none is left.
+    pub fn as_body(
+        &self,
+        materials: &[Material],
+        target: &Target,
+    ) -> (Option<(BodyModel, IVec3)>, BTreeMap<String, u64>) {
+        let known = self.numbers_in(materials);
+        let mut missing = BTreeMap::new();
+        let voxels = self.voxels.iter().map(|number| {
+            let Some(number) = usize::from(*number).checked_sub(1) else {
+                return 0;
+            };
+            known[number].unwrap_or_else(|| {
+                *missing.entry(self.materials[number].clone()).or_default() += 1;
+                0
+            })
+        });
+        let model = BodyModel {
+            size: self.size.as_uvec3(),
+            materials: voxels.collect(),
+        };
+        let is_empty = model.materials.iter().all(|material| *material == 0);
+        let body = (!is_empty).then(|| (model, self.place(target)));
+        (body, missing)
+    }
+
+    /// The number of each material of the copy in a world, if that has it.
+    fn numbers_in(&self, materials: &[Material]) -> Vec<Option<u8>> {
+        let number = |name: &String| {
+            let at = materials.iter().position(|material| material.name == *name);
+            at.and_then(|at| u8::try_from(at + 1).ok())
+        };
+        self.materials.iter().map(number).collect()
+    }
+
     /// Where the lowest voxel of the copy goes (grid space): it touches the face aimed at, its middle before that, and
     /// stands on the height aimed at.
     fn place(&self, target: &Target) -> IVec3 {
@@ -179,12 +219,7 @@ impl Copied {
     ) -> Pasted {
         let low = self.place(target);
         let size = voxels.size().as_ivec3();
-        let known: Vec<Option<u8>> = (self.materials.iter())
-            .map(|name| {
-                let at = materials.iter().position(|material| material.name == *name);
-                at.and_then(|at| u8::try_from(at + 1).ok())
-            })
-            .collect();
+        let known = self.numbers_in(materials);
         let mut pasted = Pasted::default();
         for offset in offsets(self.size) {
             let Some(number) = usize::from(self.at(offset)).checked_sub(1) else {

@@ -35,7 +35,11 @@ impl Eye<'_> {
 
     /// The edges of a box of voxels (grid space, both ends inclusive).
     pub fn of_box(&self, low: IVec3, high: IVec3) -> Vec<Segment> {
-        let (low, high) = (low.as_dvec3(), (high + 1).as_dvec3());
+        self.of_bounds([low.as_dvec3(), (high + 1).as_dvec3()])
+    }
+
+    /// The edges of a box between two corners (grid space).
+    pub fn of_bounds(&self, [low, high]: [DVec3; 2]) -> Vec<Segment> {
         let mut segments = Vec::new();
         for axis in 0..3 {
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -4,9 +4,10 @@ use std::collections::VecDeque;
 
 use glam::{IVec3, UVec3};
 
-use super::lamps::LampChange;
+use super::{lamps::LampChange, lift::BodyChange};
 use crate::world::{
     PlacedLamp,
+    bodies::PlacedBody,
     voxels::{Edit, Voxels},
 };
 
@@ -24,7 +25,7 @@ struct Run {
     new: u8,
 }
 
-/// The voxels that one stroke changed, or the lamp.
+/// The voxels that one stroke changed, the lamp, or the body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     /// In ascending order, disjoint.
@@ -33,6 +34,7 @@ pub struct Changes {
     low: IVec3,
     high: IVec3,
     lamp: Option<Box<LampChange>>,
+    body: Option<Box<BodyChange>>,
 }
 
 /// Which side of a change is wanted.
@@ -92,6 +94,7 @@ impl Changes {
             low: least,
             high: most,
             lamp: None,
+            body: None,
         };
         (edit, changes)
     }
@@ -104,8 +107,26 @@ impl Changes {
         }
     }
 
+    /// The same with a body that was placed or set into the world.
+    pub fn with_body(self, change: BodyChange) -> Self {
+        Self {
+            body: Some(Box::new(change)),
+            ..self
+        }
+    }
+
     pub fn is_empty(&self) -> bool {
-        self.runs.is_empty() && self.lamp.is_none()
+        self.runs.is_empty() && self.lamp.is_none() && self.body.is_none()
+    }
+
+    /// The name of the body that was placed or set into the world, and the body before or after the stroke.
+    pub fn body(&self, side: Side) -> Option<(&str, Option<&PlacedBody>)> {
+        let change = self.body.as_deref()?;
+        let body = match side {
+            Side::Before => &change.before,
+            Side::After => &change.after,
+        };
+        Some((&change.name, body.as_ref()))
     }
 
     /// The voxel (world space) of the lamp that was changed, and the lamp before or after the stroke.
@@ -173,7 +194,8 @@ impl Changes {
 
     fn bytes(&self) -> usize {
         let lamp = self.lamp.as_ref().map_or(0, |_| size_of::<LampChange>());
-        size_of::<Self>() + self.runs.capacity() * size_of::<Run>() + lamp
+        let bodies = self.body.as_ref().map_or(0, |body| body.bytes());
+        size_of::<Self>() + self.runs.capacity() * size_of::<Run>() + lamp + bodies
     }
 }
 

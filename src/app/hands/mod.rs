@@ -2,7 +2,8 @@
 //!
 //! `aim` finds the voxel under the crosshair; `outline` draws its edges, and `extent` those of larger brushes and boxes.
 //! `hotbar` has the `item` in the hand. `brush` and `lamps` make strokes, `held` repeats them, and `history` keeps what
-//! they changed. `clipboard` holds a copy. `bits` fly off what is dug.
+//! they changed. `clipboard` holds a copy, and `lift` makes bodies of voxels and
+//! voxels of bodies. `bits` fly off what is dug.
 
 pub mod aim;
 pub mod bits;
@@ -14,6 +15,7 @@ mod history;
 pub mod hotbar;
 pub mod item;
 pub mod lamps;
+pub mod lift;
 pub mod outline;
 
 use bits::Bits;

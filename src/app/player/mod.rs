@@ -17,7 +17,7 @@ use gait::Gait;
 pub use gait::{Contact, Footfall};
 
 use super::{
-    body::{Body, Event, Intent, Measures, Mode, Terrain, to_units},
+    body::{Body, Event, Intent, Measures, Mode, Terrain, free::Pusher, to_units},
     input::{Input, Key},
     settings::FIELDS_OF_VIEW_DEG,
     texts::body as texts,
@@ -273,6 +273,32 @@ impl Player {
             let room = MOST_FOOTFALLS.saturating_sub(self.footfalls.len());
             self.footfalls.extend(footfall.into_iter().take(room));
         }
+    }
+
+    /// The player for bodies that he may push in the next step; `None` for one who passes through them.
+    pub fn pusher(&self) -> Option<Pusher> {
+        let intent = self.intent();
+        let level = |v: DVec3| match self.body.mode {
+            Mode::Walk => DVec3::new(v.x, 0.0, v.z).normalize_or_zero(),
+            Mode::Fly | Mode::NoClip => v,
+        };
+        let course = level(intent.heading) * f64::from(intent.forward)
+            + level(intent.rightwards) * f64::from(intent.right);
+        (self.body.mode != Mode::NoClip).then(|| Pusher {
+            shape: self.body.shape(),
+            course: course.normalize_or_zero(),
+            velocity: self.body.velocity(),
+        })
+    }
+
+    /// What the player pushes goes so fast along each axis in the next step (voxels per second).
+    pub fn push(&mut self, speeds: DVec3) {
+        self.body.push(speeds);
+    }
+
+    /// When the next step ends (nanoseconds).
+    pub fn next_step_ns(&self) -> u64 {
+        step_start_ns(self.steps + 1)
     }
 
     /// What the player sees now.

@@ -24,7 +24,7 @@ use crate::{
     measure::picture::Picture,
     parameters::Parameters,
     passes::view::Inspection,
-    world::{Camera, PlacedLamp, World},
+    world::{Camera, PlacedLamp, World, bodies::ChangedBodies},
 };
 
 /// A record while it is played.
@@ -77,6 +77,8 @@ pub struct State {
     pub voxels_crc32: u32,
     /// In the order of placing.
     pub lamps: Vec<PlacedLamp>,
+    /// Those that were placed or pushed.
+    pub bodies: ChangedBodies,
     pub latency: LatencyFigures,
 }
 
@@ -242,6 +244,7 @@ impl Replay {
             camera: self.camera.clone(),
             voxels_crc32: self.viewport.voxels()?.crc32(),
             lamps: self.viewport.placed_lamps().to_vec(),
+            bodies: self.viewport.world().bodies.changes(),
             latency: self.latency.figures(),
         })
     }

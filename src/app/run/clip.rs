@@ -1,5 +1,7 @@
 //! What a run does with its clipboard.
 
+use std::collections::BTreeMap;
+
 use glam::IVec3;
 
 use super::Run;
@@ -23,6 +25,8 @@ impl Run<'_> {
         match clip {
             Clip::Mark => self.mark()?,
             Clip::Paste => return self.paste(),
+            Clip::Lift => return self.lift(),
+            Clip::Settle => return self.settle(),
             Clip::Turn => {
                 if let Some(copied) = clipboard.copied.as_mut().filter(|_| clipboard.is_out) {
                     *copied = copied.turned();
@@ -44,7 +48,7 @@ impl Run<'_> {
         Ok(false)
     }
 
-    fn target(&mut self) -> Result<Option<Target>, AppError> {
+    pub(super) fn target(&mut self) -> Result<Option<Target>, AppError> {
         let camera = self.view()?;
         let reach = Reach::of(self.player.body());
         let target = self.viewport.aim(&reach, &camera)?;
@@ -105,28 +109,37 @@ impl Run<'_> {
         self.follow_build();
         let camera = self.view()?;
         let reach = Reach::of(self.player.body());
+        let free = self.viewport.free_bodies().clone();
         let mut pasted = Pasted::default();
         let changed = self.edit(|voxels, world| {
             let (low, high) = reach.kept(world.origin, &camera);
             let hung = lamps::occupied(world);
+            let around = MOST_EDGE + 1;
+            let region = [target.voxel - around, target.voxel + around].map(|at| at + world.origin);
+            let taken = free.within(&world.bodies, region, None);
             let is_kept = |voxel: IVec3| {
                 let is_of_body = voxel.cmpge(low).all() && voxel.cmple(high).all();
-                is_of_body || hung.contains(&voxel)
+                is_of_body || hung.contains(&voxel) || taken.has(voxel + world.origin)
             };
             pasted = copied.paste(voxels, &world.materials, &target, with_air, is_kept);
             std::mem::take(&mut pasted.stroked)
         });
         let at = target.before().unwrap_or(target.voxel) + self.viewport.world().origin;
         self.tell_pasted(&pasted, at);
+        self.tell_missing(&pasted.missing);
         Ok(changed)
     }
 
     fn tell_pasted(&mut self, pasted: &Pasted, at: IVec3) {
         let text = toasts::pasted(&place_text(at), pasted.changed, pasted.outside);
         self.messages.toast(text);
-        if !pasted.missing.is_empty() {
-            let names: Vec<&str> = pasted.missing.keys().map(|name| &**name).collect();
-            let voxels: u64 = pasted.missing.values().sum();
+    }
+
+    /// Says which materials of a copy this world lacks.
+    pub(super) fn tell_missing(&mut self, missing: &BTreeMap<String, u64>) {
+        if !missing.is_empty() {
+            let names: Vec<&str> = missing.keys().map(|name| &**name).collect();
+            let voxels: u64 = missing.values().sum();
             let text = toasts::no_material(&names.join(", "), voxels);
             self.messages.toast_error(text);
         }
@@ -134,6 +147,6 @@ impl Run<'_> {
 }
 
 /// `(x, y, z)`, in world space.
-fn place_text(voxel: IVec3) -> String {
+pub(super) fn place_text(voxel: IVec3) -> String {
     format!("({}, {}, {})", voxel.x, voxel.y, voxel.z)
 }

@@ -2,6 +2,7 @@
 //! both play through it.
 
 mod bits;
+mod bodies;
 mod clip;
 mod noises;
 mod strokes;
@@ -131,8 +132,8 @@ impl Run<'_> {
         let elapsed_ns = to_ns.saturating_sub(self.player.now_ns());
         self.tell_time();
         self.settings.clock.advance(elapsed_ns as f64 * 1e-9);
+        self.advance_player(to_ns)?;
         let ground = self.viewport.ground()?;
-        self.player.advance(to_ns, &ground);
         let measures = self.player.body().measures;
         self.hands.bits.advance(to_ns, &ground, &measures);
         for notice in self.player.take_notices() {

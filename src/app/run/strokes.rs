@@ -74,12 +74,16 @@ impl Run<'_> {
                     return Ok(false);
                 };
                 let brush = self.settings.brush;
+                let free = self.viewport.free_bodies().clone();
                 Ok(self.edit(|voxels, world| {
                     let (low, high) = reach.kept(world.origin, camera);
                     let hung = lamps::occupied(world);
+                    let region = [at - brush.reach(), at + brush.reach()];
+                    let region = region.map(|at| at + world.origin);
+                    let taken = free.within(&world.bodies, region, None);
                     brush.place(voxels, at, material, |voxel| {
                         let is_of_body = voxel.cmpge(low).all() && voxel.cmple(high).all();
-                        is_of_body || hung.contains(&voxel)
+                        is_of_body || hung.contains(&voxel) || taken.has(voxel + world.origin)
                     })
                 }))
             }
@@ -178,12 +182,17 @@ impl Run<'_> {
 }
 
 impl Viewport {
-    /// What a stroke where `camera` looks would meet.
+    /// What a stroke where `camera` looks would meet: nothing behind a free body.
     ///
     /// # Errors
     /// [`AppError`] when the voxels must be read back and the device is lost.
     pub fn aim(&mut self, reach: &Reach, camera: &Camera) -> Result<Option<Target>, AppError> {
+        let body = self.body_ahead(camera);
         let (voxels, world) = self.voxels_and_world()?;
+        let reach = Reach {
+            distance: body.map_or(reach.distance, |(_, far)| reach.distance.min(far)),
+            ..*reach
+        };
         Ok(reach.aim(voxels, &world.restored.lamps, world.origin, camera))
     }
 
@@ -192,6 +201,16 @@ impl Viewport {
     /// # Errors
     /// [`FrameError`] when the adapter cannot hold it; then nothing changes.
     pub fn put(&mut self, changes: &Changes, side: Side) -> Result<(), FrameError> {
+        if let Some((name, body)) = changes.body(side) {
+            let now = self.world().bodies.index_of(name);
+            let now = now.and_then(|index| self.world().bodies.placed(index));
+            self.put_body(name, body)?;
+            if let Err(error) = self.edit(|voxels, _| changes.put(voxels, side)) {
+                self.put_body(name, now.as_ref())?;
+                return Err(error);
+            }
+            return Ok(());
+        }
         self.edit(|voxels, _| changes.put(voxels, side))?;
         if let Some((voxel, lamp)) = changes.lamp(side) {
             self.put_lamp(voxel, lamp);

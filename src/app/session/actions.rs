@@ -35,6 +35,8 @@ impl Session {
             Action::Paste => self.give(Input::Clip(Clip::Paste)),
             Action::Turn => self.give(Input::Clip(Clip::Turn)),
             Action::Air => self.give(Input::Clip(Clip::Air)),
+            Action::Lift => self.give(Input::Clip(Clip::Lift)),
+            Action::Settle => self.give(Input::Clip(Clip::Settle)),
             Action::Pick => self.give(Input::Stroke(Stroke::Pick)),
             Action::Undo => self.give(Input::Undo),
             Action::Redo => self.give(Input::Redo),

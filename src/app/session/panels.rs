@@ -24,7 +24,7 @@ impl Session {
             && self.benchmarks.running.is_none()
             && (self.captured || self.readout_open);
         let aimed = if has_cross { self.aim() } else { None };
-        let in_hands = self.in_hands(aimed.as_ref().map(|(target, _)| target));
+        let in_hands = self.in_hands(aimed.as_ref().and_then(|(target, _)| target.as_ref()));
         let facts = Facts {
             viewport: &self.viewport,
             rate: &self.rate,
@@ -70,7 +70,7 @@ impl Session {
                 }
             }
             if self.readout_open && self.menu.is_none() {
-                let target = aimed.as_ref().map(|(target, _)| target);
+                let target = aimed.as_ref().and_then(|(target, _)| target.as_ref());
                 readout::show(ui, &facts, &self.settings.clock, target);
             }
             self.messages.show(ui, &self.preferences.keys);

@@ -5,6 +5,7 @@ use std::time::Duration;
 use super::{super::run::Run, Session};
 use crate::app::{
     AppError, Options,
+    body::Ground,
     hands::{
         Hands,
         aim::{Reach, Target},
@@ -159,9 +160,12 @@ impl Session {
     }
 
     /// The voxel that a click would meet, and what is outlined on the screen: that voxel, what the brush covers, and the
-    /// box that is copied or pasted.
-    pub(super) fn aim(&mut self) -> Option<(Target, Vec<Segment>)> {
+    /// box that is copied or pasted; or a body.
+    pub(super) fn aim(&mut self) -> Option<(Option<Target>, Vec<Segment>)> {
         let reach = Reach::of(self.play.player.body());
+        if let Some(edges) = self.outline_of_body(&reach) {
+            return Some((None, edges));
+        }
         let [width, height] = self.viewport.frame().size().map(f64::from);
         let target = self.viewport.aim(&reach, &self.camera).ok()??;
         let ground = self.viewport.ground().ok()?;
@@ -177,7 +181,22 @@ impl Session {
             Some((low, high)) => eye.of_box(low, high),
             None => eye.of_brush(&self.settings.brush, target.voxel),
         });
-        Some((target, edges))
+        Some((Some(target), edges))
+    }
+
+    /// The box around the free body that is aimed at.
+    fn outline_of_body(&mut self, reach: &Reach) -> Option<Vec<Segment>> {
+        let [width, height] = self.viewport.frame().size().map(f64::from);
+        let index = self.viewport.aim_at_body(reach, &self.camera).ok()??;
+        let bodies = &self.viewport.world().bodies;
+        let bounds = self.viewport.free_bodies().bounds(bodies, index)?;
+        let Ground { voxels, origin, .. } = self.viewport.ground().ok()?;
+        let eye = Eye {
+            voxels,
+            origin,
+            camera: &self.camera.basis(width / height),
+        };
+        Some(eye.of_bounds(bounds.map(|at| at - origin.as_dvec3())))
     }
 
     /// What the hands hold besides a brush of one voxel, in words.

@@ -85,6 +85,7 @@ pub(super) fn kept(
         state,
         overlay,
         lamps: viewport.placed_lamps().to_vec(),
+        bodies: viewport.world().bodies.changes(),
     })
 }
 

@@ -71,9 +71,14 @@ impl Viewport {
         let shift = old.origin - world.origin;
         let overlay = Self::all_changes(old, self.voxels.as_ref());
         let (overlay, lost) = overlay.fitted(world.size, shift, renumbered);
+        let [lost_bodies, _] = (world.bodies).take_changes(&old.bodies.changes(), renumbered);
         world.restored.overlay = overlay;
         if lost > 0 {
             world.restored.notes.push(toasts::lost_voxels(lost));
+        }
+        if lost_bodies > 0 {
+            let note = toasts::lost_bodies(lost_bodies);
+            world.restored.notes.push(note);
         }
         world
             .restored

@@ -1,25 +1,27 @@
 //! What the window shows: a world on the GPU, and the choices made for it.
 
 mod bits;
+mod bodies;
 mod changes;
 mod effort;
 mod fitting;
+mod record;
 
 use std::path::{Path, PathBuf};
 
 use miette::{GraphicalReportHandler, GraphicalTheme, Report};
 
 use self::fitting::{fitting, layout};
-use super::{clock::ClockReading, quality::Effort, reference_view::ReferenceView};
+use super::{
+    body::free::FreeBodies, clock::ClockReading, quality::Effort, reference_view::ReferenceView,
+};
 use crate::{
     frame::{Frame, FrameError, Stage, scaled},
-    gpu::{Gpu, GpuError, Recorder, ShaderLibrary},
-    lights::Lights,
-    measure::picture::Picture,
+    gpu::{Gpu, GpuError, ShaderLibrary},
     parameters::{Parameters, Remake},
-    passes::view::{Inspection, Shot},
+    passes::view::Inspection,
     world::{
-        self, Camera, World,
+        self, World,
         file::Overrides,
         voxels::{Edit, Originals, Voxels},
     },
@@ -86,6 +88,9 @@ pub struct Viewport {
     voxels: Option<Voxels>,
     /// How often voxels were built again, without edits.
     build: u32,
+    free: FreeBodies,
+    /// Free bodies have moved since the last frame.
+    bodies_moved: bool,
     /// What cells contained whose last edit did not fit, while there are no voxels.
     originals: Originals,
 }
@@ -114,6 +119,7 @@ impl Viewport {
         let mut frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
         frame.antialias(&gpu, &choice.parameters.picture)?;
         frame.prepare_bits(&gpu)?;
+        let free = FreeBodies::of(&world.bodies);
         let mut viewport = Self {
             gpu,
             path: path.to_owned(),
@@ -126,6 +132,8 @@ impl Viewport {
             clock: ClockReading::default(),
             voxels: None,
             build: 0,
+            free,
+            bodies_moved: false,
             originals: Originals::default(),
         };
         viewport.reference_view = viewport.traced(&viewport.choice)?;
@@ -310,6 +318,7 @@ impl Viewport {
             return Err(error);
         }
         self.voxels = Some(voxels);
+        self.free.wake();
         self.reference_view = self.traced(&self.choice)?;
         Ok(())
     }
@@ -326,69 +335,6 @@ impl Viewport {
         self.inspection = *wanted;
         Ok(())
     }
-
-    /// Records a frame, as seen from `camera` at world time `time_s`.
-    ///
-    /// # Errors
-    /// [`GpuError`] when the device does not take the work.
-    pub fn record(
-        &mut self,
-        recorder: &mut Recorder<'_>,
-        camera: &Camera,
-        time_s: f64,
-        seed: u32,
-    ) -> Result<(), GpuError> {
-        let parameters = &self.choice.parameters;
-        let size = match &self.reference_view {
-            Some(reference_view) => reference_view.size(),
-            None => self.frame.size(),
-        };
-        let shot = Shot {
-            camera: camera.clone(),
-            size,
-            frame: self.frame.frames(),
-            seed,
-            exposure_ev: parameters.picture.exposure_ev,
-            view: self.inspection.view,
-            time_s,
-            textures: parameters.textures.enabled,
-            soft_rays: parameters.lights.soft_rays,
-            shadows: parameters.lights.shadows,
-        };
-        let lamp_time_s = self.lamp_time_s(time_s);
-        let lights = Lights::at(&self.world, &self.lamps(), lamp_time_s);
-        if let Some(reference_view) = &mut self.reference_view {
-            return reference_view.record(&self.gpu, recorder, shot, &lights);
-        }
-        let probes = self.effort.probes(&parameters.probes);
-        self.frame
-            .record(&self.gpu, recorder, &shot, &lights, &probes);
-        Ok(())
-    }
-
-    /// The path-traced picture, while it is shown.
-    pub fn reference_view(&mut self) -> Option<&mut ReferenceView> {
-        self.reference_view.as_mut()
-    }
-
-    /// The picture shown: `rgba8unorm`, sRGB-encoded.
-    pub fn display(&self) -> &wgpu::Texture {
-        match &self.reference_view {
-            Some(reference_view) => reference_view.display(),
-            None => self.frame.display(),
-        }
-    }
-
-    /// The picture shown, as values in [0, 1].
-    ///
-    /// # Errors
-    /// [`GpuError::Device`] when the device is lost.
-    pub fn read_display(&self) -> Result<Picture, GpuError> {
-        match &self.reference_view {
-            Some(reference_view) => reference_view.read_display(&self.gpu),
-            None => self.frame.read_display(&self.gpu),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -398,6 +344,7 @@ mod tests {
     use super::*;
     use crate::{
         gpu::{DeviceErrors, GpuError, ShaderChecks},
+        lights::Lights,
         world::{PlacedLamp, placed::tests::lamp},
     };
 

@@ -21,7 +21,7 @@ use crate::{
     },
     gpu::{Gpu, GpuError},
     measure::{picture_file, whole_file},
-    world::PlacedLamp,
+    world::{PlacedLamp, bodies::ChangedBodies},
 };
 
 /// Measurements of memory over a replay.
@@ -52,9 +52,34 @@ struct Figures {
     voxels_crc32: String,
     /// In the order of placing.
     lamps: Vec<PlacedLamp>,
+    /// Those that were placed or pushed.
+    bodies: Vec<BodyFigures>,
     latency: LatencyFigures,
     process_bytes: Growth,
     adapter_bytes: Growth,
+}
+
+#[derive(Serialize)]
+struct BodyFigures {
+    name: String,
+    /// Its lowest corner if a player placed it, its pivot if it is of the world file (world space, voxels).
+    position: [f32; 3],
+    /// Extent of a placed one (voxels).
+    size: Option<[u32; 3]>,
+}
+
+fn bodies_of(changes: &ChangedBodies) -> Vec<BodyFigures> {
+    let placed = changes.placed.iter().map(|body| BodyFigures {
+        name: body.name.clone(),
+        position: body.corner.to_array(),
+        size: Some(body.model.size.to_array()),
+    });
+    let moved = changes.moved.iter().map(|body| BodyFigures {
+        name: body.name.clone(),
+        position: body.position.to_array(),
+        size: None,
+    });
+    placed.chain(moved).collect()
 }
 
 /// Memory after the first tenth of the frames and at the end.
@@ -141,6 +166,7 @@ pub fn run(
         pitch_deg: state.camera.pitch_deg,
         voxels_crc32: format!("{:08x}", state.voxels_crc32),
         lamps: state.lamps,
+        bodies: bodies_of(&state.bodies),
         latency: state.latency,
         process_bytes: Growth::of(&process_bytes),
         adapter_bytes: Growth::of(&adapter_bytes),
@@ -151,7 +177,7 @@ pub fn run(
     let [x, y, z] = figures.eye;
     output::print(&format!(
         "{} frames, {} steps, {:.2} s; {} pictures\n\
-         eye {x} {y} {z}, yaw {}°, pitch {}°, voxels {}, {} placed lamps\n\
+         eye {x} {y} {z}, yaw {}°, pitch {}°, voxels {}, {} placed lamps, {} bodies placed or pushed\n\
          {} inputs seen {:.2} frames late on average, at most {}; {} lost; {} without effect at once\n\
          memory {:.1} MB at first, {:.1} MB at the end, {:.1} MB of steady growth\n",
         figures.frames,
@@ -162,6 +188,7 @@ pub fn run(
         figures.pitch_deg,
         figures.voxels_crc32,
         figures.lamps.len(),
+        figures.bodies.len(),
         figures.latency.inputs,
         figures.latency.mean_frames,
         figures.latency.most_frames,

@@ -8,18 +8,15 @@ use crate::{
 pub struct BodyLight {
     kernel: Kernel,
     bindings: Bindings,
-    groups: [u32; 2],
+    bodies: GpuBodies,
 }
 
 impl BodyLight {
-    /// `offer` is that of the scene and the probes; `None` where there are no bodies.
+    /// `offer` is that of the scene and the probes.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, bodies: &GpuBodies, offer: &Offer<'_>) -> Result<Option<Self>, GpuError> {
-        if !bodies.exist() {
-            return Ok(None);
-        }
+    pub fn new(gpu: &Gpu, bodies: &GpuBodies, offer: &Offer<'_>) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -29,17 +26,21 @@ impl BodyLight {
             },
         )?;
         let all = offer.with([bodies.facts()]);
-        let faces = bodies.lit_faces().min(MOST_FACES);
-        Ok(Some(Self {
+        Ok(Self {
             bindings: kernel.bind(gpu, &all.resources),
-            groups: rectangle(faces.div_ceil(kernel.workgroup_size[0])),
             kernel,
-        }))
+            bodies: bodies.clone(),
+        })
     }
 
     /// In every frame, after pass `probes/cover`. [`GpuBodies::publish_facts`] hands over the result.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.run(&self.kernel, &self.bindings, self.groups);
+        let faces = self.bodies.lit_faces().min(MOST_FACES);
+        if faces == 0 {
+            return;
+        }
+        let groups = rectangle(faces.div_ceil(self.kernel.workgroup_size[0]));
+        recorder.run(&self.kernel, &self.bindings, groups);
     }
 }
 

@@ -10,14 +10,11 @@ pub struct ProbeCover {
 }
 
 impl ProbeCover {
-    /// `scene` is the offer of the voxels and the bodies; `None` where it has no bodies.
+    /// `scene` is the offer of the voxels and the bodies.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, field: &ProbeField, scene: &Offer<'_>) -> Result<Option<Self>, GpuError> {
-        if !scene.constants.contains(&("BODIES", 1.0)) {
-            return Ok(None);
-        }
+    pub fn new(gpu: &Gpu, field: &ProbeField, scene: &Offer<'_>) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -27,11 +24,11 @@ impl ProbeCover {
         )?;
         let all = scene.with(field.state_resources());
         let groups = field.atlas().slots.div_ceil(kernel.workgroup_size[0]);
-        Ok(Some(Self {
+        Ok(Self {
             bindings: kernel.bind(gpu, &all.resources),
             kernel,
             groups: rectangle(groups),
-        }))
+        })
     }
 
     /// Before pass `probes/schedule`.

@@ -124,6 +124,13 @@ pub fn lit_voxels(model: &BodyModel) -> Vec<[u32; 4]> {
         .collect()
 }
 
+/// Vectors of the masks, the materials and the lit voxels of a model.
+pub fn vectors_of(model: &BodyModel) -> usize {
+    let blocks = blocks_of(model.size).element_product() as usize;
+    let materials = blocks * (BLOCK * BLOCK * BLOCK) as usize / 16;
+    blocks.div_ceil(2) + materials + LIT_FACES as usize / 4
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,14 +10,11 @@ pub struct BodyShafts {
 }
 
 impl BodyShafts {
-    /// `scene` is the offer of the voxels, the lights and the bodies; `None` where it has no bodies.
+    /// `scene` is the offer of the voxels, the lights and the bodies.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, bodies: &GpuBodies, scene: &Offer<'_>) -> Result<Option<Self>, GpuError> {
-        if !bodies.exist() {
-            return Ok(None);
-        }
+    pub fn new(gpu: &Gpu, bodies: &GpuBodies, scene: &Offer<'_>) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -27,11 +24,11 @@ impl BodyShafts {
             },
         )?;
         let all = scene.with([bodies.facts()]);
-        Ok(Some(Self {
+        Ok(Self {
             bindings: kernel.bind(gpu, &all.resources),
             kernel,
             groups: rectangle(bodies.cells()),
-        }))
+        })
     }
 
     /// In frames in which a body or a lamp has moved, after pass `scene/lamp_lists`.

@@ -2,7 +2,7 @@
 
 use std::thread;
 
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, made, rectangle};
 
 /// The kernel and the picture that it writes.
 pub struct Shade {
@@ -34,7 +34,7 @@ impl Shade {
         surfaces: &wgpu::Buffer,
         offer: &Offer<'_>,
     ) -> Result<Self, GpuError> {
-        let made = |on_bodies: bool| {
+        let kernel_of = |on_bodies: bool| {
             Kernel::new(
                 gpu,
                 &KernelSpec {
@@ -47,9 +47,9 @@ impl Shade {
         };
         let has_bodies = offer.constants.contains(&("BODIES", 1.0));
         let (kernel, on_bodies) = thread::scope(|threads| {
-            let on_bodies = threads.spawn(|| has_bodies.then(|| made(true)).transpose());
-            let kernel = made(false)?;
-            let on_bodies = on_bodies.join().expect("compiling does not panic")?;
+            let on_bodies = threads.spawn(|| has_bodies.then(|| kernel_of(true)).transpose());
+            let kernel = kernel_of(false)?;
+            let on_bodies = made(on_bodies)?;
             Ok::<_, GpuError>((kernel, on_bodies))
         })?;
         let hdr_view = hdr.create_view(&Default::default());

@@ -1,12 +1,14 @@
 //! Rigid bodies of voxels that move: a door that swings, a lift, a mill wheel. A body has its own small grid of voxels
 //! (its model), which a pose carries into the world; rays march through it in its own space.
 
+pub mod changed;
 mod motion;
 
 use std::fmt;
 
 use glam::{IVec3, Quat, UVec3, Vec3};
 
+pub use changed::{ChangedBodies, MovedBody, PlacedBody};
 use motion::Moment;
 pub use motion::{BodyMotion, Cycle, Ease};
 
@@ -40,6 +42,18 @@ pub struct Body {
     pub rest: Pose,
     /// Applied in order. Axes are those of the model, as the motions before have turned it.
     pub motion: Vec<BodyMotion>,
+    pub put_by: PutBy,
+}
+
+/// Who put a body where it rests.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PutBy {
+    #[default]
+    WorldFile,
+    /// The world file, and then a player pushed it.
+    Pushed,
+    /// A player placed it.
+    Placed,
 }
 
 /// Where a body is at one moment.

@@ -10,7 +10,7 @@ use super::schema::{self, Vector};
 use super::values::{Read, or};
 use crate::world::bodies::{
     Bodies, Body, BodyModel, BodyMotion, Cycle, Ease, MAX_BODIES, MAX_BODY_EDGE, MAX_MODEL_VOXELS,
-    Pose,
+    Pose, PutBy,
 };
 use crate::world::rules::RuleSet;
 use crate::world::sdf::{Shape, Translate, WrittenSdf};
@@ -67,6 +67,7 @@ impl Reader<'_> {
                     rotation: turned(degrees).as_quat(),
                 },
                 motion: motion.collect::<Read<_>>()?,
+                put_by: PutBy::WorldFile,
             });
         }
         Ok(known.bodies)

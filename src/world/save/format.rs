@@ -13,9 +13,11 @@ use flate2::{Compression, read::ZlibDecoder, write::ZlibEncoder};
 use glam::UVec3;
 use serde::de::DeserializeOwned;
 
-use super::{Head, Save, State};
+use super::{Head, Save, State, bodies};
 use crate::world::{
-    Overlay, PlacedLamp, placed,
+    Overlay, PlacedLamp,
+    bodies::ChangedBodies,
+    placed,
     voxels::{BRICK_VOXELS, CELL, MASK_WORDS},
 };
 
@@ -39,6 +41,9 @@ const EDITS: [u8; 4] = *b"Edit";
 /// Placed lamps, as JSON. A save without lamps lacks the section, so that a grotto which knows none can open it.
 const LAMPS: [u8; 4] = *b"Lamp";
 
+/// Bodies that were placed or pushed: see [`bodies`]. A save without any lacks the section.
+const BODIES: [u8; 4] = *b"Body";
+
 /// Longest edge of a grid in cells: a world has at most 4096 voxels on an axis.
 const MOST_CELLS: u32 = 4096 / CELL;
 /// World time lies within ± this many seconds.
@@ -57,7 +62,7 @@ pub enum Fault {
     Newer { version: u32, grotto: String },
 }
 
-fn damaged(reason: impl Into<String>) -> Fault {
+pub(super) fn damaged(reason: impl Into<String>) -> Fault {
     Fault::Damaged(reason.into())
 }
 
@@ -139,6 +144,9 @@ pub fn encode(save: &Save) -> Vec<u8> {
     if !save.lamps.is_empty() {
         section(LAMPS, &serde_json::to_vec(&save.lamps).unwrap_or_default());
     }
+    if !save.bodies.is_empty() {
+        section(BODIES, &bodies::encode(&save.bodies));
+    }
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(4));
     // Writing to a Vec cannot fail.
     let _ = encoder.write_all(&content);
@@ -185,6 +193,7 @@ pub fn decode(bytes: &[u8]) -> Result<Save, Fault> {
         return Err(damaged("its content has another length than it says"));
     }
     let (mut state, mut overlay, mut lamps) = (None, None, Vec::new());
+    let mut changed_bodies = ChangedBodies::default();
     let mut rest = Cursor(&content);
     while !rest.0.is_empty() {
         let name = rest.array::<4>()?;
@@ -194,6 +203,7 @@ pub fn decode(bytes: &[u8]) -> Result<Save, Fault> {
             STATE => state = Some(json::<State>("state", bytes)?),
             EDITS => overlay = Some(overlay_of(bytes)?),
             LAMPS => lamps = lamps_of(bytes)?,
+            BODIES => changed_bodies = bodies::decode(bytes)?,
             [b'a'..=b'z', ..] => {}
             _ => {
                 return Err(Fault::Newer {
@@ -210,6 +220,7 @@ pub fn decode(bytes: &[u8]) -> Result<Save, Fault> {
         state,
         overlay: overlay.ok_or_else(|| damaged("it has no changes, not even none"))?,
         lamps,
+        bodies: changed_bodies,
     })
 }
 
@@ -295,10 +306,10 @@ fn overlay_of(bytes: &[u8]) -> Result<Overlay, Fault> {
 }
 
 /// Bytes that are read from front to back.
-struct Cursor<'a>(&'a [u8]);
+pub(super) struct Cursor<'a>(pub &'a [u8]);
 
 impl<'a> Cursor<'a> {
-    fn take(&mut self, length: usize) -> Result<&'a [u8], Fault> {
+    pub fn take(&mut self, length: usize) -> Result<&'a [u8], Fault> {
         let (taken, rest) = self
             .0
             .split_at_checked(length)
@@ -307,18 +318,18 @@ impl<'a> Cursor<'a> {
         Ok(taken)
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
+    pub fn array<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
         let taken = self.take(N)?;
         taken
             .try_into()
             .map_err(|_| damaged("it ends in the middle"))
     }
 
-    fn u16(&mut self) -> Result<u16, Fault> {
+    pub fn u16(&mut self) -> Result<u16, Fault> {
         self.array().map(u16::from_le_bytes)
     }
 
-    fn u32(&mut self) -> Result<u32, Fault> {
+    pub fn u32(&mut self) -> Result<u32, Fault> {
         self.array().map(u32::from_le_bytes)
     }
 
@@ -332,7 +343,10 @@ mod tests {
     use proptest::prelude::*;
 
     use super::{super::sample::save_of, *};
-    use crate::world::placed::tests::{lamp, lamps};
+    use crate::world::{
+        bodies::changed::tests::changes,
+        placed::tests::{lamp, lamps},
+    };
 
     fn overlays() -> impl Strategy<Value = Overlay> {
         let voxel = (0..4096u32, 0..300u32, 0..40u32, 0..=255u8);
@@ -352,11 +366,18 @@ mod tests {
         }
     }
 
+    fn with_all(overlay: Overlay, lamps: Vec<PlacedLamp>, bodies: ChangedBodies) -> Save {
+        Save {
+            bodies,
+            ..with_lamps(overlay, lamps)
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
         #[test]
-        fn what_is_written_is_read(overlay in overlays(), lamps in lamps()) {
-            let save = with_lamps(overlay, lamps);
+        fn what_is_written_is_read(overlay in overlays(), lamps in lamps(), bodies in changes()) {
+            let save = with_all(overlay, lamps, bodies);
             let read = decode(&encode(&save));
             prop_assert!(read == Ok(save));
         }
@@ -366,10 +387,11 @@ mod tests {
         fn damage_is_noticed(
             overlay in overlays(),
             lamps in lamps(),
+            bodies in changes(),
             at in any::<prop::sample::Index>(),
             bit in 0..8u8,
         ) {
-            let bytes = encode(&with_lamps(overlay, lamps));
+            let bytes = encode(&with_all(overlay, lamps, bodies));
             let mut flipped = bytes.clone();
             flipped[at.index(bytes.len())] ^= 1 << bit;
             prop_assert!(matches!(decode(&flipped), Err(Fault::Damaged(_))));
@@ -382,6 +404,7 @@ mod tests {
         #[test]
         fn nonsense_is_refused(bytes in proptest::collection::vec(any::<u8>(), 0..700)) {
             let _ = overlay_of(&bytes);
+            let _ = bodies::decode(&bytes);
             prop_assert!(lamps_of(&bytes).is_err());
             prop_assert!(decode(&bytes).is_err());
         }
@@ -448,6 +471,38 @@ mod tests {
         let plain = encode(&save_of(Overlay::default()));
         assert!(decode(&plain).is_ok_and(|save| save.lamps.is_empty()));
         assert!(encode(&with_lamps(Overlay::default(), vec![lamp])).len() > plain.len());
+    }
+
+    #[test]
+    fn bodies_that_cannot_be_are_damage_and_saves_without_bodies_are_as_before() {
+        let save = |bodies: &[u8]| decode(&made(VERSION, &[(&BODIES, bodies)]));
+        let body = crate::world::bodies::PlacedBody {
+            name: "placed 1".into(),
+            model: std::sync::Arc::new(crate::world::bodies::BodyModel {
+                size: UVec3::new(2, 1, 1),
+                materials: vec![1, 0],
+            }),
+            corner: glam::Vec3::new(1.0, 2.5, -3.0),
+        };
+        let bytes = |placed: &[&crate::world::bodies::PlacedBody]| {
+            bodies::encode(&ChangedBodies {
+                placed: placed.iter().map(|body| (*body).clone()).collect(),
+                moved: Vec::new(),
+            })
+        };
+        let whole = bytes(&[&body]);
+        let read = save(&whole).map(|save| save.bodies.placed);
+        assert_eq!(read, Ok(vec![body.clone()]));
+        let is_damage = |bytes: &[u8]| matches!(save(bytes), Err(Fault::Damaged(_)));
+        assert!(is_damage(&bytes(&[&body, &body])), "two of one name");
+        assert!(is_damage(&whole[..whole.len() - 1]) && is_damage(&[&whole[..], &[0]].concat()));
+        let mut empty = body.clone();
+        std::sync::Arc::make_mut(&mut empty.model).materials = vec![0, 0];
+        assert!(is_damage(&bytes(&[&empty])));
+        // Counts of four milliards are no reason to allocate.
+        assert!(is_damage(&[0xff; 64]));
+        let plain = encode(&save_of(Overlay::default()));
+        assert!(decode(&plain).is_ok_and(|save| save.bodies.is_empty()));
     }
 
     #[test]

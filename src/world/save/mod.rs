@@ -5,6 +5,7 @@
 //! format.
 
 mod arrange;
+mod bodies;
 mod disk;
 mod folder;
 mod format;
@@ -22,7 +23,7 @@ pub use folder::{Folder, Listed, VARIABLE, now_s};
 pub(super) use restore::load;
 pub use restore::{VIEW, world_file};
 
-use super::{Overlay, PlacedLamp, placed::LampBlock};
+use super::{Overlay, PlacedLamp, bodies::ChangedBodies, placed::LampBlock};
 
 /// Extension of the files.
 pub const EXTENSION: &str = "grotto";
@@ -39,6 +40,7 @@ pub struct Save {
     pub overlay: Overlay,
     /// In the order of placing.
     pub lamps: Vec<PlacedLamp>,
+    pub bodies: ChangedBodies,
 }
 
 /// What lists of saves show: it is read without the rest.
@@ -60,6 +62,9 @@ pub struct Head {
     /// Number of placed lamps.
     #[serde(default)]
     pub lamps: usize,
+    /// Number of bodies that were placed or pushed.
+    #[serde(default)]
+    pub bodies: usize,
     /// The version of grotto that wrote it.
     pub grotto: String,
 }
@@ -162,12 +167,14 @@ pub enum SaveError {
 impl Head {
     /// For a person: how much was changed.
     pub fn changes(&self) -> String {
-        let lamps = match self.lamps {
+        let counted = |count: usize, one: &str, many: &str| match count {
             0 => String::new(),
-            1 => ", 1 lamp".to_owned(),
-            lamps => format!(", {lamps} lamps"),
+            1 => format!(", 1 {one}"),
+            count => format!(", {count} {many}"),
         };
-        format!("{} voxels changed{lamps}", self.voxels)
+        let lamps = counted(self.lamps, "lamp", "lamps");
+        let bodies = counted(self.bodies, "body", "bodies");
+        format!("{} voxels changed{lamps}{bodies}", self.voxels)
     }
 }
 

@@ -58,6 +58,7 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<World, Report> {
     let renumbered = |material: u8| *numbers.get(usize::from(material) - 1)?;
     let shift = glam::IVec3::from(save.state.origin) - world.origin;
     let (overlay, lost) = save.overlay.fitted(world.size, shift, renumbered);
+    let lost_bodies = world.bodies.take_changes(&save.bodies, renumbered);
     let place = path.display();
     let world_place = world_file.display();
     let fits = match lost {
@@ -73,6 +74,14 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<World, Report> {
         ));
     } else if lost > 0 {
         notes.push(format!("{place}: {fits}"));
+    }
+
+    if lost_bodies != [0, 0] {
+        let [bodies, voxels] = lost_bodies;
+        notes.push(format!(
+            "{place}: {bodies} bodies are left out, for they have no place or no material in {world_place}, and {voxels} \
+             voxels of others"
+        ));
     }
 
     let layouts = &mut world.layouts;

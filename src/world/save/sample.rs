@@ -14,6 +14,7 @@ pub fn save_of(overlay: Overlay) -> Save {
             saved_s: 1_790_000_000,
             voxels: overlay.count(),
             lamps: 0,
+            bodies: 0,
             grotto: "0.1.0".into(),
         },
         state: State {
@@ -39,5 +40,6 @@ pub fn save_of(overlay: Overlay) -> Save {
         },
         overlay,
         lamps: Vec::new(),
+        bodies: Default::default(),
     }
 }

@@ -10,20 +10,20 @@ use glam::{DVec3, IVec3};
 
 use super::{Body, Intent, Measures, Terrain};
 
-const DT_S: f64 = 1.0 / 120.0;
-const HEIGHT: f64 = 1.77;
+pub(super) const DT_S: f64 = 1.0 / 120.0;
+pub(super) const HEIGHT: f64 = 1.77;
 /// Edge of the random worlds (voxels); their outermost layer is solid.
-const EDGE: i32 = 16;
+pub(super) const EDGE: i32 = 16;
 
 /// Every voxel of a small world; everything else is solid or air.
 #[derive(Clone)]
-struct Grid {
+pub(super) struct Grid {
     solid: Vec<bool>,
-    outside: bool,
+    pub(super) outside: bool,
 }
 
 impl Grid {
-    fn new(solid: impl Fn(IVec3) -> bool) -> Self {
+    pub(super) fn new(solid: impl Fn(IVec3) -> bool) -> Self {
         let all = 0..EDGE * EDGE * EDGE;
         Self {
             solid: all.map(|index| solid(voxel(index))).collect(),
@@ -32,7 +32,7 @@ impl Grid {
     }
 
     /// A closed room, with a share of its voxels solid, and a block of air in the middle to start in.
-    fn room(share: f64, seed: u64) -> Self {
+    pub(super) fn room(share: f64, seed: u64) -> Self {
         let inner = 1..EDGE - 1;
         Self::new(|at| {
             let is_inside = at.to_array().iter().all(|n| inner.contains(n));
@@ -41,7 +41,7 @@ impl Grid {
         })
     }
 
-    fn set(&mut self, at: IVec3, solid: bool) {
+    pub(super) fn set(&mut self, at: IVec3, solid: bool) {
         self.solid[index(at)] = solid;
     }
 
@@ -81,10 +81,10 @@ impl Terrain for Grid {
 }
 
 /// splitmix64 (Steele et al. 2014).
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    fn next(&mut self) -> u64 {
+    pub(super) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -92,7 +92,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    fn share(&mut self) -> f64 {
+    pub(super) fn share(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 
@@ -101,7 +101,7 @@ impl Random {
         (self.next() % 3) as i8 - 1
     }
 
-    fn intent(&mut self) -> Intent {
+    pub(super) fn intent(&mut self) -> Intent {
         let yaw = self.share() * std::f64::consts::TAU;
         let pitch = (self.share() - 0.5) * 3.0;
         let level = DVec3::new(yaw.sin(), 0.0, yaw.cos());
@@ -129,7 +129,7 @@ fn in_the_middle(terrain: &impl Terrain) -> Body {
 }
 
 /// Walks or flies straight ahead.
-fn ahead(heading: DVec3) -> Intent {
+pub(super) fn ahead(heading: DVec3) -> Intent {
     Intent {
         forward: 1,
         heading,

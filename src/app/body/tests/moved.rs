@@ -35,6 +35,7 @@ impl Stage {
                 rotation: Quat::IDENTITY,
             },
             motion,
+            put_by: Default::default(),
         };
         Self {
             grid: Grid::room(0.0, 1),

@@ -1,0 +1,48 @@
+//! What a frame finds out about its bodies beside the camera rays.
+
+use std::thread;
+
+use crate::{
+    gpu::{Gpu, GpuError, Offer, Recorder, made},
+    passes::{
+        probes::body_light::BodyLight,
+        scene::{GpuBodies, body_shafts::BodyShafts},
+    },
+};
+
+pub(super) struct BodyPasses {
+    light: BodyLight,
+    shafts: BodyShafts,
+    bodies: GpuBodies,
+}
+
+impl BodyPasses {
+    /// `None` where there are no bodies. `offer` is that of the scene and the probes.
+    pub fn new(gpu: &Gpu, bodies: &GpuBodies, offer: &Offer<'_>) -> Result<Option<Self>, GpuError> {
+        if !bodies.exist() {
+            return Ok(None);
+        }
+        thread::scope(|threads| {
+            let light = threads.spawn(|| BodyLight::new(gpu, bodies, offer));
+            let shafts = BodyShafts::new(gpu, bodies, offer)?;
+            Ok(Some(Self {
+                light: made(light)?,
+                shafts,
+                bodies: bodies.clone(),
+            }))
+        })
+    }
+
+    /// The light of bodies and, where it may have changed, which lamps they may hide.
+    pub fn record(&self, recorder: &mut Recorder<'_>, hide_others: bool) {
+        self.light.record(recorder);
+        if hide_others {
+            self.shafts.record(recorder);
+        }
+    }
+
+    /// Hands over what [`record`](Self::record) has found, once no shared pass is open.
+    pub fn publish(&self, recorder: &mut Recorder<'_>) {
+        self.bodies.publish_facts(&mut recorder.encoder);
+    }
+}
