@@ -1,16 +1,17 @@
-//! What a frame finds out about its bodies beside the camera rays.
+//! What a frame finds out about its bodies.
 
 use std::thread;
 
 use crate::{
     gpu::{Gpu, GpuError, Offer, Recorder, made},
     passes::{
-        probes::body_light::BodyLight,
+        probes::{ProbeField, body_light::BodyLight, cover::ProbeCover},
         scene::{GpuBodies, body_shafts::BodyShafts},
     },
 };
 
 pub(super) struct BodyPasses {
+    cover: ProbeCover,
     light: BodyLight,
     shafts: BodyShafts,
     bodies: GpuBodies,
@@ -18,19 +19,31 @@ pub(super) struct BodyPasses {
 
 impl BodyPasses {
     /// `None` where there are no bodies. `offer` is that of the scene and the probes.
-    pub fn new(gpu: &Gpu, bodies: &GpuBodies, offer: &Offer<'_>) -> Result<Option<Self>, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        bodies: &GpuBodies,
+        field: &ProbeField,
+        offer: &Offer<'_>,
+    ) -> Result<Option<Self>, GpuError> {
         if !bodies.exist() {
             return Ok(None);
         }
         thread::scope(|threads| {
+            let cover = threads.spawn(|| ProbeCover::new(gpu, field, offer));
             let light = threads.spawn(|| BodyLight::new(gpu, bodies, offer));
             let shafts = BodyShafts::new(gpu, bodies, offer)?;
             Ok(Some(Self {
+                cover: made(cover)?,
                 light: made(light)?,
                 shafts,
                 bodies: bodies.clone(),
             }))
         })
+    }
+
+    /// Which probes bodies cover.
+    pub fn cover(&self, recorder: &mut Recorder<'_>) {
+        self.cover.record(recorder);
     }
 
     /// The light of bodies and, where it may have changed, which lamps they may hide.

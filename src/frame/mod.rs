@@ -42,8 +42,8 @@ use inspect::Inspect;
 use offers::Subjects;
 pub use offers::offer;
 use order::FrameOrder;
-use passes::{Passes, Wanted};
-use values::{Drawn, Update};
+use passes::Passes;
+use values::{Drawn, Update, Wanted};
 
 use crate::{
     gpu::{Gpu, GpuError, Recorder},

@@ -4,20 +4,19 @@ use std::thread;
 
 use super::{
     FrameError,
-    antialias::Smoothing,
     body_passes::BodyPasses,
     inspect::Inspect,
     offers::{Subjects, offer},
     values::{
         ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
-        ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update,
+        ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update, Wanted,
     },
 };
 use crate::{
     gpu::{Gpu, Offer, Recorder, made},
     passes::{
         probes::{
-            blend::ProbeBlend, classify::ProbeClassify, cover::ProbeCover, forget_hits::ForgetHits,
+            blend::ProbeBlend, classify::ProbeClassify, forget_hits::ForgetHits,
             occlusion_blend::OcclusionBlend, occlusion_rays::OcclusionRays,
             schedule::ProbeSchedule, seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
             visibility::ProbeVisibility,
@@ -28,8 +27,8 @@ use crate::{
             trace::SurfaceTrace,
         },
         view::{
-            Inspection, Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays,
-            shade::Shade, tonemap::Tonemap,
+            Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays, shade::Shade,
+            tonemap::Tonemap,
         },
     },
 };
@@ -41,7 +40,6 @@ pub(super) struct Passes {
     pub camera_rays: CameraRays,
     classify: ProbeClassify,
     /// Where there are bodies.
-    cover: Option<ProbeCover>,
     bodies: Option<BodyPasses>,
     visibility: ProbeVisibility,
     seed: ProbeSeed,
@@ -60,14 +58,6 @@ pub(super) struct Passes {
     pub inspect: Inspect,
     pub antialias: Option<TemporalAntialias>,
     pub tonemap: Tonemap,
-}
-
-/// Which of the passes that are made only when they are requested.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Wanted {
-    pub inspection: Inspection,
-    pub smoothing: Smoothing,
-    pub bits: bool,
 }
 
 impl Passes {
@@ -95,8 +85,7 @@ impl Passes {
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
-            let cover = threads.spawn(|| ProbeCover::new(gpu, field, scene));
-            let bodies = threads.spawn(|| BodyPasses::new(gpu, bodies, &offer));
+            let bodies = threads.spawn(|| BodyPasses::new(gpu, bodies, field, &offer));
             let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));
             let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
             let seed = threads.spawn(|| ProbeSeed::new(gpu, field, resources));
@@ -138,7 +127,6 @@ impl Passes {
                 bits,
                 lamp_lists: made(lamp_lists)?,
                 classify: made(classify)?,
-                cover: made(cover)?,
                 bodies: made(bodies)?,
                 visibility: made(visibility)?,
                 schedule: made(schedule)?,
@@ -167,10 +155,14 @@ impl Passes {
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
             let surfaces = self.trace_camera(recorder, drawn);
             self.ask_faces(recorder, update.asks_faces);
-            (self.bodies.iter()).for_each(|bodies| bodies.record(recorder, update.asks_bodies));
+            if let Some(bodies) = &self.bodies {
+                bodies.record(recorder, update.asks_bodies);
+            }
             (surfaces, self.list_probes(recorder, placed))
         });
-        (self.bodies.iter()).for_each(|bodies| bodies.publish(recorder));
+        if let Some(bodies) = &self.bodies {
+            bodies.publish(recorder);
+        }
         let (active, seen_faces) = recorder.concurrent(|recorder| {
             let active = self.size_list(recorder, listed_probes);
             (active, self.allocate_seen(recorder, &surfaces))
@@ -268,9 +260,9 @@ impl Passes {
             }
         }
         if (update.places_probes || update.moves_bodies)
-            && let Some(cover) = &self.cover
+            && let Some(bodies) = &self.bodies
         {
-            cover.record(recorder);
+            bodies.cover(recorder);
         }
         // Probes that walk may have moved at the end of any frame.
         if let Some(forget_hits) = &self.forget_hits

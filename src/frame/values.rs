@@ -1,5 +1,16 @@
 //! What goes from pass to pass in a frame.
 
+use super::antialias::Smoothing;
+use crate::passes::view::Inspection;
+
+/// Which of the passes that are made only when they are requested.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Wanted {
+    pub inspection: Inspection,
+    pub smoothing: Smoothing,
+    pub bits: bool,
+}
+
 /// What must be brought up to date in a frame.
 #[derive(Clone, Copy)]
 pub(super) struct Update {
