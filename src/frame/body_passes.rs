@@ -6,7 +6,8 @@ use crate::{
     gpu::{Gpu, GpuError, Offer, Recorder, made},
     passes::{
         probes::{ProbeField, body_light::BodyLight, cover::ProbeCover},
-        scene::{GpuBodies, body_shafts::BodyShafts},
+        scene::GpuBodies,
+        surface_cache::body_shafts::BodyShafts,
     },
 };
 
@@ -30,8 +31,8 @@ impl BodyPasses {
         }
         thread::scope(|threads| {
             let cover = threads.spawn(|| ProbeCover::new(gpu, field, offer));
-            let light = threads.spawn(|| BodyLight::new(gpu, bodies, offer));
-            let shafts = BodyShafts::new(gpu, bodies, offer)?;
+            let light = threads.spawn(|| BodyLight::new(gpu, offer));
+            let shafts = BodyShafts::new(gpu, bodies.cells(), offer)?;
             Ok(Some(Self {
                 cover: made(cover)?,
                 light: made(light)?,
@@ -48,7 +49,7 @@ impl BodyPasses {
 
     /// The light of bodies and, where it may have changed, which lamps they may hide.
     pub fn record(&self, recorder: &mut Recorder<'_>, hide_others: bool) {
-        self.light.record(recorder);
+        self.light.record(recorder, self.bodies.lit_faces());
         if hide_others {
             self.shafts.record(recorder);
         }

@@ -22,7 +22,7 @@ pub(super) struct Update {
     pub marks_visibility: bool,
     /// Bodies have moved: pass `probes/cover` must run.
     pub moves_bodies: bool,
-    /// Bodies may hide other lamps than before: pass `scene/body_shafts` must run.
+    /// Bodies may hide other lamps than before: pass `surface_cache/body_shafts` must run.
     pub asks_bodies: bool,
     /// A volume that follows the camera has probes that are new.
     pub has_fresh: bool,

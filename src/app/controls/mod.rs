@@ -100,6 +100,7 @@ const WALK: &str = "walk, or fly";
 const SLOT: &str = "what is in the hand";
 const SPEED: &str = "speed of flight";
 const BRUSH: &str = "the brush: one voxel, a ball, a box; its size";
+const BODY: &str = "lift voxels out as a body to push, set it in again";
 const COPY: &str = "paste the copy, turn it, with its air or without";
 const CAMERAS: &str = "jump to a camera of the world";
 
@@ -126,8 +127,8 @@ pub const ACTIONS: &[Entry] = &[
     entry(Action::Paste, "paste", "paste", COPY, &[key(KeyCode::KeyV)]),
     entry(Action::Turn, "turn", "turn the copy", COPY, &[key(KeyCode::KeyR)]),
     entry(Action::Air, "air", "paste air too", COPY, &[key(KeyCode::KeyN)]),
-    entry(Action::Lift, "lift", "lift out a body", "make a body of the box with a corner marked, of what the brush covers, or of the copy; walk against it to push it", &[key(KeyCode::KeyL)]),
-    entry(Action::Settle, "settle", "set a body", "set the body you look at into the world", &[key(KeyCode::KeyJ)]),
+    entry(Action::Lift, "lift", "lift out a body", BODY, &[key(KeyCode::KeyL)]),
+    entry(Action::Settle, "settle", "set a body", BODY, &[key(KeyCode::KeyJ)]),
     entry(Action::Undo, "undo", "undo", "undo the last stroke", &[ctrl(KeyCode::KeyZ)]),
     entry(Action::Redo, "redo", "redo", "redo it", &[ctrl(KeyCode::KeyY), ctrl_shift(KeyCode::KeyZ)]),
     entry(Action::Slot(0), "slot_1", "slot 1", SLOT, &[key(KeyCode::Digit1)]),

@@ -1,14 +1,10 @@
 //! Pass `probes/body_light`: the indirect light of faces of bodies, which rays that hit bodies read.
 
-use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle},
-    passes::scene::GpuBodies,
-};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
 pub struct BodyLight {
     kernel: Kernel,
     bindings: Bindings,
-    bodies: GpuBodies,
 }
 
 impl BodyLight {
@@ -16,7 +12,7 @@ impl BodyLight {
     ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, bodies: &GpuBodies, offer: &Offer<'_>) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, offer: &Offer<'_>) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -25,17 +21,15 @@ impl BodyLight {
                 ..Default::default()
             },
         )?;
-        let all = offer.with([bodies.facts()]);
         Ok(Self {
-            bindings: kernel.bind(gpu, &all.resources),
+            bindings: kernel.bind(gpu, &offer.resources),
             kernel,
-            bodies: bodies.clone(),
         })
     }
 
-    /// In every frame, after pass `probes/cover`. [`GpuBodies::publish_facts`] hands over the result.
-    pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let faces = self.bodies.lit_faces().min(MOST_FACES);
+    /// In every frame, after pass `probes/cover`. `faces`: of all bodies.
+    pub fn record(&self, recorder: &mut Recorder<'_>, faces: u32) {
+        let faces = faces.min(MOST_FACES);
         if faces == 0 {
             return;
         }

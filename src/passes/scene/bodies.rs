@@ -242,21 +242,17 @@ impl GpuBodies {
     }
 
     /// What the shaders bind by name.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
         [
             ("bodies", self.buffer.as_entire_binding()),
             ("bodies_before", self.before.as_entire_binding()),
+            ("body_facts", self.facts.as_entire_binding()),
         ]
     }
 
     /// Whether there may be any.
     pub fn exist(&self) -> bool {
         self.room.bodies > 0
-    }
-
-    /// What the passes about bodies write.
-    pub fn facts(&self) -> (&'static str, wgpu::BindingResource<'_>) {
-        ("body_facts", self.facts.as_entire_binding())
     }
 
     /// Number of faces with stored light, of all bodies.

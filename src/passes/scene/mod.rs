@@ -4,7 +4,6 @@ mod bodies;
 mod body_models;
 mod body_records;
 mod body_room;
-pub mod body_shafts;
 pub mod distances;
 mod emitters;
 mod hierarchy;

@@ -202,14 +202,14 @@ mod tests {
     fn a_press_is_bound_a_taken_one_asked_about_and_esc_refused() {
         let mut bindings = Bindings::default();
         let mut page = waiting();
-        page.take(chord("J"), &mut bindings);
+        page.take(chord("T"), &mut bindings);
         assert_eq!(page, KeyPage::default());
-        assert_eq!(bindings.names(Action::Fly), "J");
+        assert_eq!(bindings.names(Action::Fly), "T");
 
         page = waiting();
         page.take(chord("W"), &mut bindings);
         assert!(page.asks.is_some() && !page.waits());
-        assert_eq!(bindings.names(Action::Fly), "J", "nothing without a word");
+        assert_eq!(bindings.names(Action::Fly), "T", "nothing without a word");
         assert_eq!(bindings.names(Action::Forward), "W");
 
         page = waiting();
@@ -218,13 +218,13 @@ mod tests {
         page = waiting();
         page.leave();
         page.take(chord("X"), &mut bindings);
-        assert_eq!(bindings.names(Action::Fly), "J");
+        assert_eq!(bindings.names(Action::Fly), "T");
     }
 
     #[test]
     fn a_reset_asks_before_it_takes_a_key_from_another() {
         let mut bindings = Bindings::default();
-        bindings.bind(Action::Fly, 0, chord("J"));
+        bindings.bind(Action::Fly, 0, chord("T"));
         bindings.bind(Action::Up, 0, chord("K"));
         let mut page = KeyPage::default();
         page.reset(Action::Fly, &mut bindings);
