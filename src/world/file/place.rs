@@ -15,6 +15,10 @@ const TRIES: u32 = 32;
 /// Most places tried at a time; if a batch of this size finds none, the scatter gives up.
 const BATCH: u32 = 4096;
 
+/// Fewest places tried at a time, and most for each place that is missing.
+const LEAST_BATCH: u32 = 16;
+const MOST_AHEAD: u32 = 16;
+
 /// The requirements of a scatter.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ask {
@@ -107,7 +111,7 @@ impl Ask {
         let mut tried = 0;
         while found.len() < self.count as usize && tried < most {
             let missing = self.count - found.len() as u32;
-            let batch = tried..most.min(tried + missing.clamp(16, BATCH));
+            let batch = tried..most.min(tried + batch_size(missing, tried, found.len() as u32));
             let before = found.len();
             tried = batch.end;
             let full = batch.len() as u32 == BATCH;
@@ -192,6 +196,17 @@ impl Ask {
             chance: hash(chance),
         })
     }
+}
+
+/// How many candidates to try next: about as many as the share of suitable ones so far says, so that all threads have work
+/// where few are suitable. The size of a batch changes no result: only one of BATCH candidates may end the search, and one
+/// is tried only where that many places are missing.
+fn batch_size(missing: u32, tried: u32, found: u32) -> u32 {
+    if missing >= BATCH {
+        return BATCH;
+    }
+    let tries_per_place = (tried / found.max(1)).clamp(1, MOST_AHEAD);
+    (missing * tries_per_place).clamp(LEAST_BATCH, BATCH - 1)
 }
 
 /// Runs of equal voxels up a column, as (first voxel above the run, whether the run is solid). Skips
