@@ -3,13 +3,13 @@
 //! ```text
 //! scene/lamp_lists (lamps that move, where there are many) ─ the lamps of each cell, for all that follows
 //! probes/classify (new probes, volumes that move, edits) ─ where probes are ─ probes/schedule ─ which are updated
-//!     ├ probes/cover (bodies that move) ─ which probes bodies cover
+//!     ├ probes/cover (bodies that move), probes/body_light ─ probes in bodies, light of bodies
 //!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
 //!     ├ probes/seed (volumes that move) ─ what new probes show until their first update
 //!     └ probes/forget_hits (`probes.hits=kept`) ─ which kept hits are still true
 //! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐
 //!     └────────────── atlas of the last frame ◄───────────┤                │
-//! view/camera_rays ─ surfaces ─ surface_cache/{lamps, allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/antialias ─ view/tonemap
+//! view/camera_rays ─ surfaces ─ surface_cache/{lamps, body_shafts, allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/antialias ─ view/tonemap
 //!                        └────────────────────────────────────────────────────┘    └ views of the probes       display
 //! ```
 

@@ -1,6 +1,8 @@
 //! Rigid bodies: rays against the CPU's marching, bodies against the same voxels in the grid, light against laws and
 //! the path tracers.
 
+mod shafts;
+
 use std::{f32::consts::PI, sync::atomic::AtomicBool};
 
 use glam::{DVec3, IVec3, Quat, UVec3, Vec3};
