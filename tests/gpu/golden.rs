@@ -1,8 +1,7 @@
 //! The source's three worlds, drawn small, against golden pictures by FLIP (Andersson et al. 2020).
 //!
 //! `GROTTO_UPDATE_GOLDEN=1 cargo test --test gpu golden` writes the pictures again: look at them before
-//! committing, and make them on a software adapter. The threshold allows for another driver's rounding and noise, not
-//! for another picture.
+//! committing. The threshold allows for another driver's rounding, not for another picture.
 
 use std::path::Path;
 
@@ -16,14 +15,10 @@ use crate::support::{self, frames::Drawn, root};
 
 const SIZE: [u32; 2] = [192, 108];
 const FRAMES: u32 = 48;
-/// Largest mean FLIP error of a picture of a software adapter, as the golden ones are.
+/// Largest mean FLIP error of a picture.
 const MOST_FLIP: f32 = 0.02;
-/// The same of other adapters. Their rounding leads to other random numbers, and after this many frames two pictures with
-/// different noise have up to 0.047 (NVIDIA H100); each of the faults below has more than 0.09.
-const MOST_FLIP_OF_OTHER_NOISE: f32 = 0.06;
 
-/// The picture, and the FLIP error that it may have.
-fn draw(world: &str) -> (Picture, f32) {
+fn draw(world: &str) -> Picture {
     let world = support::shipped(world);
     let probes = ProbeParameters {
         rays: 64,
@@ -33,12 +28,7 @@ fn draw(world: &str) -> (Picture, f32) {
     let layout = layout.unwrap_or(&world.layouts[0]).clone();
     let mut drawn = Drawn::new(support::gpu(), world, &layout, probes, SIZE);
     drawn.draw(FRAMES);
-    let most = match drawn.gpu.summary.is_software() {
-        true => MOST_FLIP,
-        false => MOST_FLIP_OF_OTHER_NOISE,
-    };
-    let picture = drawn.frame.read_display(&drawn.gpu);
-    (picture.expect("reads back"), most)
+    drawn.frame.read_display(&drawn.gpu).expect("reads back")
 }
 
 fn flip_mean(picture: &Picture, golden: &Picture) -> f32 {
@@ -55,7 +45,7 @@ fn flip_mean(picture: &Picture, golden: &Picture) -> f32 {
 }
 
 fn compare(world: &str) {
-    let (picture, most) = draw(world);
+    let picture = draw(world);
     let path = root().join(format!("tests/golden/{world}.png"));
     if std::env::var_os("GROTTO_UPDATE_GOLDEN").is_some() {
         picture_file::write_png(&path, &picture).expect("writes");
@@ -63,7 +53,7 @@ fn compare(world: &str) {
     let golden = read(&path);
     let difference = flip_mean(&picture, &golden);
     assert!(
-        difference <= most,
+        difference <= MOST_FLIP,
         "{world} differs from {} by FLIP {difference}",
         path.display()
     );
@@ -83,7 +73,7 @@ fn compare(world: &str) {
     ] {
         let difference = flip_mean(&wrong, &golden);
         assert!(
-            difference > most,
+            difference > MOST_FLIP,
             "{world} {fault} passes with {difference}"
         );
     }
