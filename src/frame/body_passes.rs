@@ -47,10 +47,10 @@ impl BodyPasses {
         self.cover.record(recorder);
     }
 
-    /// The light of bodies and, where it may have changed, which lamps they may hide.
-    pub fn record(&self, recorder: &mut Recorder<'_>, hide_others: bool) {
+    /// The light of bodies and, if they or the lamps have moved, which lamps they may hide.
+    pub fn record(&self, recorder: &mut Recorder<'_>, finds_shafts: bool) {
         self.light.record(recorder, self.bodies.lit_faces());
-        if hide_others {
+        if finds_shafts {
             self.shafts.record(recorder);
         }
     }

@@ -228,7 +228,7 @@ impl Frame {
                 lamps_have_changed || self.field.changes.shown_first().is_some(),
             ),
             moves_bodies: bodies_moved > 0.0,
-            asks_bodies: bodies_moved > 0.0 || lamps_have_changed || self.frames == 0,
+            finds_shafts: bodies_moved > 0.0 || lamps_have_changed || self.frames == 0,
             shades_early: self.order.shades_early(is_calm),
         };
         self.field.set_placed();

@@ -23,7 +23,7 @@ pub(super) struct Update {
     /// Bodies have moved: pass `probes/cover` must run.
     pub moves_bodies: bool,
     /// Bodies may hide other lamps than before: pass `surface_cache/body_shafts` must run.
-    pub asks_bodies: bool,
+    pub finds_shafts: bool,
     /// A volume that follows the camera has probes that are new.
     pub has_fresh: bool,
     /// Faces may not know which lamps they see: pass `surface_cache/lamps` must run.

@@ -2,6 +2,13 @@
 
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
+crate::shared! {
+    in probes;
+
+    /// Most faces of bodies that find their light in a frame. Where there are more, they take turns.
+    const MOST_FACES as MOST_BODY_FACES: u32 = 65536;
+}
+
 pub struct BodyLight {
     kernel: Kernel,
     bindings: Bindings,
@@ -36,11 +43,4 @@ impl BodyLight {
         let groups = rectangle(faces.div_ceil(self.kernel.workgroup_size[0]));
         recorder.run(&self.kernel, &self.bindings, groups);
     }
-}
-
-crate::shared! {
-    in probes;
-
-    /// Most faces of bodies that find their light in a frame. Where there are more, they take turns.
-    const MOST_FACES as MOST_BODY_FACES: u32 = 65536;
 }

@@ -8,8 +8,9 @@ use crate::world::bodies::BodyModel;
 crate::shared! {
     in scene;
 
-    /// Cells along each axis of a body whose faces have stored light.
-    const CELLS as LIT_CELLS: u32 = 4;
+    /// Cells along each axis of a body whose faces have stored light. As many as a block has voxels: then a cell has as many
+    /// voxels along an axis as the model has blocks.
+    const CELLS as LIT_CELLS: u32 = BLOCK;
     /// Faces with stored light of a body: six for each cell.
     pub const LIT_FACES as LIT_FACES: u32 = CELLS * CELLS * CELLS * 6;
 }

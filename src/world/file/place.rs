@@ -199,8 +199,8 @@ impl Ask {
 }
 
 /// How many candidates to try next: about as many as the share of suitable ones so far says, so that all threads have work
-/// where few are suitable. The size of a batch changes no result: only one of BATCH candidates may end the search, and one
-/// is tried only where that many places are missing.
+/// where few are suitable. Sizes below BATCH change no result: only a batch of BATCH candidates without a place ends the
+/// search early, and such a batch is tried only while at least BATCH places are missing.
 fn batch_size(missing: u32, tried: u32, found: u32) -> u32 {
     if missing >= BATCH {
         return BATCH;
