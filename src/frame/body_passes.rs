@@ -2,24 +2,26 @@
 
 use std::thread;
 
+use super::values::Update;
 use crate::{
     gpu::{Gpu, GpuError, Offer, Recorder, made},
     passes::{
         probes::{ProbeField, body_light::BodyLight, cover::ProbeCover},
         scene::GpuBodies,
-        surface_cache::body_shafts::BodyShafts,
+        surface_cache::{body_lamps::BodyLamps, body_shafts::BodyShafts},
     },
 };
 
 pub(super) struct BodyPasses {
     cover: ProbeCover,
     light: BodyLight,
+    lamps: BodyLamps,
     shafts: BodyShafts,
     bodies: GpuBodies,
 }
 
 impl BodyPasses {
-    /// `None` where there are no bodies. `offer` is that of the scene and the probes.
+    /// `None` where there are no bodies. `offer` is that of all subjects.
     pub fn new(
         gpu: &Gpu,
         bodies: &GpuBodies,
@@ -32,10 +34,12 @@ impl BodyPasses {
         thread::scope(|threads| {
             let cover = threads.spawn(|| ProbeCover::new(gpu, field, offer));
             let light = threads.spawn(|| BodyLight::new(gpu, offer));
-            let shafts = BodyShafts::new(gpu, bodies.cells(), offer)?;
+            let lamps = threads.spawn(|| BodyLamps::new(gpu, offer));
+            let shafts = BodyShafts::new(gpu, offer)?;
             Ok(Some(Self {
                 cover: made(cover)?,
                 light: made(light)?,
+                lamps: made(lamps)?,
                 shafts,
                 bodies: bodies.clone(),
             }))
@@ -47,11 +51,14 @@ impl BodyPasses {
         self.cover.record(recorder);
     }
 
-    /// The light of bodies and, if they or the lamps have moved, which lamps they may hide.
-    pub fn record(&self, recorder: &mut Recorder<'_>, finds_shafts: bool) {
+    /// The light of bodies; which lamps they see, and which they may hide, if that may have changed.
+    pub fn record(&self, recorder: &mut Recorder<'_>, update: &Update) {
         self.light.record(recorder, self.bodies.lit_faces());
-        if finds_shafts {
-            self.shafts.record(recorder);
+        if update.finds_shafts {
+            self.shafts.record(recorder, self.bodies.shaded_places());
+        }
+        if update.finds_shafts || update.asks_faces {
+            self.lamps.record(recorder, self.bodies.near_cells());
         }
     }
 

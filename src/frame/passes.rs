@@ -156,7 +156,7 @@ impl Passes {
             let surfaces = self.trace_camera(recorder, drawn);
             self.ask_faces(recorder, update.asks_faces);
             if let Some(bodies) = &self.bodies {
-                bodies.record(recorder, update.finds_shafts);
+                bodies.record(recorder, &update);
             }
             (surfaces, self.list_probes(recorder, placed))
         });

@@ -1,6 +1,7 @@
 //! Rigid bodies: rays against the CPU's marching, bodies against the same voxels in the grid, light against laws and
 //! the path tracers.
 
+mod lamps;
 mod shafts;
 
 use std::{f32::consts::PI, sync::atomic::AtomicBool};

@@ -2,7 +2,11 @@
 
 mod latency;
 
-use std::path::Path;
+use std::{
+    collections::VecDeque,
+    path::Path,
+    time::{Duration, Instant},
+};
 
 pub use latency::LatencyFigures;
 
@@ -27,6 +31,9 @@ use crate::{
     world::{Camera, PlacedLamp, World, bodies::ChangedBodies},
 };
 
+/// Frames that the adapter may have at a time, so that it draws one while the next is made, as in the window.
+const IN_FLIGHT: usize = 2;
+
 /// A record while it is played.
 pub struct Replay {
     viewport: Viewport,
@@ -46,6 +53,10 @@ pub struct Replay {
     frames_per_s: u32,
     end_ns: u64,
     frames: u64,
+    /// Frames that the adapter may still draw, oldest first.
+    in_flight: VecDeque<wgpu::SubmissionIndex>,
+    /// Time that it took to make the last frame, without waiting for the adapter.
+    making: Duration,
     /// The size of all pictures, where it is not the record's.
     size: Option<[u32; 2]>,
 }
@@ -121,6 +132,8 @@ impl Replay {
             seed: header.seed,
             frames_per_s: options.frames_per_s,
             frames: 0,
+            in_flight: VecDeque::new(),
+            making: Duration::ZERO,
             size: options.size,
         })
     }
@@ -137,8 +150,10 @@ impl Replay {
     /// [`AppError`] when the adapter fails.
     pub fn next_frame(&mut self) -> Result<bool, AppError> {
         if self.frames == self.length() {
+            self.finish()?;
             return Ok(false);
         }
+        let begun = Instant::now();
         self.frames += 1;
         let frame_end = u128::from(self.frames) * 1_000_000_000 / u128::from(self.frames_per_s);
         let to_ns = (frame_end as u64).min(self.end_ns);
@@ -148,11 +163,36 @@ impl Replay {
         let time_s = self.settings.clock.time_s;
         self.viewport
             .record(&mut recorder, &self.camera, time_s, self.seed)?;
-        recorder.submit(&gpu)?;
-        gpu.wait()?;
+        self.in_flight.push_back(recorder.submit(&gpu)?);
+        self.making = begun.elapsed();
+        if self.in_flight.len() >= IN_FLIGHT
+            && let Some(oldest) = self.in_flight.pop_front()
+        {
+            gpu.wait_for(oldest)?;
+        }
+        self.check()?;
+        Ok(true)
+    }
+
+    /// Waits until the adapter has drawn every frame.
+    ///
+    /// # Errors
+    /// [`AppError`] when the adapter fails.
+    pub fn finish(&mut self) -> Result<(), AppError> {
+        self.in_flight.clear();
+        self.viewport.gpu.wait()?;
+        self.check()
+    }
+
+    fn check(&self) -> Result<(), AppError> {
         self.device_errors
             .first()
-            .map_or(Ok(true), |error| Err(error.into()))
+            .map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    /// Time that it took to make the last frame: simulation, recording and submission.
+    pub fn making(&self) -> Duration {
+        self.making
     }
 
     fn play_to(&mut self, to_ns: u64) -> Result<(), AppError> {

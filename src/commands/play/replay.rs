@@ -3,6 +3,7 @@
 use std::{
     path::{Path, PathBuf},
     sync::atomic::Ordering,
+    time::Instant,
 };
 
 use serde::Serialize;
@@ -20,12 +21,15 @@ use crate::{
         sound::wav::WavFile,
     },
     gpu::{Gpu, GpuError},
-    measure::{picture_file, whole_file},
+    measure::{frame_times::FrameStatistics, picture_file, whole_file},
     world::{PlacedLamp, bodies::ChangedBodies},
 };
 
 /// Measurements of memory over a replay.
 const SAMPLES: u64 = 240;
+
+/// Frames before times count.
+const WARM_UP: u64 = 60;
 
 /// What a replay draws.
 pub struct Film {
@@ -55,6 +59,10 @@ struct Figures {
     /// Those that were placed or pushed.
     bodies: Vec<BodyFigures>,
     latency: LatencyFigures,
+    /// Wall time from frame to frame (ms), and how much of it the CPU took to make each; without the first frames, which
+    /// compile and warm up, and without those that became pictures. `null` for a short replay.
+    frame_ms: Option<FrameStatistics>,
+    cpu_ms: Option<FrameStatistics>,
     process_bytes: Growth,
     adapter_bytes: Growth,
 }
@@ -123,6 +131,8 @@ pub fn run(
     let mut process = Process::this();
     let (mut process_bytes, mut adapter_bytes) = (Vec::new(), Vec::new());
     let mut pictures = 0;
+    let (mut frames_ms, mut making_ms) = (Vec::new(), Vec::new());
+    let mut last_end = Instant::now();
     for frame in 1..=length {
         if stop.load(Ordering::Relaxed) {
             bar.finish_and_clear();
@@ -139,7 +149,12 @@ pub fn run(
         if let Some(wav) = &mut wav {
             wav.add(replay.heard())?;
         }
-        if film.every > 0 && frame.is_multiple_of(film.every) {
+        let is_drawn = film.every > 0 && frame.is_multiple_of(film.every);
+        if frame > WARM_UP && !is_drawn {
+            frames_ms.push(last_end.elapsed().as_secs_f64() * 1e3);
+            making_ms.push(replay.making().as_secs_f64() * 1e3);
+        }
+        if is_drawn {
             picture_file::write_png(&picture_path(&film.folder, frame), &replay.picture()?)?;
             pictures += 1;
         }
@@ -149,7 +164,9 @@ pub fn run(
             adapter_bytes.push((at, Footprint::of(replay.gpu()).bytes as f64));
         }
         bar.inc(1);
+        last_end = Instant::now();
     }
+    replay.finish()?;
     bar.finish_and_clear();
     if let Some(wav) = wav {
         wav.finish()?;
@@ -168,6 +185,8 @@ pub fn run(
         lamps: state.lamps,
         bodies: bodies_of(&state.bodies),
         latency: state.latency,
+        frame_ms: FrameStatistics::of(&frames_ms),
+        cpu_ms: FrameStatistics::of(&making_ms),
         process_bytes: Growth::of(&process_bytes),
         adapter_bytes: Growth::of(&adapter_bytes),
     };
@@ -179,6 +198,7 @@ pub fn run(
         "{} frames, {} steps, {:.2} s; {} pictures\n\
          eye {x} {y} {z}, yaw {}°, pitch {}°, voxels {}, {} placed lamps, {} bodies placed or pushed\n\
          {} inputs seen {:.2} frames late on average, at most {}; {} lost; {} without effect at once\n\
+         {}\
          memory {:.1} MB at first, {:.1} MB at the end, {:.1} MB of steady growth\n",
         figures.frames,
         figures.steps,
@@ -194,10 +214,22 @@ pub fn run(
         figures.latency.most_frames,
         figures.latency.lost,
         figures.latency.without_effect,
+        times(figures.frame_ms.as_ref(), figures.cpu_ms.as_ref()),
         megabytes(figures.process_bytes.start),
         megabytes(figures.process_bytes.end),
         megabytes(figures.process_bytes.steady),
     ))
+}
+
+/// A line about how long frames took.
+fn times(frame_ms: Option<&FrameStatistics>, cpu_ms: Option<&FrameStatistics>) -> String {
+    let Some((frame, cpu)) = frame_ms.zip(cpu_ms) else {
+        return String::new();
+    };
+    format!(
+        "{:.2} ms a frame, 99th percentile {:.2}; making one takes the CPU {:.2} ms, 99th percentile {:.2}\n",
+        frame.median, frame.p99, cpu.median, cpu.p99
+    )
 }
 
 fn megabytes(bytes: u64) -> f64 {

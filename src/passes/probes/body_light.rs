@@ -1,11 +1,11 @@
 //! Pass `probes/body_light`: the indirect light of faces of bodies, which rays that hit bodies read.
 
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 
 crate::shared! {
     in probes;
 
-    /// Most faces of bodies that find their light in a frame. Where there are more, they take turns.
+    /// Most faces of bodies that find their light in a frame. Where there are more, bodies take turns.
     const MOST_FACES as MOST_BODY_FACES: u32 = 65536;
 }
 
@@ -34,13 +34,17 @@ impl BodyLight {
         })
     }
 
-    /// In every frame, after pass `probes/cover`. `faces`: of all bodies.
-    pub fn record(&self, recorder: &mut Recorder<'_>, faces: u32) {
-        let faces = faces.min(MOST_FACES);
+    /// In every frame, after pass `probes/cover`. Number of bodies, their faces with stored light, and most faces of one.
+    pub fn record(&self, recorder: &mut Recorder<'_>, [bodies, faces, most]: [u32; 3]) {
         if faces == 0 {
             return;
         }
-        let groups = rectangle(faces.div_ceil(self.kernel.workgroup_size[0]));
-        recorder.run(&self.kernel, &self.bindings, groups);
+        let turns = faces.div_ceil(MOST_FACES);
+        let columns = most.div_ceil(self.kernel.workgroup_size[0]);
+        recorder.run(
+            &self.kernel,
+            &self.bindings,
+            [columns, bodies.div_ceil(turns)],
+        );
     }
 }

@@ -5,10 +5,10 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use glam::UVec3;
 
 use super::{
-    body_models::{LIT_FACES, blocks_of, lit_voxels, masks, materials, solid},
+    body_models::GpuModel,
     body_records::{GpuBody, GpuBodyNode, Placed, records},
-    body_room::{Cells, HEAD_VECTORS, Room, bytes},
-    hierarchy::{Bounds, hierarchy},
+    body_room::{Cells, HEAD_VECTORS, NEAR_FACTS, NearCells, Room, bytes},
+    hierarchy::{Bounds, OCTANTS, hierarchy, in_order},
 };
 use crate::{
     gpu::{Gpu, GpuError},
@@ -24,7 +24,8 @@ pub struct GpuBodies {
     buffer: wgpu::Buffer,
     /// The bodies as the frame before showed them, without hierarchy and models.
     before: wgpu::Buffer,
-    /// What passes find out about the bodies: the light of their faces, then for each cell the lamps that they may hide.
+    /// What passes find out about the bodies: the light of their faces; of the cells around each, which lamps they see; of
+    /// the cells of the world and of bodies, which lamps other bodies may hide.
     facts: wgpu::Buffer,
     cells: Cells,
     room: Room,
@@ -33,6 +34,11 @@ pub struct GpuBodies {
 
 struct Poses {
     placed: Vec<Placed>,
+    /// Faces with stored light of all bodies, and most of a body.
+    lit_faces: u32,
+    most_lit_faces: u32,
+    /// Most cells around a body.
+    most_near_cells: u32,
     /// Whether any body ever moves by itself.
     move_at_all: bool,
     /// World time of `now` (seconds).
@@ -62,7 +68,9 @@ impl GpuBodies {
     /// # Errors
     /// [`GpuError::TooLarge`].
     pub fn upload(gpu: &Gpu, bodies: &Bodies, size: UVec3) -> Result<Self, GpuError> {
-        Self::with(gpu, bodies, Room::of(bodies), Cells::of(size))
+        let models = gpu_models(bodies);
+        let room = Room::of(bodies, &models);
+        Self::with(gpu, bodies, &models, room, Cells::of(size))
     }
 
     /// Others in the same world, with room for more of them, so that one more needs other buffers only now and then.
@@ -70,18 +78,23 @@ impl GpuBodies {
     /// # Errors
     /// [`GpuError::TooLarge`].
     pub fn with_room(&self, gpu: &Gpu, bodies: &Bodies) -> Result<Self, GpuError> {
-        let needed = Room::of(bodies);
-        let ample = Room {
-            bodies: needed.bodies * 3 / 2 + 16,
-            models: needed.models * 3 / 2 + (1 << 14),
-        };
+        let models = gpu_models(bodies);
+        let needed = Room::of(bodies, &models);
+        let ample = needed.ample();
         let fits = gpu.check_buffer("bodies", ample.bytes(self.cells)).is_ok();
-        let all = Self::with(gpu, bodies, if fits { ample } else { needed }, self.cells)?;
+        let room = if fits { ample } else { needed };
+        let all = Self::with(gpu, bodies, &models, room, self.cells)?;
         all.poses().are_others = true;
         Ok(all)
     }
 
-    fn with(gpu: &Gpu, bodies: &Bodies, room: Room, cells: Cells) -> Result<Self, GpuError> {
+    fn with(
+        gpu: &Gpu,
+        bodies: &Bodies,
+        models: &[GpuModel],
+        room: Room,
+        cells: Cells,
+    ) -> Result<Self, GpuError> {
         let [all, of_facts] = [room.bytes(cells), bytes(room.facts(cells))];
         let (buffer, before, facts) = gpu.making("the bodies", all + of_facts, || {
             let buffer = gpu.storage_buffer("bodies", all)?;
@@ -98,6 +111,9 @@ impl GpuBodies {
             room,
             poses: Arc::new(Mutex::new(Poses {
                 placed: Vec::new(),
+                lit_faces: 0,
+                most_lit_faces: 0,
+                most_near_cells: 0,
                 move_at_all: false,
                 time_s: 0.0,
                 shown: None,
@@ -107,68 +123,68 @@ impl GpuBodies {
                 version: 0,
             })),
         };
-        all.fill(gpu, bodies);
+        all.fill(gpu, bodies, models);
         Ok(all)
     }
 
     /// Takes other bodies, where there is room for them, and returns whether there is. World time stays.
     pub fn take(&self, gpu: &Gpu, bodies: &Bodies) -> bool {
-        let needed = Room::of(bodies);
-        let fits = needed.bodies <= self.room.bodies && needed.models <= self.room.models;
+        let models = gpu_models(bodies);
+        let fits = self.room.holds(Room::of(bodies, &models));
         if fits {
-            self.fill(gpu, bodies);
+            self.fill(gpu, bodies, &models);
             self.poses().are_others = true;
         }
         fits
     }
 
-    /// Writes all bodies and their models.
-    fn fill(&self, gpu: &Gpu, bodies: &Bodies) {
+    /// Writes all bodies and their models, and forgets all facts.
+    fn fill(&self, gpu: &Gpu, bodies: &Bodies, models: &[GpuModel]) {
         let first_model = self.room.first_fact() + self.room.facts(self.cells);
-        let mut models = Vec::<[u32; 4]>::new();
-        let places: Vec<_> = bodies
-            .models
-            .iter()
-            .map(|model| {
-                let masks_at = first_model + models.len();
-                models.extend(masks(model));
-                let materials_at = first_model + models.len();
-                models.extend(materials(model));
-                let lit_voxels_at = first_model + models.len();
-                models.extend(lit_voxels(model));
-                let at = [masks_at, materials_at, lit_voxels_at].map(|at| at as u32);
-                (at, solid(model))
-            })
-            .collect();
-        gpu.queue.write_buffer(
-            &self.buffer,
-            bytes(first_model),
-            bytemuck::cast_slice(&models),
-        );
-        let placed = bodies.bodies.iter().map(|body| {
-            let ([masks_at, materials_at, lit_voxels_at], solid) = places[body.model];
-            let blocks = blocks_of(bodies.models[body.model].size);
-            Placed {
+        let mut vectors = Vec::<[u32; 4]>::new();
+        let mut masks_at = Vec::new();
+        for model in models {
+            masks_at.push((first_model + vectors.len()) as u32);
+            vectors.extend(&model.vectors);
+        }
+        let at = bytes(first_model);
+        gpu.queue
+            .write_buffer(&self.buffer, at, bytemuck::cast_slice(&vectors));
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.facts, 0, None);
+        gpu.queue.submit([encoder.finish()]);
+        let mut poses = self.poses();
+        poses.placed.clear();
+        (poses.lit_faces, poses.most_lit_faces, poses.most_near_cells) = (0, 0, 0);
+        let mut first_near = self.room.first_near_fact();
+        for body in &bodies.bodies {
+            let model = &models[body.model];
+            let near = NearCells::of(&model.solid);
+            let [x, y, z] = model.blocks.to_array();
+            let first_lit = poses.lit_faces;
+            poses.placed.push(Placed {
                 record: GpuBody {
-                    masks_at,
-                    materials_at,
-                    lit_voxels_at,
-                    blocks: blocks.x | blocks.y << 8 | blocks.z << 16,
+                    masks_at: masks_at[body.model],
+                    blocks: x | y << 8 | z << 16 | near.bits << 24 | near.shift << 28,
+                    first_lit,
+                    first_near: first_near as u32,
                     pivot: body.pivot.to_array(),
                     ..GpuBody::default()
                 },
                 body: body.clone(),
-                solid,
-            }
-        });
-        let mut poses = self.poses();
-        poses.placed = placed.collect();
+                solid: model.solid,
+            });
+            poses.lit_faces += model.lit_faces as u32;
+            poses.most_lit_faces = poses.most_lit_faces.max(model.lit_faces as u32);
+            poses.most_near_cells = poses.most_near_cells.max(near.count() as u32);
+            first_near += near.count() * NEAR_FACTS;
+        }
         poses.move_at_all = bodies.bodies.iter().any(|body| !body.is_still());
         poses.now = bodies.poses(poses.time_s);
         poses.shown = None;
         poses.is_before_old = true;
         poses.version += 1;
-        self.write(gpu, &poses.placed, &poses.now);
+        self.write(gpu, &poses.placed, poses.lit_faces, &poses.now);
     }
 
     /// The constant of kernels that are made for these bodies: whether there may be any.
@@ -205,7 +221,7 @@ impl GpuBodies {
             .map(|placed| placed.body.pose(poses.time_s))
             .collect();
         if poses.now != now {
-            self.write(gpu, &poses.placed, &now);
+            self.write(gpu, &poses.placed, poses.lit_faces, &now);
             poses.now = now;
             poses.version += 1;
         }
@@ -230,7 +246,7 @@ impl GpuBodies {
             false => farthest,
         };
         if farthest > 0.0 || poses.is_before_old {
-            let records = records(&poses.placed, &shown);
+            let records = records(&poses.placed, &shown, &[]);
             gpu.queue
                 .write_buffer(&self.before, 0, bytemuck::cast_slice(&records));
             poses.is_before_old = farthest > 0.0;
@@ -255,14 +271,22 @@ impl GpuBodies {
         self.room.bodies > 0
     }
 
-    /// Number of faces with stored light, of all bodies.
-    pub fn lit_faces(&self) -> u32 {
-        self.poses().placed.len() as u32 * LIT_FACES
+    /// Number of bodies, faces with stored light of all of them, and most such faces of one.
+    pub fn lit_faces(&self) -> [u32; 3] {
+        let poses = self.poses();
+        let bodies = poses.placed.len() as u32;
+        [bodies, poses.lit_faces, poses.most_lit_faces]
     }
 
-    /// Number of cells with facts about lamps.
-    pub fn cells(&self) -> u32 {
-        self.cells.count.element_product()
+    /// Most cells around a body, and number of bodies.
+    pub fn near_cells(&self) -> [u32; 2] {
+        let poses = self.poses();
+        [poses.most_near_cells, poses.placed.len() as u32]
+    }
+
+    /// Number of cells and bodies, from which bodies may hide lamps.
+    pub fn shaded_places(&self) -> u32 {
+        self.cells.count.element_product() + self.poses().placed.len() as u32
     }
 
     /// Hands what passes have found out to those that follow.
@@ -281,26 +305,34 @@ impl GpuBodies {
     }
 
     /// Writes the part that changes when bodies move.
-    fn write(&self, gpu: &Gpu, placed: &[Placed], poses: &[Pose]) {
+    fn write(&self, gpu: &Gpu, placed: &[Placed], lit_faces: u32, poses: &[Pose]) {
         let boxes: Vec<Bounds> = placed
             .iter()
             .zip(poses)
             .map(|(body, pose)| body.bounds(pose))
             .collect();
-        let nodes: Vec<GpuBodyNode> = hierarchy(&boxes)
-            .into_iter()
+        let nodes = hierarchy(&boxes);
+        let records = records(placed, poses, &nodes);
+        let count = nodes.len();
+        let nodes: Vec<GpuBodyNode> = (0..OCTANTS)
+            .flat_map(|octant| in_order(&nodes, octant))
             .map(GpuBodyNode::from)
             .collect();
         let first_body = HEAD_VECTORS + nodes.len() * (size_of::<GpuBodyNode>() / 16);
         let first_fact = self.room.first_fact();
         let [x, y, z] = self.cells.count.to_array();
         let head = [
-            [nodes.len(), first_body, first_fact, placed.len()].map(|number| number as u32),
+            [count, first_body, first_fact, placed.len()].map(|number| number as u32),
             [x, y, z, self.cells.shift],
+            [self.room.first_cell_fact() as u32, lit_faces, 0, 0],
         ];
         let mut bytes = bytemuck::cast_slice(&head).to_vec();
         bytes.extend_from_slice(bytemuck::cast_slice(&nodes));
-        bytes.extend_from_slice(bytemuck::cast_slice(&records(placed, poses)));
+        bytes.extend_from_slice(bytemuck::cast_slice(&records));
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
     }
+}
+
+fn gpu_models(bodies: &Bodies) -> Vec<GpuModel> {
+    bodies.models.iter().map(GpuModel::of).collect()
 }

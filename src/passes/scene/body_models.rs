@@ -5,20 +5,8 @@ use glam::{IVec3, UVec3};
 use super::hierarchy::Bounds;
 use crate::world::bodies::BodyModel;
 
-crate::shared! {
-    in scene;
-
-    /// Cells along each axis of a body whose faces have stored light. As many as a block has voxels: then a cell has as many
-    /// voxels along an axis as the model has blocks.
-    const CELLS as LIT_CELLS: u32 = BLOCK;
-    /// Faces with stored light of a body: six for each cell.
-    pub const LIT_FACES as LIT_FACES: u32 = CELLS * CELLS * CELLS * 6;
-}
-
 /// Edge of a block in voxels.
 const BLOCK: u32 = 4;
-/// In place of a voxel: the cell has no face of this direction.
-const NO_VOXEL: u32 = u32::MAX;
 const FACES: [IVec3; 6] = [
     IVec3::NEG_X,
     IVec3::X,
@@ -28,7 +16,7 @@ const FACES: [IVec3; 6] = [
     IVec3::Z,
 ];
 
-pub fn blocks_of(size: UVec3) -> UVec3 {
+fn blocks_of(size: UVec3) -> UVec3 {
     size.map(|edge| edge.div_ceil(BLOCK))
 }
 
@@ -47,7 +35,7 @@ fn places(extent: UVec3) -> impl Iterator<Item = UVec3> {
 }
 
 /// 64 bits for each block, two blocks in a vector.
-pub fn masks(model: &BodyModel) -> Vec<[u32; 4]> {
+fn masks(model: &BodyModel) -> Vec<[u32; 4]> {
     let mask = |block: UVec3| {
         let bits = places(UVec3::splat(BLOCK)).enumerate();
         bits.fold(0u64, |mask, (bit, at)| {
@@ -67,15 +55,78 @@ pub fn masks(model: &BodyModel) -> Vec<[u32; 4]> {
 }
 
 /// A byte for each voxel of the blocks' extent.
-pub fn materials(model: &BodyModel) -> Vec<[u32; 4]> {
+fn materials(model: &BodyModel) -> Vec<[u32; 4]> {
     let extent = blocks_of(model.size) * BLOCK;
     let bytes: Vec<u8> = places(extent).map(|at| material(model, at)).collect();
     // The extent is a multiple of 64 voxels.
     bytes.chunks(16).map(bytemuck::pod_read_unaligned).collect()
 }
 
+/// The faces of the blocks that have stored light: those of which any voxel's face is exposed to air.
+struct LitFaces {
+    /// For each block the number of its first face, and in the low six bits which faces it has.
+    blocks: Vec<u32>,
+    /// For each face the voxel at which its light is found: of the exposed ones, the nearest to their middle. x, y and z
+    /// in six bits each, then the face.
+    voxels: Vec<u32>,
+}
+
+impl LitFaces {
+    fn of(model: &BodyModel) -> Self {
+        let extent = blocks_of(model.size);
+        let mut all = Self {
+            blocks: Vec::new(),
+            voxels: Vec::new(),
+        };
+        for block in places(extent) {
+            let first = all.voxels.len() as u32;
+            let mut found = 0;
+            for (face, facing) in FACES.iter().enumerate() {
+                if let Some(voxel) = lit_voxel(model, block, *facing) {
+                    found |= 1 << face;
+                    let [x, y, z] = voxel.to_array();
+                    all.voxels.push(x | y << 6 | z << 12 | (face as u32) << 18);
+                }
+            }
+            all.blocks.push(first << 6 | found);
+        }
+        all
+    }
+
+    fn count(&self) -> usize {
+        self.voxels.len()
+    }
+
+    /// Four blocks in a vector; then the number of faces and their voxels, four words in a vector.
+    fn vectors(&self) -> Vec<[u32; 4]> {
+        let count = [self.count() as u32];
+        let lists = [&self.blocks[..], &[&count[..], &self.voxels].concat()];
+        lists.iter().flat_map(|words| in_fours(words)).collect()
+    }
+}
+
+/// Of a block's faces of one direction that are exposed to air, the voxel nearest to their middle.
+fn lit_voxel(model: &BodyModel, block: UVec3, facing: IVec3) -> Option<UVec3> {
+    let exposed: Vec<IVec3> = places(UVec3::splat(BLOCK))
+        .map(|at| (block * BLOCK + at).as_ivec3())
+        .filter(|at| model.material(*at) != 0 && model.material(*at + facing) == 0)
+        .collect();
+    let count = exposed.len() as i32;
+    let sum: IVec3 = exposed.iter().sum();
+    // In units of 1/count: whole numbers choose the same voxel on every machine.
+    let nearest = exposed
+        .iter()
+        .min_by_key(|at| (**at * count - sum).length_squared());
+    nearest.map(|at| at.as_uvec3())
+}
+
+fn in_fours(words: &[u32]) -> Vec<[u32; 4]> {
+    let four = |words: &[u32]| std::array::from_fn(|i| words.get(i).copied().unwrap_or(0));
+    words.chunks(4).map(four).collect()
+}
+
 /// The box around the solid voxels; around the first corner where there are none.
-pub fn solid(model: &BodyModel) -> Bounds {
+fn solid(model: &BodyModel) -> Bounds {
     let solid = places(model.size).filter(|at| material(model, *at) != 0);
     let found = solid.fold(None, |found: Option<(UVec3, UVec3)>, at| {
         let (low, high) = found.unwrap_or((at, at));
@@ -88,48 +139,31 @@ pub fn solid(model: &BodyModel) -> Bounds {
     }
 }
 
-/// For each face of each cell, the voxel at whose face its light is found: of the cell's faces of this direction that
-/// are exposed to air, the one nearest to their middle. x, y and z in eight bits each, or `NO_VOXEL`.
-pub fn lit_voxels(model: &BodyModel) -> Vec<[u32; 4]> {
-    let blocks = blocks_of(model.size).as_ivec3();
-    let exposed = || {
-        model.solid().flat_map(move |voxel| {
-            let cell = voxel / blocks;
-            let cells = CELLS as i32;
-            let first = 6 * (cell.x + cells * (cell.y + cells * cell.z));
-            let faces = FACES.iter().enumerate();
-            let free = faces.filter(move |(_, facing)| model.material(voxel + **facing) == 0);
-            free.map(move |(face, _)| (first as usize + face, voxel))
-        })
-    };
-    let mut sums = vec![(IVec3::ZERO, 0); LIT_FACES as usize];
-    for (place, voxel) in exposed() {
-        sums[place].0 += voxel;
-        sums[place].1 += 1;
-    }
-    let mut nearest = vec![(i64::MAX, NO_VOXEL); LIT_FACES as usize];
-    for (place, voxel) in exposed() {
-        let (sum, count) = sums[place];
-        // In units of 1/count: whole numbers choose the same voxel on every machine.
-        let distance = (voxel * count - sum).as_i64vec3().length_squared();
-        if distance < nearest[place].0 {
-            let packed = (voxel.x | voxel.y << 8 | voxel.z << 16) as u32;
-            nearest[place] = (distance, packed);
-        }
-    }
-    let voxels: Vec<u32> = nearest.into_iter().map(|(_, voxel)| voxel).collect();
-    voxels
-        .chunks(4)
-        .map(bytemuck::cast_slice)
-        .map(bytemuck::pod_read_unaligned)
-        .collect()
+/// A model as it lies in the buffer.
+pub struct GpuModel {
+    /// Masks, materials, and the faces with stored light.
+    pub vectors: Vec<[u32; 4]>,
+    /// Number of faces with stored light.
+    pub lit_faces: usize,
+    /// Around the solid voxels (model space).
+    pub solid: Bounds,
+    /// Blocks along each axis.
+    pub blocks: UVec3,
 }
 
-/// Vectors of the masks, the materials and the lit voxels of a model.
-pub fn vectors_of(model: &BodyModel) -> usize {
-    let blocks = blocks_of(model.size).element_product() as usize;
-    let materials = blocks * (BLOCK * BLOCK * BLOCK) as usize / 16;
-    blocks.div_ceil(2) + materials + LIT_FACES as usize / 4
+impl GpuModel {
+    pub fn of(model: &BodyModel) -> Self {
+        let lit = LitFaces::of(model);
+        let mut vectors = masks(model);
+        vectors.extend(materials(model));
+        vectors.extend(lit.vectors());
+        Self {
+            vectors,
+            lit_faces: lit.count(),
+            solid: solid(model),
+            blocks: blocks_of(model.size),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -143,30 +177,31 @@ mod tests {
         }
     }
 
-    fn voxel_of(model: &BodyModel, cell: UVec3, face: usize) -> Option<UVec3> {
-        let all = lit_voxels(model).concat();
-        let number = (cell.x + CELLS * (cell.y + CELLS * cell.z)) as usize * 6 + face;
-        let packed = all[number];
-        let part = |shift: u32| packed >> shift & 0xff;
-        (packed != NO_VOXEL).then(|| UVec3::new(part(0), part(8), part(16)))
+    fn voxel_of(lit: &LitFaces, model: &BodyModel, block: UVec3, face: usize) -> Option<UVec3> {
+        let blocks = blocks_of(model.size);
+        let word = lit.blocks[(block.x + blocks.x * (block.y + blocks.y * block.z)) as usize];
+        let before = (word & ((1 << face) - 1)).count_ones();
+        let packed = lit.voxels[((word >> 6) + before) as usize % lit.count()];
+        let part = |shift: u32| packed >> shift & 0x3f;
+        (word >> face & 1 != 0).then(|| {
+            assert_eq!(packed >> 18, face as u32);
+            UVec3::new(part(0), part(6), part(12))
+        })
     }
 
     #[test]
-    fn light_is_found_at_the_middle_of_the_exposed_faces_of_a_cell() {
+    fn light_is_found_at_the_middle_of_the_exposed_faces_of_a_block() {
         let cube = model(UVec3::splat(16), |_| true);
-        let top = voxel_of(&cube, UVec3::new(1, 3, 2), 3).expect("the top is exposed");
+        let lit = LitFaces::of(&cube);
+        let top = voxel_of(&lit, &cube, UVec3::new(1, 3, 2), 3).expect("the top is exposed");
         assert_eq!(top.y, 15);
         assert!((5..7).contains(&top.x) && (9..11).contains(&top.z), "{top}");
         assert_eq!(
-            voxel_of(&cube, UVec3::new(1, 3, 2), 2),
+            voxel_of(&lit, &cube, UVec3::new(1, 3, 2), 2),
             None,
             "its lower side is not"
         );
-        assert_eq!(
-            voxel_of(&cube, UVec3::splat(1), 0),
-            None,
-            "nor is anything inside"
-        );
+        assert_eq!(lit.count(), 6 * 16, "nor is anything inside");
     }
 
     #[test]
@@ -177,13 +212,13 @@ mod tests {
             UVec3::new(13, 30, 5),
         ] {
             let porous = model(size, |at| (at.x * 7 + at.y * 3 + at.z * 5) % 4 != 0);
-            let blocks = blocks_of(size);
+            let all = LitFaces::of(&porous);
             for voxel in porous.solid() {
                 for (face, facing) in FACES.iter().enumerate() {
                     if porous.material(voxel + *facing) == 0 {
-                        let cell = voxel.as_uvec3() / blocks;
-                        let lit = voxel_of(&porous, cell, face).expect("it is exposed");
-                        assert_eq!(lit / blocks, cell, "{voxel} {face}");
+                        let block = voxel.as_uvec3() / BLOCK;
+                        let lit = voxel_of(&all, &porous, block, face).expect("it is exposed");
+                        assert_eq!(lit / BLOCK, block, "{voxel} {face}");
                         assert_eq!(porous.material(lit.as_ivec3() + *facing), 0);
                     }
                 }

@@ -26,17 +26,19 @@ crate::shared! {
         /// Index of the vector with the masks of the first two blocks of the model.
         pub masks_at: u32,
         pub axis_y: [f32; 3],
-        /// Index of the vector with the materials of the first 16 voxels.
-        pub materials_at: u32,
+        /// Its number in the hierarchy.
+        pub node: u32,
         pub axis_z: [f32; 3],
-        /// Blocks of 4³ voxels along each axis, 8 bits each.
+        /// Blocks of 4³ voxels along each axis, 8 bits each; then log2 of the cells along each axis around the body, and of
+        /// the voxels along such a cell, 4 bits each.
         pub blocks: u32,
         /// The pivot, in world space and in model space.
         pub position_ws: [f32; 3],
-        /// Index of the vector with the first four of the model's voxels whose faces have stored light.
-        pub lit_voxels_at: u32,
+        /// Number of the first fact about the light of its faces.
+        pub first_lit: u32,
         pub pivot: [f32; 3],
-        pub _pad0: u32,
+        /// Number of the first fact about the cells around it.
+        pub first_near: u32,
     }
 
     use size_of::<GpuBodyNode>() / 16 => NODE_VECTORS: usize;
@@ -109,13 +111,19 @@ impl From<Node> for GpuBodyNode {
             low_ws: node.bounds.low.to_array(),
             skip: node.skip,
             high_ws: node.bounds.high.to_array(),
-            body: node.item.unwrap_or(NO_BODY),
+            body: node.item().unwrap_or(NO_BODY),
         }
     }
 }
 
-/// Every body in its pose.
-pub fn records(placed: &[Placed], poses: &[Pose]) -> Vec<GpuBody> {
+/// Every body in its pose. `nodes` is the hierarchy around them; without one, no ray looks for a body alone.
+pub fn records(placed: &[Placed], poses: &[Pose], nodes: &[Node]) -> Vec<GpuBody> {
     let pairs = placed.iter().zip(poses);
-    pairs.map(|(body, pose)| body.at(pose)).collect()
+    let mut all: Vec<GpuBody> = pairs.map(|(body, pose)| body.at(pose)).collect();
+    for (number, node) in nodes.iter().enumerate() {
+        if let Some(body) = node.item() {
+            all[body as usize].node = number as u32;
+        }
+    }
+    all
 }

@@ -3,8 +3,9 @@
 use glam::UVec3;
 
 use super::{
-    body_models::{LIT_FACES, vectors_of},
+    body_models::GpuModel,
     body_records::{GpuBody, GpuBodyNode},
+    hierarchy::{Bounds, OCTANTS},
 };
 use crate::{lights::lists, world::bodies::Bodies};
 
@@ -12,7 +13,44 @@ crate::shared! {
     in scene;
 
     /// Vectors of the head.
-    pub const HEAD_VECTORS as HEAD_VECTORS: usize = 2;
+    pub const HEAD_VECTORS as HEAD_VECTORS: usize = 3;
+    /// Facts about one of the cells around a body.
+    pub const NEAR_FACTS as NEAR_FACTS: usize = 4;
+}
+
+/// log2 of the voxels along the smallest cells around bodies, and of the most cells along an axis.
+const LEAST_NEAR_SHIFT: u32 = 2;
+const MOST_NEAR_BITS: u32 = 4;
+
+/// The cells around a body, in which the world's cells take turns as the body moves: the cell at a place has the number
+/// of its coordinates modulo the number of cells along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NearCells {
+    /// log2 of the voxels along a cell.
+    pub shift: u32,
+    /// log2 of the cells along each axis.
+    pub bits: u32,
+}
+
+impl NearCells {
+    /// As many as a body with these solid voxels may touch, however it is turned.
+    pub fn of(solid: &Bounds) -> Self {
+        let reach = (solid.high - solid.low).length();
+        let bits = |shift: u32| {
+            let touched = (reach / (1 << shift) as f32) as u32 + 2;
+            touched.next_power_of_two().ilog2()
+        };
+        let fits = |shift: &u32| bits(*shift) <= MOST_NEAR_BITS;
+        let shift = (LEAST_NEAR_SHIFT..).find(fits).unwrap_or(LEAST_NEAR_SHIFT);
+        Self {
+            shift,
+            bits: bits(shift),
+        }
+    }
+
+    pub fn count(self) -> usize {
+        1 << (3 * self.bits)
+    }
 }
 
 /// What the buffers of bodies hold at most.
@@ -21,14 +59,42 @@ pub struct Room {
     pub bodies: usize,
     /// Vectors of all models.
     pub models: usize,
+    /// Faces with stored light of all bodies.
+    pub lit_faces: usize,
+    /// Cells around all bodies.
+    pub near_cells: usize,
 }
 
 impl Room {
-    pub fn of(bodies: &Bodies) -> Self {
+    /// `models` are those of the bodies.
+    pub fn of(bodies: &Bodies, models: &[GpuModel]) -> Self {
+        let of_bodies = || bodies.bodies.iter().map(|body| &models[body.model]);
         Self {
             bodies: bodies.bodies.len(),
-            models: bodies.models.iter().map(vectors_of).sum(),
+            models: models.iter().map(|model| model.vectors.len()).sum(),
+            lit_faces: of_bodies().map(|model| model.lit_faces).sum(),
+            near_cells: of_bodies()
+                .map(|model| NearCells::of(&model.solid).count())
+                .sum(),
         }
+    }
+
+    /// Half as much again, and some more.
+    pub fn ample(self) -> Self {
+        Self {
+            bodies: self.bodies * 3 / 2 + 16,
+            models: self.models * 3 / 2 + (1 << 14),
+            lit_faces: self.lit_faces * 3 / 2 + (1 << 12),
+            near_cells: self.near_cells * 3 / 2 + (1 << 13),
+        }
+    }
+
+    /// Whether nothing needs more.
+    pub fn holds(self, needed: Self) -> bool {
+        needed.bodies <= self.bodies
+            && needed.models <= self.models
+            && needed.lit_faces <= self.lit_faces
+            && needed.near_cells <= self.near_cells
     }
 }
 
@@ -54,15 +120,25 @@ impl Cells {
 /// The parts of the buffer, in vectors, in their order: head, nodes and bodies; facts; models.
 impl Room {
     pub fn first_fact(&self) -> usize {
-        let nodes = (2 * self.bodies).saturating_sub(1);
+        let nodes = OCTANTS * (2 * self.bodies).saturating_sub(1);
         let bytes = nodes * size_of::<GpuBodyNode>() + self.bodies * size_of::<GpuBody>();
         HEAD_VECTORS + bytes / size_of::<[u32; 4]>()
     }
 
-    /// Eight bytes for each face and each cell; one vector where there are no bodies.
+    /// Number of the first fact about the cells around bodies; those about stored light come before.
+    pub fn first_near_fact(&self) -> usize {
+        self.lit_faces.next_multiple_of(2)
+    }
+
+    /// Number of the first fact about the cells of the world; those about bodies follow.
+    pub fn first_cell_fact(&self) -> usize {
+        self.first_near_fact() + self.near_cells * NEAR_FACTS
+    }
+
+    /// Vectors of all facts, of eight bytes each; one where there are no bodies.
     pub fn facts(&self, cells: Cells) -> usize {
         let cells = cells.count.element_product() as usize * self.bodies.min(1);
-        (self.bodies * LIT_FACES as usize + cells)
+        (self.first_cell_fact() + cells + self.bodies)
             .div_ceil(2)
             .max(1)
     }
@@ -75,4 +151,31 @@ impl Room {
 /// Bytes of this many vectors.
 pub fn bytes(vectors: usize) -> u64 {
     (vectors * size_of::<[u32; 4]>()) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn of(edge: f32) -> NearCells {
+        NearCells::of(&Bounds {
+            low: Vec3::ZERO,
+            high: Vec3::splat(edge),
+        })
+    }
+
+    #[test]
+    fn cells_hold_a_body_however_it_is_turned() {
+        assert_eq!(of(16.0), NearCells { shift: 2, bits: 3 });
+        for edge in 1..=64 {
+            let cells = of(edge as f32);
+            let widest = (edge * edge * 3) as f32;
+            // However a line of that length lies, it touches one cell more than its own length has, rounded up.
+            let touched = (widest.sqrt() / (1 << cells.shift) as f32).ceil() as u32 + 1;
+            assert!(touched <= 1 << cells.bits, "{edge}");
+            assert!(cells.bits <= MOST_NEAR_BITS, "{edge}");
+        }
+    }
 }

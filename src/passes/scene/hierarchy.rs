@@ -1,6 +1,8 @@
 //! A hierarchy of boxes that rays walk without a stack: nodes in depth-first order, each with the number of the node
-//! that comes next where its box is missed (Smits 1998, *Efficiency Issues for Ray Tracing*). Deviation: nodes are
-//! divided at the median along the widest axis, which costs little enough to do it anew in every frame.
+//! that comes next where its box is missed (Smits 1998, *Efficiency Issues for Ray Tracing*). Deviations: nodes are
+//! divided at the median along the widest axis, which costs little enough to do it anew in every frame; and there is an
+//! order for each octant of directions, in which a ray meets the nearer part of a node first, so that it need not look at
+//! what lies behind its hit.
 
 use glam::Vec3;
 
@@ -31,11 +33,31 @@ pub(super) struct Node {
     pub bounds: Bounds,
     /// The node that comes next where this one is missed.
     pub skip: u32,
-    /// The item of a leaf.
-    pub item: Option<u32>,
+    pub part: Part,
 }
 
-/// The hierarchy around items with these boxes: 2n − 1 nodes, none without items.
+/// What a node is around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Part {
+    Item(u32),
+    /// Two nodes: the first one follows, and lies lower along this axis than the second.
+    Divided(usize),
+}
+
+impl Node {
+    /// The item of a leaf.
+    pub fn item(&self) -> Option<u32> {
+        match self.part {
+            Part::Item(item) => Some(item),
+            Part::Divided(_) => None,
+        }
+    }
+}
+
+/// Octants of directions. In octant `o` the bit `axis` is set where directions point towards lower coordinates.
+pub(super) const OCTANTS: usize = 8;
+
+/// The hierarchy around items with these boxes: 2n − 1 nodes, none without items. The order is that of octant 0.
 pub(super) fn hierarchy(boxes: &[Bounds]) -> Vec<Node> {
     let mut items: Vec<u32> = (0..boxes.len() as u32).collect();
     let mut nodes = Vec::with_capacity(2 * boxes.len());
@@ -52,21 +74,24 @@ fn add(nodes: &mut Vec<Node>, boxes: &[Bounds], items: &mut [u32]) {
         .map(box_of)
         .fold(Bounds::NOTHING, Bounds::joined);
     let number = nodes.len();
-    nodes.push(Node {
-        bounds,
-        skip: number as u32 + 1,
-        item: (items.len() == 1).then(|| items[0]),
-    });
-    if items.len() == 1 {
-        return;
-    }
     // Twice the middle of each box.
     let middle = |item: &u32| box_of(item).low + box_of(item).high;
     let middles = items.iter().map(middle).fold(Bounds::NOTHING, |all, at| {
         all.joined(Bounds { low: at, high: at })
     });
-    let widths = middles.high - middles.low;
-    let axis = widths.max_position();
+    let axis = (middles.high - middles.low).max_position();
+    let part = match items {
+        [item] => Part::Item(*item),
+        _ => Part::Divided(axis),
+    };
+    nodes.push(Node {
+        bounds,
+        skip: number as u32 + 1,
+        part,
+    });
+    if items.len() == 1 {
+        return;
+    }
     let half = items.len() / 2;
     items.select_nth_unstable_by(half, |a, b| {
         let order = middle(a)[axis].total_cmp(&middle(b)[axis]);
@@ -76,6 +101,31 @@ fn add(nodes: &mut Vec<Node>, boxes: &[Bounds], items: &mut [u32]) {
     add(nodes, boxes, first);
     add(nodes, boxes, second);
     nodes[number].skip = nodes.len() as u32;
+}
+
+/// The same hierarchy in the order of another octant. Nodes are numbered from 0 again.
+pub(super) fn in_order(nodes: &[Node], octant: usize) -> Vec<Node> {
+    let mut ordered = Vec::with_capacity(nodes.len());
+    if !nodes.is_empty() {
+        add_in_order(&mut ordered, nodes, 0, octant);
+    }
+    ordered
+}
+
+fn add_in_order(ordered: &mut Vec<Node>, nodes: &[Node], number: usize, octant: usize) {
+    let at = ordered.len();
+    ordered.push(nodes[number]);
+    if let Part::Divided(axis) = nodes[number].part {
+        let first = number + 1;
+        let mut parts = [first, nodes[first].skip as usize];
+        if octant >> axis & 1 == 1 {
+            parts.reverse();
+        }
+        for part in parts {
+            add_in_order(ordered, nodes, part, octant);
+        }
+    }
+    ordered[at].skip = ordered.len() as u32;
 }
 
 #[cfg(test)]
@@ -109,7 +159,7 @@ mod tests {
                 number = node.skip as usize;
                 continue;
             }
-            items.extend(node.item);
+            items.extend(node.item());
             number += 1;
         }
         items.sort_unstable();
@@ -129,7 +179,30 @@ mod tests {
                 let all = (0u32..).zip(&boxes).filter(|(_, other)| holds(other));
                 let all: Vec<u32> = all.map(|(item, _)| item).collect();
                 assert!(!all.is_empty());
-                assert_eq!(found(&nodes, point), all);
+                for octant in 0..OCTANTS {
+                    assert_eq!(found(&in_order(&nodes, octant), point), all, "{octant}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rays_meet_the_nearer_part_first() {
+        let nodes = hierarchy(&boxes(50));
+        assert_eq!(in_order(&nodes, 0), nodes);
+        for octant in 0..OCTANTS {
+            let ordered = in_order(&nodes, octant);
+            for (number, node) in ordered.iter().enumerate() {
+                let Part::Divided(axis) = node.part else {
+                    continue;
+                };
+                let first = ordered[number + 1];
+                let second = ordered[first.skip as usize];
+                let lower = |a: &Node, b: &Node| a.bounds.low[axis] <= b.bounds.low[axis];
+                match octant >> axis & 1 {
+                    0 => assert!(lower(&first, &second)),
+                    _ => assert!(lower(&second, &first)),
+                }
             }
         }
     }

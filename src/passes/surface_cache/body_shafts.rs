@@ -1,19 +1,18 @@
-//! Pass `surface_cache/body_shafts`: which lamps bodies may hide from each cell of the world.
+//! Pass `surface_cache/body_shafts`: which lamps bodies may hide from each cell of the world and from each other.
 
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
 pub struct BodyShafts {
     kernel: Kernel,
     bindings: Bindings,
-    groups: [u32; 2],
 }
 
 impl BodyShafts {
-    /// For this many cells. `scene` is the offer of the voxels, the lights and the bodies.
+    /// `scene` is the offer of the voxels, the lights and the bodies.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, cells: u32, scene: &Offer<'_>) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, scene: &Offer<'_>) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -25,12 +24,11 @@ impl BodyShafts {
         Ok(Self {
             bindings: kernel.bind(gpu, &scene.resources),
             kernel,
-            groups: rectangle(cells),
         })
     }
 
-    /// In frames in which a body or a lamp has moved, after pass `scene/lamp_lists`.
-    pub fn record(&self, recorder: &mut Recorder<'_>) {
-        recorder.run(&self.kernel, &self.bindings, self.groups);
+    /// In frames in which a body or a lamp has moved, after pass `scene/lamp_lists`. `places`: cells and bodies.
+    pub fn record(&self, recorder: &mut Recorder<'_>, places: u32) {
+        recorder.run(&self.kernel, &self.bindings, rectangle(places));
     }
 }

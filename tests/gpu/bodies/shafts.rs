@@ -6,14 +6,14 @@ use grotto::{
     lights::Lights,
     measure::picture::Picture,
     parameters::ProbeParameters,
-    world::{View, bodies::BodyMotion},
+    world::{View, World, bodies::BodyMotion},
 };
 
 use super::{SIZE, differing, scattered};
 use crate::support::{self, Fault, frames::Drawn, scenes::flat};
 
 /// A yard of several cells along each axis, under the sun, with lamps of every kind.
-const YARD: &str = "(
+pub const YARD: &str = "(
     title: \"A yard with lamps of every kind.\",
     size: (64, 48, 64),
     origin: (-32, -24, -32),
@@ -37,9 +37,29 @@ const YARD: &str = "(
 const FILE: &str = "scene/bodies.wesl";
 const FOUND: &str = "return fact(fact_of_cell(";
 
+/// A world of more lamps than a list has slots, so that lamps have numbers of every size: weak ones come first.
+pub fn yard(text: &str) -> World {
+    let mut world = support::parsed(text);
+    let lamps = &mut world.lamp_presets[0].lamps;
+    let weak = |number: u8| {
+        let at = Vec3::new(
+            f32::from(number) * 1.5 - 25.0,
+            9.5,
+            f32::from(number % 7) * 6.0 - 20.0,
+        );
+        let mut lamp = lamps[0].clone();
+        lamp.position = at;
+        lamp.power = 10.0;
+        lamp
+    };
+    let weak: Vec<_> = (0..32).map(weak).collect();
+    lamps.splice(0..0, weak);
+    world
+}
+
 /// Direct light at three moments, while bodies turn and a lamp orbits.
 fn pictures(gpu: Gpu) -> Vec<Picture> {
-    let mut world = support::parsed(YARD);
+    let mut world = yard(YARD);
     world.materials = vec![flat(0.6, 0.0)];
     let mut state = 11;
     world.bodies = scattered(8, Vec3::new(60.0, 34.0, 60.0), &mut state);
@@ -89,12 +109,21 @@ fn shafts_leave_out_no_body() {
     let shafts = "surface_cache/body_shafts.wesl";
     let narrow = with(&[(
         shafts,
-        "let half = vec3f(0.5 * size + MARGIN);",
+        "let half = 0.5 * (place.high_ws - place.low_ws) + MARGIN;",
         "let half = vec3f(0.0);",
     )]);
     assert!(
         most_differing(&found, &narrow) > 0.0,
         "shafts that are too narrow are found"
+    );
+    let few = with(&[(
+        shafts,
+        "if slot < list.count {",
+        "if slot < min(list.count, 32u) {",
+    )]);
+    assert!(
+        most_differing(&found, &few) > 0.0,
+        "lamps with large numbers count, too"
     );
     let short = with(&[(shafts, "middle_ws - lamp.direction_ws * FAR", "middle_ws")]);
     assert!(

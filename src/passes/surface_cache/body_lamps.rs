@@ -1,0 +1,37 @@
+//! Pass `surface_cache/body_lamps`: which lamps the cells around bodies see.
+
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
+
+pub struct BodyLamps {
+    kernel: Kernel,
+    bindings: Bindings,
+}
+
+impl BodyLamps {
+    /// `offer` is that of the scene and the surface cache.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`].
+    pub fn new(gpu: &Gpu, offer: &Offer<'_>) -> Result<Self, GpuError> {
+        let kernel = Kernel::new(
+            gpu,
+            &KernelSpec {
+                shader: "surface_cache/body_lamps",
+                offered: &offer.constants,
+                ..Default::default()
+            },
+        )?;
+        Ok(Self {
+            bindings: kernel.bind(gpu, &offer.resources),
+            kernel,
+        })
+    }
+
+    /// In frames in which a body or a lamp has moved or a voxel has changed, after pass `scene/lamp_lists`. Most cells around
+    /// a body, and number of bodies.
+    pub fn record(&self, recorder: &mut Recorder<'_>, [cells, bodies]: [u32; 2]) {
+        if bodies > 0 {
+            recorder.run(&self.kernel, &self.bindings, [cells, bodies]);
+        }
+    }
+}
