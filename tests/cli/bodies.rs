@@ -268,6 +268,8 @@ answered() {
 answered
 xdotool click 1
 xdotool key l
+# The first lift comes a frame after its word.
+answered
 answered
 xdotool keydown w
 sleep 3
