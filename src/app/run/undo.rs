@@ -181,7 +181,7 @@ mod tests {
     use crate::app::{
         body::Measures,
         hands::lift::BodyChange,
-        viewport::tests::{body_at, shown},
+        viewport::sample::{body_at, shown},
     };
 
     /// Digs a voxel (world space) in the air of `minimal.ron`, where one is placed first.

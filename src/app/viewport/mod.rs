@@ -6,6 +6,8 @@ mod changes;
 mod effort;
 mod fitting;
 mod record;
+#[cfg(test)]
+pub mod sample;
 
 use std::path::{Path, PathBuf};
 
@@ -348,36 +350,18 @@ impl Viewport {
 }
 
 #[cfg(test)]
-pub mod tests {
-    use std::sync::Arc;
+mod tests {
+    use glam::{IVec3, Vec3};
 
-    use glam::{IVec3, UVec3, Vec3};
-
-    use super::*;
-    use crate::{
-        gpu::{DeviceErrors, GpuError, ShaderChecks},
-        lights::Lights,
-        world::{
-            PlacedLamp,
-            bodies::{BodyModel, PlacedBody, WholeBody},
-            placed::tests::lamp,
-        },
+    use super::{
+        sample::{body_at, shown},
+        *,
     };
-
-    pub fn shown() -> Viewport {
-        let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
-        let world = world::file::load(&path, &Overrides::default()).expect("it loads");
-        let mut parameters = Parameters::default();
-        parameters.probes.rays = 8;
-        let choice = Choice {
-            parameters,
-            layout: String::new(),
-            size: [8, 8],
-            traced: false,
-        };
-        Viewport::new(gpu, &path, world, choice).expect("it fits")
-    }
+    use crate::{
+        gpu::{DeviceErrors, GpuError},
+        lights::Lights,
+        world::{PlacedLamp, placed::tests::lamp},
+    };
 
     #[test]
     fn a_body_that_comes_while_its_kernels_are_compiled_is_shown_afterwards() {
@@ -399,18 +383,6 @@ pub mod tests {
             .put_body("placed 2", Some(&body_at(Vec3::Y * 24.0)))
             .expect("it fits");
         assert!(!viewport.bodies_wait());
-    }
-
-    /// A body of one voxel.
-    pub fn body_at(corner: Vec3) -> WholeBody {
-        WholeBody::placed(&PlacedBody {
-            name: "placed 1".into(),
-            model: Arc::new(BodyModel {
-                size: UVec3::ONE,
-                materials: vec![1],
-            }),
-            corner,
-        })
     }
 
     fn on_the_gpu(viewport: &Viewport) -> Voxels {
