@@ -49,6 +49,14 @@ impl Messages {
         self.push(text.into(), true, ERROR_SHOWN);
     }
 
+    /// An error with names of actions in braces, as in [`Self::hint`].
+    pub fn hint_error(&mut self, text: impl Into<String>) {
+        self.push(text.into(), true, ERROR_SHOWN);
+        if let Some(toast) = self.toasts.last_mut() {
+            toast.names_keys = true;
+        }
+    }
+
     /// The errors so far, for where there is no window to show them.
     pub fn take_errors(&mut self) -> Vec<String> {
         let toasts = std::mem::take(&mut self.toasts).into_iter();

@@ -258,7 +258,7 @@ fn write(path: &Path, world_file: &Path, kept: Kept) -> Result<(), SaveError> {
             saved_s: now_s(),
             voxels: overlay.count(),
             lamps: lamps.len(),
-            bodies: bodies.placed.len() + bodies.moved.len(),
+            bodies: bodies.placed.len() + bodies.moved.len() + bodies.gone.len(),
             grotto: env!("CARGO_PKG_VERSION").to_owned(),
         },
         state,

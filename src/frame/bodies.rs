@@ -2,8 +2,17 @@
 
 use std::mem;
 
-use super::{Frame, FrameError};
-use crate::{gpu::Gpu, world::bodies::Bodies};
+use super::{Frame, FrameError, offer, scene};
+use crate::{
+    gpu::{Gpu, OwnedSpec},
+    passes::{
+        probes::{body_light::BodyLight, cover::ProbeCover},
+        scene::BODIES,
+        surface_cache::{body_lamps::BodyLamps, body_shafts::BodyShafts},
+        view::shade::Shade,
+    },
+    world::bodies::Bodies,
+};
 
 impl Frame {
     /// Shows other bodies; the probes keep their light. The first ones of a world that had none, and more than there is
@@ -24,8 +33,84 @@ impl Frame {
         Ok(())
     }
 
+    /// Whether kernels are compiled for bodies.
+    pub fn has_bodies(&self) -> bool {
+        self.stage.voxels.bodies.exist()
+    }
+
+    /// The kernels that the first body of this frame needs, and which are not compiled yet.
+    pub fn kernels_for_bodies(&self, gpu: &Gpu) -> Vec<OwnedSpec> {
+        let scene = scene(&self.stage, &self.view, &self.lights);
+        let mut offered = offer(&self.field, &self.faces, &scene).constants;
+        for (name, value) in &mut offered {
+            if *name == BODIES {
+                *value = 1.0;
+            }
+        }
+        let own = [
+            ProbeCover::spec(),
+            BodyLight::spec(&offered),
+            BodyLamps::spec(&offered),
+            BodyShafts::spec(&offered),
+            Shade::spec(true, &offered),
+        ];
+        let own = own.iter().map(OwnedSpec::from);
+        gpu.unknown(gpu.variants(BODIES, 1.0).into_iter().chain(own))
+    }
+
     /// Moves the bodies to where they rest now.
     pub fn rest_bodies(&self, gpu: &Gpu, bodies: &Bodies) {
         self.stage.voxels.bodies.rest(gpu, bodies);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{path::Path, sync::Arc};
+
+    use glam::{UVec3, Vec3};
+
+    use super::*;
+    use crate::{
+        frame::Stage,
+        gpu::ShaderChecks,
+        parameters::Parameters,
+        world::{
+            bodies::{BodyModel, PlacedBody},
+            file::{self, Overrides},
+        },
+    };
+
+    #[test]
+    fn the_first_body_compiles_nothing_that_was_compiled_ahead() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
+        let world = file::load(&path, &Overrides::default()).expect("it loads");
+        let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
+        let stage = Stage::build(&gpu, &world).expect("it fits");
+        let Parameters {
+            probes, picture, ..
+        } = Parameters::default();
+        let frame = Frame::new(&gpu, stage, &world.layouts[0], &probes, [8, 8]);
+        let mut frame = frame.expect("it fits");
+        frame.antialias(&gpu, &picture).expect("it fits");
+        frame.prepare_bits(&gpu).expect("it fits");
+        let needed = frame.kernels_for_bodies(&gpu);
+        assert!(needed.len() > 10, "{}", needed.len());
+        let ahead = gpu.compile_ahead(needed);
+        ahead.finish().expect("they compile");
+        assert_eq!(frame.kernels_for_bodies(&gpu), []);
+        let known = gpu.compiled();
+        let mut bodies = Bodies::default();
+        bodies.add(&PlacedBody {
+            name: "placed 1".into(),
+            model: Arc::new(BodyModel {
+                size: UVec3::ONE,
+                materials: vec![1],
+            }),
+            corner: Vec3::ZERO,
+        });
+        frame.set_bodies(&gpu, &bodies).expect("it fits");
+        assert!(frame.has_bodies());
+        assert_eq!(gpu.compiled(), known);
     }
 }

@@ -11,6 +11,7 @@ use std::{
 
 use super::{
     Composed, Gpu, GpuError, ShaderChecks,
+    ahead::OwnedSpec,
     dispatch_chunks::{self, ChunkTime, FIRST_ROW},
     made,
     reflect::{Group, reflect},
@@ -50,6 +51,7 @@ pub struct Kernel {
     pub label: String,
     /// Key of its [`KernelSpec`].
     key: u64,
+    pub(super) spec: Arc<OwnedSpec>,
     pipeline: wgpu::ComputePipeline,
     groups: Arc<[Group]>,
     pub workgroup_size: [u32; 3],
@@ -153,6 +155,7 @@ impl Kernel {
         let compiled = Self {
             label: label.to_owned(),
             key: spec.key(),
+            spec: Arc::new(spec.into()),
             pipeline,
             groups: groups.into(),
             workgroup_size: composed.module.entry_points[index].workgroup_size,
@@ -302,6 +305,11 @@ impl Gpu {
     fn known(&self, key: u64) -> Option<Kernel> {
         let kernels = self.kernels.lock().expect("nobody panics holding it");
         kernels.get(&key).cloned()
+    }
+
+    pub(super) fn knows(&self, spec: &KernelSpec<'_>) -> bool {
+        let kernels = self.kernels.lock().expect("nobody panics holding it");
+        kernels.contains_key(&spec.key())
     }
 
     fn keep(&self, kernel: &Kernel) {

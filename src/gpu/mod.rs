@@ -1,6 +1,7 @@
 //! The GPU as the passes see it: a device with its limits, shaders composed and bound by name, buffers
 //! that are checked against the limits before they are created, and timings by label. Knows no world.
 
+mod ahead;
 mod buffers;
 mod device;
 mod device_errors;
@@ -16,6 +17,7 @@ mod reflect;
 mod shader;
 mod timing;
 
+pub use ahead::{Compiling, OwnedSpec};
 pub use buffers::Structured;
 pub use device::{AdapterReport, AdapterSummary, Gpu, ShaderChecks, adapters, instance};
 pub use device_errors::DeviceErrors;

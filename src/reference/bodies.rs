@@ -210,6 +210,7 @@ mod tests {
                 motion: Vec::new(),
                 put_by: Default::default(),
             }],
+            gone: Vec::new(),
         };
         PosedBodies::new(&bodies, IVec3::new(0, 10, 0), &bodies.poses(0.0))
     }

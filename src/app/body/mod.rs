@@ -17,6 +17,7 @@ use glam::{DVec3, I64Vec3};
 use serde::{Deserialize, Serialize};
 
 pub use measures::Measures;
+pub use obstacles::Obstacles;
 pub use sweep::{Aabb, point_to_units, to_units, to_voxels};
 use sweep::{FARTHEST, ONE};
 pub use terrain::{Ground, Terrain, Walled};
@@ -123,11 +124,11 @@ impl Body {
             rides: false,
             pushed: DVec3::ZERO,
         };
-        // Ground that is nearly reached counts.
+        // Ground that is nearly reached counts, and so do bodies: a run may go on where the player stands on one.
         let near = to_units(0.3 * measures.scale);
         if body.shape().overlaps(terrain) {
             body.mode = Mode::NoClip;
-        } else if body.shape().sweep(terrain, 1, -near) != -near {
+        } else if body.shape().sweep(&terrain.at(0), 1, -near) != -near {
             body.mode = Mode::Walk;
         }
         body
@@ -224,6 +225,15 @@ impl Body {
             }
         }
         event
+    }
+
+    /// Whether a body that may be in stone or in other bodies gets out of them.
+    pub fn finds_room(&self, terrain: &impl Terrain) -> bool {
+        let has_room = |feet: I64Vec3| !self.at(feet).overlaps(terrain);
+        self.mode == Mode::NoClip
+            || has_room(self.feet)
+            || self.nearest_room(terrain).is_some()
+            || self.safe.is_some_and(has_room)
     }
 
     /// Out of the stone that closed around the body: to room nearby, or to where it last stood.

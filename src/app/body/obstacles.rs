@@ -4,7 +4,7 @@
 //! separating axes begin to overlap (Gottschalk, Lin & Manocha 1996, section 5: fifteen axes for two boxes). The
 //! box keeps half a unit away, so that rounding never puts it inside.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, IVec3};
 
 use super::sweep::{Aabb, ONE, to_voxels};
 use crate::world::bodies::{Bodies, BodyModel};
@@ -121,6 +121,13 @@ impl<'a> Obstacles<'a> {
         (way <= longest).then_some(way)
     }
 
+    /// How far away (voxels) a ray (world space, unit direction) enters the first solid voxel; 0 from inside of one.
+    pub fn met(&self, origin_ws: DVec3, direction_ws: DVec3) -> Option<f64> {
+        let met = self.bodies.iter();
+        let met = met.filter_map(|body| body.met(origin_ws, direction_ws));
+        met.min_by(f64::total_cmp)
+    }
+
     /// Calls `each` with all solid voxels of bodies that may touch a box.
     fn cubes_near(&self, shape: &Aabb, mut each: impl FnMut(&Cube)) {
         if self.bodies.is_empty() {
@@ -135,12 +142,12 @@ impl<'a> Obstacles<'a> {
                 * half_ws
                 + BORNE / ONE as f64;
             let size = body.model.size.as_ivec3();
-            let low = (middle - half).floor().as_ivec3().max(glam::IVec3::ZERO);
+            let low = (middle - half).floor().as_ivec3().max(IVec3::ZERO);
             let high = (middle + half).floor().as_ivec3().min(size - 1);
             for z in low.z..=high.z {
                 for y in low.y..=high.y {
                     for x in low.x..=high.x {
-                        let voxel = glam::IVec3::new(x, y, z);
+                        let voxel = IVec3::new(x, y, z);
                         if body.model.material(voxel) == 0 {
                             continue;
                         }
@@ -153,6 +160,44 @@ impl<'a> Obstacles<'a> {
                 }
             }
         }
+    }
+}
+
+impl Obstacle<'_> {
+    /// How far away (voxels) a ray enters the first solid voxel. Amanatides & Woo 1987, in model space: a pose neither
+    /// stretches nor shears, so distances are the same.
+    fn met(&self, origin_ws: DVec3, direction_ws: DVec3) -> Option<f64> {
+        let back = self.turn.transpose();
+        let origin = back * (origin_ws - self.pivot_ws) + self.pivot_ms;
+        let direction = back * direction_ws;
+        // A ray along an axis never comes to a border across that axis.
+        let is_across = direction.abs().cmplt(DVec3::splat(PARALLEL));
+        let borders = |at: DVec3| (at - origin) / direction;
+        let size = self.model.size.as_ivec3();
+        let (a, b) = (borders(DVec3::ZERO), borders(size.as_dvec3()));
+        let enters = DVec3::select(is_across, DVec3::ZERO, a.min(b));
+        let leaves = DVec3::select(is_across, DVec3::INFINITY, a.max(b));
+        let mut distance = enters.max_element().max(0.0);
+        let start = (origin + distance * direction).floor().as_ivec3();
+        let is_beside = start.cmplt(IVec3::ZERO) | start.cmpge(size);
+        if distance >= leaves.min_element() || (is_beside & is_across).any() {
+            return None;
+        }
+        // Rounding may leave the start a little outside.
+        let mut voxel = start.clamp(IVec3::ZERO, size - 1);
+        let step = IVec3::from(direction.cmpgt(DVec3::ZERO)) * 2 - 1;
+        let is_inside = |at: IVec3| at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all();
+        while is_inside(voxel) {
+            if self.model.material(voxel) != 0 {
+                return Some(distance);
+            }
+            let ahead = borders((voxel + (step + 1) / 2).as_dvec3());
+            let ahead = DVec3::select(is_across, DVec3::INFINITY, ahead);
+            let axis = ahead.min_position();
+            distance = distance.max(ahead[axis]);
+            voxel[axis] += step[axis];
+        }
+        None
     }
 }
 
@@ -221,6 +266,7 @@ mod tests {
                 motion: Vec::new(),
                 put_by: Default::default(),
             }],
+            gone: Vec::new(),
         }
     }
 
@@ -265,5 +311,40 @@ mod tests {
         let beside = unit_box(DVec3::new(2.4, -0.5, 0.4));
         assert!(!obstacles.overlaps(&beside));
         assert!(obstacles.overlaps(&unit_box(DVec3::new(2.4, -0.5, 0.1))));
+    }
+
+    #[test]
+    fn a_ray_meets_a_turned_cube_at_its_side_and_a_hollow_one_at_its_far_wall() {
+        for degrees in [0.0f32, 30.0, 45.0, 90.0] {
+            let bodies = cube(degrees);
+            let obstacles = Obstacles::at(&bodies, 0.0);
+            let angle = f64::from(degrees % 90.0).to_radians();
+            // A ray along x through the cube's middle meets the side that it crosses first.
+            let half = 0.5 / angle.cos().max(angle.sin());
+            let met = obstacles.met(DVec3::new(-2.0, 0.1, 0.0), DVec3::X);
+            let met = met.expect("it is ahead");
+            assert!((met - (6.0 - half)).abs() < 1e-6, "{degrees}: {met}");
+            assert_eq!(
+                obstacles.met(DVec3::new(4.0, 0.1, 0.0), DVec3::X),
+                Some(0.0)
+            );
+            assert_eq!(
+                obstacles.met(DVec3::new(-2.0, 0.1, 0.0), DVec3::NEG_X),
+                None
+            );
+            assert_eq!(obstacles.met(DVec3::new(-2.0, 0.6, 0.0), DVec3::X), None);
+        }
+        let mut hollow = cube(0.0);
+        hollow.models[0] = BodyModel {
+            size: UVec3::new(4, 1, 1),
+            materials: vec![0, 0, 0, 1],
+        };
+        let obstacles = Obstacles::at(&hollow, 0.0);
+        // Its voxels begin at x = 3.5.
+        let met = obstacles
+            .met(DVec3::ZERO, DVec3::X)
+            .expect("the last voxel");
+        assert!((met - 6.5).abs() < 1e-9, "{met}");
+        assert_eq!(obstacles.met(DVec3::X * 5.0 + DVec3::Y, DVec3::NEG_Y), None);
     }
 }

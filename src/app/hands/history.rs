@@ -7,7 +7,7 @@ use glam::{IVec3, UVec3};
 use super::{lamps::LampChange, lift::BodyChange};
 use crate::world::{
     PlacedLamp,
-    bodies::PlacedBody,
+    bodies::WholeBody,
     voxels::{Edit, Voxels},
 };
 
@@ -42,6 +42,15 @@ pub struct Changes {
 pub enum Side {
     Before,
     After,
+}
+
+impl Side {
+    pub fn other(self) -> Self {
+        match self {
+            Self::Before => Self::After,
+            Self::After => Self::Before,
+        }
+    }
 }
 
 impl Changes {
@@ -120,7 +129,7 @@ impl Changes {
     }
 
     /// The name of the body that was placed or set into the world, and the body before or after the stroke.
-    pub fn body(&self, side: Side) -> Option<(&str, Option<&PlacedBody>)> {
+    pub fn body(&self, side: Side) -> Option<(&str, Option<&WholeBody>)> {
         let change = self.body.as_deref()?;
         let body = match side {
             Side::Before => &change.before,
@@ -181,15 +190,28 @@ impl Changes {
         }
         let size = voxels.size().as_ivec3();
         voxels.edit(self.low, self.high, |voxel, now| {
-            let index = index(size, voxel);
-            let after = self.runs.partition_point(|run| run.start <= index);
-            let run = after.checked_sub(1).map(|at| self.runs[at]);
-            match run.filter(|run| index - run.start < u32::from(run.voxels)) {
-                Some(run) if side == Side::Before => run.old,
-                Some(run) => run.new,
-                None => now,
-            }
+            self.material(size, voxel, side).unwrap_or(now)
         })
+    }
+
+    /// The material of a voxel (grid space) before the stroke or after it, in a world of this size; `None` if the stroke
+    /// did not change it.
+    pub fn material(&self, size: IVec3, voxel: IVec3, side: Side) -> Option<u8> {
+        if voxel.cmplt(self.low).any() || voxel.cmpgt(self.high).any() {
+            return None;
+        }
+        let index = index(size, voxel);
+        let after = self.runs.partition_point(|run| run.start <= index);
+        let run = self.runs[after.checked_sub(1)?];
+        (index - run.start < u32::from(run.voxels)).then_some(match side {
+            Side::Before => run.old,
+            Side::After => run.new,
+        })
+    }
+
+    /// The box of all voxels that the stroke changed (grid space, both ends inclusive); `None` if it changed none.
+    pub fn bounds(&self) -> Option<[IVec3; 2]> {
+        (!self.runs.is_empty()).then_some([self.low, self.high])
     }
 
     fn bytes(&self) -> usize {

@@ -3,7 +3,7 @@
 use glam::{IVec3, Vec3};
 
 use crate::world::{
-    bodies::{BodyModel, PlacedBody},
+    bodies::{BodyModel, WholeBody},
     voxels::Voxels,
 };
 
@@ -11,11 +11,21 @@ use crate::world::{
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyChange {
     pub name: String,
-    pub before: Option<PlacedBody>,
-    pub after: Option<PlacedBody>,
+    pub before: Option<WholeBody>,
+    pub after: Option<WholeBody>,
 }
 
 impl BodyChange {
+    /// Both have one name.
+    pub fn of(before: Option<WholeBody>, after: Option<WholeBody>) -> Self {
+        let either = before.as_ref().or(after.as_ref());
+        Self {
+            name: either.map_or_else(String::new, |whole| whole.body.name.clone()),
+            before,
+            after,
+        }
+    }
+
     /// Memory that it takes.
     pub fn bytes(&self) -> usize {
         let bodies = [&self.before, &self.after].into_iter().flatten();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3};
 
 use super::Run;
 use crate::{
@@ -23,7 +23,7 @@ use crate::{
     },
     world::{
         Camera,
-        bodies::{BodyModel, MAX_BODIES, MAX_BODY_EDGE, PlacedBody},
+        bodies::{BodyModel, MAX_BODIES, MAX_BODY_EDGE, PlacedBody, WholeBody},
         voxels::{Edit, Voxels},
     },
 };
@@ -77,7 +77,7 @@ impl Run<'_> {
         }
         let is_lifted = |voxel: IVec3| corner.is_some() || brush.covers(voxel - target.voxel);
         let Some((model, at)) = lift::model_of(voxels, [low, high], is_lifted) else {
-            self.messages.toast_error(texts::EMPTY);
+            self.messages.hint_error(texts::EMPTY);
             return Ok(false);
         };
         let corner_ws = at + world.origin;
@@ -133,17 +133,17 @@ impl Run<'_> {
         let camera = self.view()?;
         let reach = Reach::of(self.player.body());
         self.follow_build();
-        let Some(index) = self.viewport.aim_at_body(&reach, &camera)? else {
+        let Some(ahead) = self.viewport.aim_at_body(&reach, &camera)? else {
             self.messages.hint(texts::NONE);
             return Ok(false);
         };
-        let Some(body) = self.viewport.world().bodies.placed(index) else {
-            self.messages.toast(texts::OF_WORLD);
+        let Some((index, model, corner)) = self.free_body(&ahead) else {
+            self.messages.toast(texts::NOT_FREE);
             return Ok(false);
         };
         let mut place = None;
-        for at in lift::whole_places(body.corner) {
-            if place.is_none() && self.has_room(&body.model, at, Some(index))? {
+        for at in lift::whole_places(corner) {
+            if place.is_none() && self.has_room(&model, at, Some(index))? {
                 place = Some(at);
             }
         }
@@ -152,13 +152,8 @@ impl Run<'_> {
             return Ok(false);
         };
         let low = at - self.viewport.world().origin;
-        let high = low + body.model.size.as_ivec3() - 1;
-        let model = body.model.clone();
-        let change = BodyChange {
-            name: body.name.clone(),
-            before: Some(body),
-            after: None,
-        };
+        let high = low + model.size.as_ivec3() - 1;
+        let change = BodyChange::of(Some(self.viewport.world().bodies.whole(index)), None);
         let is_done = self.change_body(change, |voxels| {
             Changes::make(voxels, low, high, |voxel, old| {
                 match model.material(voxel - low) {
@@ -173,6 +168,27 @@ impl Run<'_> {
         Ok(is_done)
     }
 
+    /// A free body's index, its model as it stands in the world, and the lowest corner of that (world space).
+    fn free_body(&self, ahead: &Ahead) -> Option<(usize, BodyModel, Vec3)> {
+        let index = ahead.free?;
+        let (model, corner) = self.viewport.world().bodies.whole(index).upright()?;
+        Some((index, model, corner))
+    }
+
+    /// Says that nothing can be done to the body aimed at, if one is.
+    ///
+    /// # Errors
+    /// [`AppError`] when the device fails.
+    pub(super) fn tell_body(&mut self, reach: &Reach, camera: &Camera) -> Result<bool, AppError> {
+        let ahead = self.viewport.aim_at_body(reach, camera)?;
+        match ahead {
+            Some(Ahead { free: Some(_), .. }) => self.messages.hint(texts::SET_FIRST),
+            Some(Ahead { free: None, .. }) => self.messages.toast(texts::NOT_FREE),
+            None => {}
+        }
+        Ok(ahead.is_some())
+    }
+
     /// A new body, unless the world holds no more: then the reason is said.
     fn placed(&mut self, model: BodyModel, corner_ws: IVec3) -> Option<BodyChange> {
         let bodies = &self.viewport.world().bodies;
@@ -181,19 +197,15 @@ impl Run<'_> {
                 MAX_BODIES.. => texts::too_many(MAX_BODIES),
                 _ => texts::VOXELS.to_owned(),
             };
-            self.messages.toast_error(text);
+            self.messages.hint_error(text);
             return None;
         }
-        let name = bodies.free_name();
-        Some(BodyChange {
-            name: name.clone(),
-            before: None,
-            after: Some(PlacedBody {
-                name,
-                model: Arc::new(model),
-                corner: corner_ws.as_vec3(),
-            }),
-        })
+        let placed = PlacedBody {
+            name: bodies.free_name(),
+            model: Arc::new(model),
+            corner: corner_ws.as_vec3(),
+        };
+        Some(BodyChange::of(None, Some(WholeBody::placed(&placed))))
     }
 
     /// Whether a model has room at a place (world space), beside the player, lamps and bodies other than `except`.
@@ -249,21 +261,51 @@ impl Run<'_> {
             let size = size_text(body.model.size.as_ivec3());
             self.messages.hint(texts::lifted(&size));
         }
+        if self.viewport.bodies_wait() {
+            self.messages.toast(texts::IN_A_MOMENT);
+        }
         self.hands.history.push(changes.with_body(change));
         true
     }
 }
 
+/// The body that a camera looks at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ahead {
+    /// Which free body it is; `None` for one that moves by itself, or stands at an angle.
+    pub free: Option<usize>,
+    /// From the camera (voxels).
+    pub distance: f64,
+}
+
 impl Viewport {
-    /// The free body that a camera looks at, and how far away it is (voxels), whatever is before it.
-    pub fn body_ahead(&self, camera: &Camera) -> Option<(usize, f64)> {
+    /// The body that a camera looks at, whatever voxels are before it.
+    fn body_ahead(&self, camera: &Camera) -> Option<Ahead> {
         let basis = camera.basis(1.0);
         let bodies = &self.world().bodies;
         let direction = basis.forward.normalize();
-        self.free_bodies().met(bodies, basis.origin, direction)
+        let free = self.free_bodies().met(bodies, basis.origin, direction);
+        let free = free.map(|(index, distance)| Ahead {
+            free: Some(index),
+            distance,
+        });
+        let others = self.free_bodies().others(bodies, self.now_s());
+        let other = others.met(basis.origin, direction);
+        let other = other.map(|distance| Ahead {
+            free: None,
+            distance,
+        });
+        let both = free.into_iter().chain(other);
+        both.min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
-    /// The free body that a camera looks at within reach, with nothing before it.
+    /// How far a hand reaches where a camera looks: to the body there, if one is within reach (voxels).
+    pub(super) fn reach_ahead(&self, reach: &Reach, camera: &Camera) -> f64 {
+        let body = self.body_ahead(camera);
+        body.map_or(reach.distance, |body| reach.distance.min(body.distance))
+    }
+
+    /// The body that a camera looks at within reach, with nothing before it.
     ///
     /// # Errors
     /// [`AppError`] when the voxels must be read back and the device is lost.
@@ -271,11 +313,12 @@ impl Viewport {
         &mut self,
         reach: &Reach,
         camera: &Camera,
-    ) -> Result<Option<usize>, AppError> {
-        let Some((index, far)) = self.body_ahead(camera) else {
+    ) -> Result<Option<Ahead>, AppError> {
+        let ahead = self.body_ahead(camera);
+        let Some(body) = ahead.filter(|body| body.distance <= reach.distance) else {
             return Ok(None);
         };
         let is_hidden = self.aim(reach, camera)?.is_some();
-        Ok((far <= reach.distance && !is_hidden).then_some(index))
+        Ok((!is_hidden).then_some(body))
     }
 }

@@ -52,7 +52,7 @@ impl Run<'_> {
         let camera = self.view()?;
         let reach = Reach::of(self.player.body());
         let target = self.viewport.aim(&reach, &camera)?;
-        if target.is_none() {
+        if target.is_none() && !self.tell_body(&reach, &camera)? {
             self.messages.toast(toasts::OUT_OF_REACH);
         }
         Ok(target)

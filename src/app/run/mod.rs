@@ -6,6 +6,7 @@ mod bodies;
 mod clip;
 mod noises;
 mod strokes;
+mod undo;
 
 use strokes::Turn;
 

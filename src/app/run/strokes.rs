@@ -1,11 +1,11 @@
-//! What a stroke does: it digs, places and picks voxels and lamps, and can be undone.
+//! What a stroke does: it digs, places and picks voxels and lamps.
 
 use super::Run;
 use crate::{
     app::{
         AppError,
         hands::{
-            Changes, Item, Side,
+            Changes, Item,
             aim::{Reach, Target},
             brush::{Stroke, Stroked},
             lamps::{self, LampChange},
@@ -14,7 +14,6 @@ use crate::{
         texts::toasts,
         viewport::Viewport,
     },
-    frame::FrameError,
     world::{Camera, World, voxels::Voxels},
 };
 
@@ -32,6 +31,9 @@ impl Run<'_> {
         let reach = Reach::of(self.player.body());
         self.follow_build();
         let Some(target) = self.viewport.aim(&reach, &camera)? else {
+            if turn == Turn::First && stroke != Stroke::Pick {
+                self.tell_body(&reach, &camera)?;
+            }
             return Ok(false);
         };
         let world = self.viewport.world();
@@ -144,77 +146,21 @@ impl Run<'_> {
         edited
     }
 
-    /// Returns whether anything changed.
-    pub(super) fn undo(&mut self) -> bool {
-        self.follow_build();
-        let viewport = &mut *self.viewport;
-        let undone = self
-            .hands
-            .history
-            .undo(|changes| viewport.put(changes, Side::Before));
-        self.went(undone, toasts::NO_UNDO)
-    }
-
-    /// Returns whether anything changed.
-    pub(super) fn redo(&mut self) -> bool {
-        self.follow_build();
-        let viewport = &mut *self.viewport;
-        let redone = self
-            .hands
-            .history
-            .redo(|changes| viewport.put(changes, Side::After));
-        self.went(redone, toasts::NO_REDO)
-    }
-
     pub(super) fn follow_build(&mut self) {
         let build = self.viewport.build();
         self.hands.follow(self.viewport.world(), build);
     }
-
-    fn went(&mut self, done: Result<bool, FrameError>, nothing: &str) -> bool {
-        match done {
-            Ok(true) => return true,
-            Ok(false) => self.messages.toast(nothing),
-            Err(error) => self.messages.toast_error(error.to_string()),
-        }
-        false
-    }
 }
 
 impl Viewport {
-    /// What a stroke where `camera` looks would meet: nothing behind a free body.
+    /// What a stroke where `camera` looks would meet: nothing behind a body.
     ///
     /// # Errors
     /// [`AppError`] when the voxels must be read back and the device is lost.
     pub fn aim(&mut self, reach: &Reach, camera: &Camera) -> Result<Option<Target>, AppError> {
-        let body = self.body_ahead(camera);
+        let distance = self.reach_ahead(reach, camera);
         let (voxels, world) = self.voxels_and_world()?;
-        let reach = Reach {
-            distance: body.map_or(reach.distance, |(_, far)| reach.distance.min(far)),
-            ..*reach
-        };
+        let reach = Reach { distance, ..*reach };
         Ok(reach.aim(voxels, &world.restored.lamps, world.origin, camera))
-    }
-
-    /// Gives everything that a stroke changed what it was before, or after.
-    ///
-    /// # Errors
-    /// [`FrameError`] when the adapter cannot hold it; then nothing changes.
-    pub fn put(&mut self, changes: &Changes, side: Side) -> Result<(), FrameError> {
-        if let Some((name, body)) = changes.body(side) {
-            let now = self.world().bodies.index_of(name);
-            let now = now.and_then(|index| self.world().bodies.placed(index));
-            self.put_body(name, body)?;
-            if let Err(error) = self.edit(|voxels, _| changes.put(voxels, side)) {
-                self.put_body(name, now.as_ref())?;
-                return Err(error);
-            }
-            return Ok(());
-        }
-        self.edit(|voxels, _| changes.put(voxels, side))?;
-        if let Some((voxel, lamp)) = changes.lamp(side) {
-            self.put_lamp(voxel, lamp);
-        }
-        Ok(())
     }
 }

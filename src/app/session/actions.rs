@@ -9,7 +9,7 @@ use crate::app::{
     },
     input::Input,
     menu::Occasion,
-    texts::toasts,
+    texts::{bodies, toasts},
 };
 
 impl Session {
@@ -35,7 +35,7 @@ impl Session {
             Action::Paste => self.give(Input::Clip(Clip::Paste)),
             Action::Turn => self.give(Input::Clip(Clip::Turn)),
             Action::Air => self.give(Input::Clip(Clip::Air)),
-            Action::Lift => self.give(Input::Clip(Clip::Lift)),
+            Action::Lift => self.lift(),
             Action::Settle => self.give(Input::Clip(Clip::Settle)),
             Action::Pick => self.give(Input::Stroke(Stroke::Pick)),
             Action::Undo => self.give(Input::Undo),
@@ -85,6 +85,24 @@ impl Session {
             Action::Place => self.give(Input::LetGo(Stroke::Place)),
             Action::Replace => self.give(Input::LetGo(Stroke::Replace)),
             _ => {}
+        }
+    }
+
+    /// Lifts at once, or after the next frame, which says that the picture will stop.
+    fn lift(&mut self) {
+        match self.viewport.does_first_body_stop() {
+            true => {
+                self.messages.toast(bodies::IN_A_MOMENT);
+                self.lifts_after_frame = true;
+            }
+            false => self.give(Input::Clip(Clip::Lift)),
+        }
+    }
+
+    /// A frame was shown.
+    pub(super) fn lift_after_frame(&mut self) {
+        if std::mem::take(&mut self.lifts_after_frame) {
+            self.give(Input::Clip(Clip::Lift));
         }
     }
 

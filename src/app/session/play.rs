@@ -133,6 +133,9 @@ impl Session {
         edited |= run.advance(to_ns)?.edited;
         self.camera = run.view()?;
         run.show_bits()?;
+        if let Err(error) = self.viewport.show_waiting_bodies() {
+            self.messages.toast_error(error.to_string());
+        }
         self.hear(to_ns)?;
         self.play.chosen = Chosen::of(&self.viewport, &self.settings);
         if remade {
@@ -187,7 +190,8 @@ impl Session {
     /// The box around the free body that is aimed at.
     fn outline_of_body(&mut self, reach: &Reach) -> Option<Vec<Segment>> {
         let [width, height] = self.viewport.frame().size().map(f64::from);
-        let index = self.viewport.aim_at_body(reach, &self.camera).ok()??;
+        let ahead = self.viewport.aim_at_body(reach, &self.camera).ok()??;
+        let index = ahead.free?;
         let bodies = &self.viewport.world().bodies;
         let bounds = self.viewport.free_bodies().bounds(bodies, index)?;
         let Ground { voxels, origin, .. } = self.viewport.ground().ok()?;

@@ -241,8 +241,12 @@ pub mod bodies {
     pub const NO_ROOM_TO_SET: &str =
         "There is no room for its voxels: push the body away from what is beside it";
     pub const NONE: &str = "You look at no body within reach: {lift} makes one";
-    pub const OF_WORLD: &str =
-        "This body belongs to the world file: it can be pushed, but not set into the world";
+    pub const NOT_FREE: &str = "This body moves by itself, or stands at an angle: it can be neither dug nor set into the world";
+    pub const SET_FIRST: &str =
+        "This is a body: {settle} sets it into the world, then it can be dug and built on";
+    pub const IN_THE_WAY: &str = "A body is in the way: push it away, or set it into the world";
+    pub const IN_A_MOMENT: &str = "The first body of a world takes a moment to appear";
+    pub const PLAYER_IN_THE_WAY: &str = "You are in the way: step aside";
 
     pub fn too_large(size: &str, most: u32) -> String {
         format!(

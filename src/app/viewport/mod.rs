@@ -6,6 +6,8 @@ mod changes;
 mod effort;
 mod fitting;
 mod record;
+#[cfg(test)]
+pub mod sample;
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +19,7 @@ use super::{
 };
 use crate::{
     frame::{Frame, FrameError, Stage, scaled},
-    gpu::{Gpu, GpuError, ShaderLibrary},
+    gpu::{Compiling, Gpu, GpuError, ShaderLibrary},
     parameters::{Parameters, Remake},
     passes::view::Inspection,
     world::{
@@ -91,6 +93,11 @@ pub struct Viewport {
     free: FreeBodies,
     /// Free bodies have moved since the last frame.
     bodies_moved: bool,
+    /// The kernels for the first body, while they are compiled.
+    preparation: Option<Compiling>,
+    preparation_failed: bool,
+    /// The frame does not show the bodies yet.
+    bodies_wait: bool,
     /// What cells contained whose last edit did not fit, while there are no voxels.
     originals: Originals,
 }
@@ -134,6 +141,9 @@ impl Viewport {
             build: 0,
             free,
             bodies_moved: false,
+            preparation: None,
+            preparation_failed: false,
+            bodies_wait: false,
             originals: Originals::default(),
         };
         viewport.reference_view = viewport.traced(&viewport.choice)?;
@@ -244,6 +254,7 @@ impl Viewport {
             self.frame.rebuild_passes(&gpu)?;
         }
         self.gpu = gpu;
+        self.forget_preparation();
         self.reference_view = self.traced(&self.choice)?;
         Ok(())
     }
@@ -260,6 +271,7 @@ impl Viewport {
             .frame
             .moved_to(&gpu, &self.world, voxels, layout, probes)?;
         self.gpu = gpu;
+        self.forget_preparation();
         self.reference_view = self.traced(&self.choice)?;
         Ok(())
     }
@@ -339,28 +351,38 @@ impl Viewport {
 
 #[cfg(test)]
 mod tests {
-    use glam::IVec3;
+    use glam::{IVec3, Vec3};
 
-    use super::*;
+    use super::{
+        sample::{body_at, shown},
+        *,
+    };
     use crate::{
-        gpu::{DeviceErrors, GpuError, ShaderChecks},
+        gpu::{DeviceErrors, GpuError},
         lights::Lights,
         world::{PlacedLamp, placed::tests::lamp},
     };
 
-    fn shown() -> Viewport {
-        let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
-        let world = world::file::load(&path, &Overrides::default()).expect("it loads");
-        let mut parameters = Parameters::default();
-        parameters.probes.rays = 8;
-        let choice = Choice {
-            parameters,
-            layout: String::new(),
-            size: [8, 8],
-            traced: false,
-        };
-        Viewport::new(gpu, &path, world, choice).expect("it fits")
+    #[test]
+    fn a_body_that_comes_while_its_kernels_are_compiled_is_shown_afterwards() {
+        let mut viewport = shown();
+        viewport.prepare_bodies();
+        viewport
+            .put_body("placed 1", Some(&body_at(Vec3::Y * 20.0)))
+            .expect("it waits");
+        assert!(viewport.bodies_wait() && !viewport.frame.has_bodies());
+        assert_eq!(viewport.world.bodies.bodies.len(), 1);
+        while viewport.bodies_wait() {
+            viewport.show_waiting_bodies().expect("it fits");
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        assert!(viewport.frame.has_bodies());
+        // Another one need not wait.
+        viewport.prepare_bodies();
+        viewport
+            .put_body("placed 2", Some(&body_at(Vec3::Y * 24.0)))
+            .expect("it fits");
+        assert!(!viewport.bodies_wait());
     }
 
     fn on_the_gpu(viewport: &Viewport) -> Voxels {

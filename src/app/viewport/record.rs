@@ -38,7 +38,7 @@ impl Viewport {
             soft_rays: parameters.lights.soft_rays,
             shadows: parameters.lights.shadows,
         };
-        if std::mem::take(&mut self.bodies_moved) {
+        if self.frame.has_bodies() && std::mem::take(&mut self.bodies_moved) {
             self.frame.rest_bodies(&self.gpu, &self.world.bodies);
         }
         let lamp_time_s = self.lamp_time_s(time_s);

@@ -15,19 +15,21 @@ pub struct BodyLight {
 }
 
 impl BodyLight {
+    /// `offered`: the constants of the offer.
+    pub fn spec<'a>(offered: &'a [(&'a str, f64)]) -> KernelSpec<'a> {
+        KernelSpec {
+            shader: "probes/body_light",
+            offered,
+            ..Default::default()
+        }
+    }
+
     /// `offer` is that of the scene and the probes.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, offer: &Offer<'_>) -> Result<Self, GpuError> {
-        let kernel = Kernel::new(
-            gpu,
-            &KernelSpec {
-                shader: "probes/body_light",
-                offered: &offer.constants,
-                ..Default::default()
-            },
-        )?;
+        let kernel = Kernel::new(gpu, &Self::spec(&offer.constants))?;
         Ok(Self {
             bindings: kernel.bind(gpu, &offer.resources),
             kernel,

@@ -10,18 +10,19 @@ pub struct ProbeCover {
 }
 
 impl ProbeCover {
+    pub fn spec() -> KernelSpec<'static> {
+        KernelSpec {
+            shader: "probes/cover",
+            ..Default::default()
+        }
+    }
+
     /// `scene` is the offer of the voxels and the bodies.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, field: &ProbeField, scene: &Offer<'_>) -> Result<Self, GpuError> {
-        let kernel = Kernel::new(
-            gpu,
-            &KernelSpec {
-                shader: "probes/cover",
-                ..Default::default()
-            },
-        )?;
+        let kernel = Kernel::new(gpu, &Self::spec())?;
         let all = scene.with(field.state_resources());
         let groups = field.atlas().slots.div_ceil(kernel.workgroup_size[0]);
         Ok(Self {

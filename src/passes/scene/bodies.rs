@@ -15,6 +15,9 @@ use crate::{
     world::bodies::{Bodies, Pose},
 };
 
+/// Name of the constant of kernels that says whether there may be bodies.
+pub const BODIES: &str = "BODIES";
+
 /// Bodies that come or go change light as a way of this many voxels does.
 const APPEARING: f32 = 8.0;
 
@@ -189,7 +192,7 @@ impl GpuBodies {
 
     /// The constant of kernels that are made for these bodies: whether there may be any.
     pub fn constants(&self) -> [(&'static str, f64); 1] {
-        [("BODIES", f64::from(u8::from(self.exist())))]
+        [(BODIES, f64::from(u8::from(self.exist())))]
     }
 
     /// Moves the bodies to where they are at a world time (seconds). Where nothing moves, this costs nothing.

@@ -13,7 +13,7 @@ mod materials;
 pub mod voxelise;
 mod voxels;
 
-pub use bodies::GpuBodies;
+pub use bodies::{BODIES, GpuBodies};
 pub use emitters::GpuEmitters;
 pub use lights::GpuLights;
 pub use materials::GpuMaterials;

@@ -8,19 +8,21 @@ pub struct BodyLamps {
 }
 
 impl BodyLamps {
+    /// `offered`: the constants of the offer.
+    pub fn spec<'a>(offered: &'a [(&'a str, f64)]) -> KernelSpec<'a> {
+        KernelSpec {
+            shader: "surface_cache/body_lamps",
+            offered,
+            ..Default::default()
+        }
+    }
+
     /// `offer` is that of the scene and the surface cache.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, offer: &Offer<'_>) -> Result<Self, GpuError> {
-        let kernel = Kernel::new(
-            gpu,
-            &KernelSpec {
-                shader: "surface_cache/body_lamps",
-                offered: &offer.constants,
-                ..Default::default()
-            },
-        )?;
+        let kernel = Kernel::new(gpu, &Self::spec(&offer.constants))?;
         Ok(Self {
             bindings: kernel.bind(gpu, &offer.resources),
             kernel,

@@ -8,19 +8,21 @@ pub struct BodyShafts {
 }
 
 impl BodyShafts {
+    /// `offered`: the constants of the offer.
+    pub fn spec<'a>(offered: &'a [(&'a str, f64)]) -> KernelSpec<'a> {
+        KernelSpec {
+            shader: "surface_cache/body_shafts",
+            offered,
+            ..Default::default()
+        }
+    }
+
     /// `scene` is the offer of the voxels, the lights and the bodies.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, scene: &Offer<'_>) -> Result<Self, GpuError> {
-        let kernel = Kernel::new(
-            gpu,
-            &KernelSpec {
-                shader: "surface_cache/body_shafts",
-                offered: &scene.constants,
-                ..Default::default()
-            },
-        )?;
+        let kernel = Kernel::new(gpu, &Self::spec(&scene.constants))?;
         Ok(Self {
             bindings: kernel.bind(gpu, &scene.resources),
             kernel,

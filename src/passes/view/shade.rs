@@ -15,6 +15,19 @@ pub struct Shade {
 }
 
 impl Shade {
+    /// `offered`: the constants of the offer. `on_bodies`: for the pixels on bodies.
+    pub fn spec<'a>(on_bodies: bool, offered: &'a [(&'a str, f64)]) -> KernelSpec<'a> {
+        KernelSpec {
+            shader: "view/shade",
+            overrides: match on_bodies {
+                true => &[("ON_BODIES", 1.0)],
+                false => &[("ON_BODIES", 0.0)],
+            },
+            offered,
+            ..Default::default()
+        }
+    }
+
     /// A picture of at most `size` pixels.
     ///
     /// # Errors
@@ -34,17 +47,7 @@ impl Shade {
         surfaces: &wgpu::Buffer,
         offer: &Offer<'_>,
     ) -> Result<Self, GpuError> {
-        let kernel_of = |on_bodies: bool| {
-            Kernel::new(
-                gpu,
-                &KernelSpec {
-                    shader: "view/shade",
-                    overrides: &[("ON_BODIES", f64::from(u8::from(on_bodies)))],
-                    offered: &offer.constants,
-                    ..Default::default()
-                },
-            )
-        };
+        let kernel_of = |on_bodies| Kernel::new(gpu, &Self::spec(on_bodies, &offer.constants));
         let has_bodies = offer.constants.contains(&("BODIES", 1.0));
         let (kernel, on_bodies) = thread::scope(|threads| {
             let on_bodies = threads.spawn(|| has_bodies.then(|| kernel_of(true)).transpose());

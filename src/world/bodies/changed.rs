@@ -4,9 +4,11 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
-use super::{Bodies, Body, BodyModel, MAX_BODIES, MAX_BODY_EDGE, MAX_MODEL_VOXELS, Pose, PutBy};
+use super::{
+    Bodies, Body, BodyModel, MAX_BODIES, MAX_BODY_EDGE, MAX_MODEL_VOXELS, PutBy, WholeBody,
+};
 
 /// Coordinates of bodies lie within ± this many voxels.
 const FARTHEST: f32 = 16_777_216.0;
@@ -35,11 +37,13 @@ pub struct ChangedBodies {
     /// In the order of placing.
     pub placed: Vec<PlacedBody>,
     pub moved: Vec<MovedBody>,
+    /// Names of bodies of the world file that were set into the world as voxels.
+    pub gone: Vec<String>,
 }
 
 impl ChangedBodies {
     pub fn is_empty(&self) -> bool {
-        self.placed.is_empty() && self.moved.is_empty()
+        self.placed.is_empty() && self.moved.is_empty() && self.gone.is_empty()
     }
 
     /// Why these, read from a file, cannot be the changes of a world; `None` if they can.
@@ -54,6 +58,9 @@ impl ChangedBodies {
             if !place.to_array().iter().all(|axis| axis.abs() <= FARTHEST) {
                 return Some(format!("no body can be at {place}"));
             }
+        }
+        if let Some(name) = self.gone.iter().find(|name| !names.insert(*name)) {
+            return Some(format!("no body can be the body `{name}`, which is gone"));
         }
         if self.placed.len() > MAX_BODIES {
             return Some(format!("there are more than {MAX_BODIES} bodies"));
@@ -80,7 +87,7 @@ impl Bodies {
     /// A name for the next body that a player places.
     pub fn free_name(&self) -> String {
         let mut names = (1..).map(|number| format!("placed {number}"));
-        let is_free = |name: &String| self.index_of(name).is_none();
+        let is_free = |name: &String| self.index_of(name).is_none() && !self.gone.contains(name);
         names.find(is_free).expect("bodies are finite")
     }
 
@@ -103,34 +110,7 @@ impl Bodies {
 
     /// Adds a body that a player places. It comes last.
     pub fn add(&mut self, placed: &PlacedBody) {
-        let known = self.models.iter().position(|model| *model == *placed.model);
-        let model = known.unwrap_or_else(|| {
-            self.models.push((*placed.model).clone());
-            self.models.len() - 1
-        });
-        self.bodies.push(Body {
-            name: placed.name.clone(),
-            model,
-            pivot: Vec3::ZERO,
-            rest: Pose {
-                position: placed.corner,
-                rotation: Quat::IDENTITY,
-            },
-            motion: Vec::new(),
-            put_by: PutBy::Placed,
-        });
-    }
-
-    /// Removes a body, and its model if no other body has it.
-    pub fn remove(&mut self, index: usize) {
-        let model = self.bodies.remove(index).model;
-        if self.bodies.iter().any(|body| body.model == model) {
-            return;
-        }
-        self.models.remove(model);
-        for body in &mut self.bodies {
-            body.model -= usize::from(body.model > model);
-        }
+        self.put(&WholeBody::placed(placed));
     }
 
     /// What a player changed.
@@ -146,6 +126,7 @@ impl Bodies {
                     position: body.rest.position,
                 })
                 .collect(),
+            gone: self.gone.clone(),
         }
     }
 
@@ -158,6 +139,14 @@ impl Bodies {
         renumbered: impl Fn(u8) -> Option<u8>,
     ) -> [u64; 2] {
         let [mut lost, mut voxels] = [0; 2];
+        for name in &changed.gone {
+            // One that the file no longer has is gone indeed.
+            match self.index_of(name) {
+                Some(index) if self.bodies[index].is_still() => self.remove(index),
+                Some(_) => lost += 1,
+                None => {}
+            }
+        }
         for moved in &changed.moved {
             let still = |body: &&mut Body| body.name == moved.name && body.is_still();
             match self.bodies.iter_mut().find(still) {
@@ -202,11 +191,14 @@ impl Bodies {
 
 #[cfg(test)]
 pub mod tests {
-    use glam::UVec3;
+    use glam::{Quat, UVec3};
     use proptest::prelude::*;
 
     use super::*;
-    use crate::world::{Travel, bodies::BodyMotion};
+    use crate::world::{
+        Travel,
+        bodies::{BodyMotion, Pose},
+    };
 
     fn body_of_file(name: &str, motion: Vec<BodyMotion>) -> Body {
         Body {
@@ -238,6 +230,7 @@ pub mod tests {
                 body_of_file("still", vec![]),
                 body_of_file("bobs", vec![bob]),
             ],
+            gone: Vec::new(),
         }
     }
 
@@ -253,12 +246,13 @@ pub mod tests {
         })
     }
 
-    /// Bodies that a player placed, and perhaps the still one, pushed.
+    /// Bodies that a player placed, and perhaps the still one, pushed or gone.
     pub fn changes() -> impl Strategy<Value = ChangedBodies> {
         let place = || (-900..900i32, -90..90i32, -900..900i32).prop_map(glam::IVec3::from);
         let place = move || place().prop_map(|at| at.as_vec3() / 8.0);
         let placed = prop::collection::vec((model(), place()), 0..5);
-        (placed, prop::option::of(place())).prop_map(|(placed, moved)| ChangedBodies {
+        let still = (prop::option::of(place()), any::<bool>());
+        (placed, still).prop_map(|(placed, (moved, is_gone))| ChangedBodies {
             placed: (placed.into_iter().enumerate())
                 .map(|(number, (model, corner))| PlacedBody {
                     name: format!("placed {}", number + 1),
@@ -271,6 +265,10 @@ pub mod tests {
                     name: "still".into(),
                     position,
                 })
+                .into_iter()
+                .collect(),
+            gone: (is_gone && moved.is_none())
+                .then(|| "still".to_owned())
                 .into_iter()
                 .collect(),
         })
@@ -311,7 +309,8 @@ pub mod tests {
                 one("b", vec![2]),
                 one("still", vec![1]),
             ],
-            moved: vec![moved("bobs"), moved("gone")],
+            moved: vec![moved("bobs"), moved("lost")],
+            gone: vec!["unknown".into()],
         };
         let mut bodies = of_file();
         let lost = bodies.take_changes(&changes, |m| (m == 1).then_some(3));
@@ -321,12 +320,12 @@ pub mod tests {
         assert_eq!(bodies.bodies[3].name, "placed 1", "its name was taken");
         let twice = ChangedBodies {
             placed: vec![one("a", vec![1]); 2],
-            moved: vec![],
+            ..Default::default()
         };
         assert!(twice.fault().is_some());
         let empty = ChangedBodies {
             placed: vec![one("a", vec![0])],
-            moved: vec![],
+            ..Default::default()
         };
         assert!(empty.fault().is_some());
         let far = MovedBody {
@@ -334,9 +333,20 @@ pub mod tests {
             position: Vec3::X * f32::NAN,
         };
         let far = ChangedBodies {
-            placed: vec![],
             moved: vec![far],
+            ..Default::default()
         };
         assert!(far.fault().is_some());
+        let both = ChangedBodies {
+            moved: vec![moved("still")],
+            gone: vec!["still".into()],
+            ..Default::default()
+        };
+        assert!(both.fault().is_some());
+        let moves = ChangedBodies {
+            gone: vec!["bobs".into()],
+            ..Default::default()
+        };
+        assert_eq!(of_file().take_changes(&moves, Some), [1, 0], "it moves now");
     }
 }

@@ -3,14 +3,16 @@
 
 pub mod changed;
 mod motion;
+mod whole;
 
 use std::fmt;
 
-use glam::{IVec3, Quat, UVec3, Vec3};
+use glam::{IVec3, Mat3, Quat, UVec3, Vec3};
 
 pub use changed::{ChangedBodies, MovedBody, PlacedBody};
 use motion::Moment;
 pub use motion::{BodyMotion, Cycle, Ease};
+pub use whole::WholeBody;
 
 /// Most voxels along an edge of a model.
 pub const MAX_BODY_EDGE: u32 = 64;
@@ -20,6 +22,9 @@ pub const MAX_BODIES: usize = 4096;
 
 /// Most voxels, air included, of all models of a world.
 pub const MAX_MODEL_VOXELS: u32 = 1 << 24;
+
+/// Axes that differ by less than this from those of the world are theirs.
+const ALIGNED: f32 = 1e-4;
 
 /// The voxels of a body, shared by all bodies of the same shape.
 #[derive(Clone, PartialEq, Eq)]
@@ -70,6 +75,8 @@ pub struct Pose {
 pub struct Bodies {
     pub models: Vec<BodyModel>,
     pub bodies: Vec<Body>,
+    /// Names of those of the world file that a player has set into the world as voxels.
+    pub gone: Vec<String>,
 }
 
 impl BodyModel {
@@ -118,6 +125,14 @@ impl Body {
             position: now.position.as_vec3(),
             rotation: now.rotation.normalize().as_quat(),
         }
+    }
+
+    /// Where the axes of the model lie in the world, if they lie along the world's.
+    pub fn axes(&self) -> Option<[IVec3; 3]> {
+        let turn = Mat3::from_quat(self.rest.rotation.normalize());
+        let axes = [turn.x_axis, turn.y_axis, turn.z_axis];
+        let is_aligned = |axis: &Vec3| (*axis - axis.round()).abs().max_element() < ALIGNED;
+        (axes.iter().all(is_aligned)).then(|| axes.map(|axis| axis.round().as_ivec3()))
     }
 
     /// Whether the body never moves.

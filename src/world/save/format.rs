@@ -43,6 +43,8 @@ const LAMPS: [u8; 4] = *b"Lamp";
 
 /// Bodies that were placed or pushed: see [`bodies`]. A save without any lacks the section.
 const BODIES: [u8; 4] = *b"Body";
+/// JSON: names of bodies of the world file that are gone.
+const GONE: [u8; 4] = *b"Gone";
 
 /// Longest edge of a grid in cells: a world has at most 4096 voxels on an axis.
 const MOST_CELLS: u32 = 4096 / CELL;
@@ -144,8 +146,12 @@ pub fn encode(save: &Save) -> Vec<u8> {
     if !save.lamps.is_empty() {
         section(LAMPS, &serde_json::to_vec(&save.lamps).unwrap_or_default());
     }
-    if !save.bodies.is_empty() {
+    if !save.bodies.placed.is_empty() || !save.bodies.moved.is_empty() {
         section(BODIES, &bodies::encode(&save.bodies));
+    }
+    if !save.bodies.gone.is_empty() {
+        let gone = &save.bodies.gone;
+        section(GONE, &serde_json::to_vec(gone).unwrap_or_default());
     }
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(4));
     // Writing to a Vec cannot fail.
@@ -193,7 +199,7 @@ pub fn decode(bytes: &[u8]) -> Result<Save, Fault> {
         return Err(damaged("its content has another length than it says"));
     }
     let (mut state, mut overlay, mut lamps) = (None, None, Vec::new());
-    let mut changed_bodies = ChangedBodies::default();
+    let (mut changed_bodies, mut gone) = (ChangedBodies::default(), Vec::new());
     let mut rest = Cursor(&content);
     while !rest.0.is_empty() {
         let name = rest.array::<4>()?;
@@ -204,6 +210,7 @@ pub fn decode(bytes: &[u8]) -> Result<Save, Fault> {
             EDITS => overlay = Some(overlay_of(bytes)?),
             LAMPS => lamps = lamps_of(bytes)?,
             BODIES => changed_bodies = bodies::decode(bytes)?,
+            GONE => gone = json("bodies that are gone", bytes)?,
             [b'a'..=b'z', ..] => {}
             _ => {
                 return Err(Fault::Newer {
@@ -215,6 +222,10 @@ pub fn decode(bytes: &[u8]) -> Result<Save, Fault> {
     }
     let state = state.ok_or_else(|| damaged("it has no state"))?;
     check(&state)?;
+    changed_bodies.gone = gone;
+    if let Some(fault) = changed_bodies.fault() {
+        return Err(damaged(fault));
+    }
     Ok(Save {
         head,
         state,
@@ -487,7 +498,7 @@ mod tests {
         let bytes = |placed: &[&crate::world::bodies::PlacedBody]| {
             bodies::encode(&ChangedBodies {
                 placed: placed.iter().map(|body| (*body).clone()).collect(),
-                moved: Vec::new(),
+                ..Default::default()
             })
         };
         let whole = bytes(&[&body]);

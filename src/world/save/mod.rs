@@ -62,7 +62,7 @@ pub struct Head {
     /// Number of placed lamps.
     #[serde(default)]
     pub lamps: usize,
-    /// Number of bodies that were placed or pushed.
+    /// Number of bodies that were placed, pushed, or set into the world.
     #[serde(default)]
     pub bodies: usize,
     /// The version of grotto that wrote it.

@@ -1,12 +1,9 @@
 //! The solid voxels of a model as few boxes, and where those are in the world.
 
-use glam::{DVec3, I64Vec3, IVec3, Mat3, Vec3};
+use glam::{DVec3, I64Vec3, IVec3};
 
 use super::super::sweep::{Aabb, to_units};
 use crate::world::bodies::{Body, BodyModel};
-
-/// Axes that differ by less than this from those of the world are theirs.
-const ALIGNED: f32 = 1e-4;
 
 /// The solid voxels of a body as boxes, in units from its pivot.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,13 +17,7 @@ impl Boxes {
     /// Those of a body whose axes lie along the world's; `None` for one that is turned in between. `parts` are those of
     /// its model.
     pub fn of(body: &Body, parts: &[[IVec3; 2]]) -> Option<Self> {
-        let turn = Mat3::from_quat(body.rest.rotation.normalize());
-        let axes = [turn.x_axis, turn.y_axis, turn.z_axis];
-        let is_aligned = |axis: &Vec3| (*axis - axis.round()).abs().max_element() < ALIGNED;
-        if !axes.iter().all(is_aligned) {
-            return None;
-        }
-        let axes = axes.map(|axis| axis.round().as_dvec3());
+        let axes = body.axes()?.map(|axis| axis.as_dvec3());
         let pivot = body.pivot.as_dvec3();
         let place = |corner: IVec3| {
             let from_pivot = corner.as_dvec3() - pivot;

@@ -21,7 +21,7 @@ use super::{
     sweep::{Aabb, ONE, point_to_units, to_units, to_voxels},
     terrain::Terrain,
 };
-use crate::world::bodies::{Bodies, PutBy};
+use crate::world::bodies::{Bodies, PutBy, WholeBody};
 use boxes::{Boxes, parts};
 use scene::Scene;
 
@@ -56,6 +56,15 @@ pub struct Moved {
 pub struct Taken(Vec<Aabb>);
 
 impl Taken {
+    /// All voxels (world space) of which a part is taken. Some come more than once.
+    pub fn voxels(&self) -> impl Iterator<Item = IVec3> {
+        self.0.iter().flat_map(|own| {
+            let (low, high) = own.voxels();
+            let rows = (low.z..=high.z).flat_map(move |z| (low.y..=high.y).map(move |y| (y, z)));
+            rows.flat_map(move |(y, z)| (low.x..=high.x).map(move |x| IVec3::new(x, y, z)))
+        })
+    }
+
     /// Whether a part of a voxel (world space) is taken.
     pub fn has(&self, voxel: IVec3) -> bool {
         let low = voxel.as_i64vec3() * ONE;
@@ -138,11 +147,8 @@ impl FreeBodies {
         let mut moved = Moved::default();
         let before: Vec<I64Vec3> = places(bodies);
         let after = {
-            let boxes: Vec<_> = self
-                .states
-                .iter()
-                .map(|state| state.boxes.clone())
-                .collect();
+            let boxes = self.states.iter().map(|state| state.boxes.clone());
+            let boxes: Vec<_> = boxes.collect();
             let others = Obstacles::of(bodies, time_s, |index| boxes[index].is_none());
             let mut scene = Scene {
                 stone,
@@ -227,6 +233,27 @@ impl FreeBodies {
         Taken(boxes.filter(|own| meet(own, &region)).collect())
     }
 
+    /// Whether a body would stand inside a free body other than `except`.
+    pub fn has_in_the_way(
+        &self,
+        bodies: &Bodies,
+        whole: &WholeBody,
+        except: Option<usize>,
+    ) -> bool {
+        let own = whole.boxes();
+        let others = self
+            .placed(bodies)
+            .filter(|(index, ..)| Some(*index) != except);
+        let mut others =
+            others.flat_map(|(_, at, boxes)| boxes.boxes.iter().map(move |b| b.moved(at)));
+        others.any(|other| own.iter().any(|own| meet(own, &other)))
+    }
+
+    /// The bodies that are not free, at a world time (seconds).
+    pub fn others<'a>(&self, bodies: &'a Bodies, time_s: f64) -> Obstacles<'a> {
+        Obstacles::of(bodies, time_s, |index| self.states[index].boxes.is_none())
+    }
+
     /// The free body that a ray (world space, unit direction) meets first, and how far away (voxels).
     pub fn met(&self, bodies: &Bodies, origin: DVec3, direction: DVec3) -> Option<(usize, f64)> {
         let near = self.placed(bodies).filter_map(|(index, at, boxes)| {
@@ -261,6 +288,21 @@ impl FreeBodies {
 fn places(bodies: &Bodies) -> Vec<I64Vec3> {
     let places = bodies.bodies.iter().map(|body| body.rest.position);
     places.map(|at| point_to_units(at.as_dvec3())).collect()
+}
+
+impl WholeBody {
+    /// Boxes that the body takes (world space); none if its axes lie between those of the world.
+    fn boxes(&self) -> Vec<Aabb> {
+        let at = point_to_units(self.body.rest.position.as_dvec3());
+        let boxes = Boxes::of(&self.body, &parts(&self.model));
+        let boxes = boxes.map_or_else(Vec::new, |boxes| boxes.boxes);
+        boxes.into_iter().map(|own| own.moved(at)).collect()
+    }
+
+    /// What the body takes.
+    pub fn taken(&self) -> Taken {
+        Taken(self.boxes())
+    }
 }
 
 /// Whether two boxes share more than a face.

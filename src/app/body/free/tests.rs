@@ -47,7 +47,11 @@ fn body(model: usize, corner: Vec3, put_by: PutBy) -> bodies::Body {
 
 impl Stage {
     fn new(grid: Grid, models: Vec<BodyModel>, bodies: Vec<bodies::Body>) -> Self {
-        let bodies = Bodies { models, bodies };
+        let bodies = Bodies {
+            models,
+            bodies,
+            ..Bodies::default()
+        };
         Self {
             grid,
             free: FreeBodies::of(&bodies),
@@ -398,4 +402,14 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn a_run_goes_on_where_the_player_stands_on_a_body() {
+    let eye = DVec3::new(6.5, 3.0 + 1.625, 6.5);
+    let mode = |stage: &Stage| Body::with_eye_at(eye, Measures::of_height(HEIGHT), 0.0, stage).mode;
+    let corner = Vec3::new(5.0, 1.0, 5.0);
+    let stage = Stage::placed(&[(UVec3::new(3, 2, 3), corner)]);
+    assert_eq!(mode(&stage), Mode::Walk);
+    assert_eq!(mode(&Stage::placed(&[])), Mode::Fly);
 }

@@ -45,6 +45,7 @@ impl Stage {
                     materials: vec![1; size.element_product() as usize],
                 }],
                 bodies: vec![body],
+                gone: Vec::new(),
             },
         }
     }
