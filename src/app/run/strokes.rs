@@ -115,7 +115,10 @@ impl Run<'_> {
     }
 
     fn change_lamp(&mut self, change: LampChange) {
-        self.viewport.put_lamp(change.voxel, change.after);
+        if let Err(error) = self.viewport.put_lamp(change.voxel, change.after) {
+            self.messages.toast_error(error.to_string());
+            return;
+        }
         self.noise_of_lamp(match (change.before, change.after) {
             (Some(_), Some(_)) => Kind::Switch,
             (Some(_), None) => Kind::Dig,
@@ -213,7 +216,7 @@ impl Viewport {
         }
         self.edit(|voxels, _| changes.put(voxels, side))?;
         if let Some((voxel, lamp)) = changes.lamp(side) {
-            self.put_lamp(voxel, lamp);
+            self.put_lamp(voxel, lamp)?;
         }
         Ok(())
     }
