@@ -255,7 +255,7 @@ mod tests {
             }
         }
         assert!(
-            glow > 5 && fast > 5 && crowded > 1,
+            glow > 20 && fast > 1 && crowded > 5,
             "{glow}, {fast}, {crowded}"
         );
     }
