@@ -26,6 +26,7 @@ mod offers;
 mod order;
 mod passes;
 mod pictures;
+mod spheres;
 mod stage;
 mod traced;
 mod values;
@@ -354,8 +355,7 @@ impl Frame {
         Ok(())
     }
 
-    /// Compiles and binds every pass again, as after an edit of the folder `shaders/`; the probes
-    /// keep their light.
+    /// Compiles and binds every pass again, as after an edit of the folder `shaders/`; the probes keep their light.
     ///
     /// # Errors
     /// [`GpuError::Shader`] with the place; the frame is then unchanged.

@@ -12,7 +12,7 @@ use crate::{
         voxelise::{Voxelise, VoxeliseReport},
     },
     probes::Volume,
-    world::{LayoutSpec, World, materials::MaterialSet, voxels::Voxels},
+    world::{Lamp, LayoutSpec, World, materials::MaterialSet, voxels::Voxels},
 };
 
 /// A world on the GPU, without a camera: its voxels and materials.
@@ -23,7 +23,8 @@ pub struct Stage {
     pub emitters: GpuEmitters,
     /// The cost of building the voxels; `None` for voxels from the CPU.
     pub built: Option<BuildReport>,
-    /// Whether a lamp of any preset is a sphere. Lamps that a player places are points.
+    /// Whether a lamp is a sphere, of any preset or placed by the player, on or off. More can come while a frame shows
+    /// them: [`Frame::allow_spheres`](super::Frame::allow_spheres).
     pub has_spheres: bool,
 }
 
@@ -188,7 +189,8 @@ pub fn scene<'a>(stage: &'a Stage, view: &'a wgpu::Buffer, lights: &'a GpuLights
 
 fn has_spheres(world: &World) -> bool {
     let mut lamps = world.lamp_presets.iter().flat_map(|preset| &preset.lamps);
-    lamps.any(|lamp| lamp.soft_radius > 0.0)
+    let mut placed = world.restored.lamps.iter();
+    lamps.any(Lamp::is_sphere) || placed.any(|lamp| lamp.block.is_soft())
 }
 
 fn bake(gpu: &Gpu, world: &World) -> Result<GpuMaterials, GpuError> {

@@ -101,10 +101,9 @@ impl LampState {
             direction_ws: direction.normalize_or_zero(),
             intensity,
             radius: f64::from(lamp.radius).max(MIN_RADIUS),
-            soft_radius: match shape {
-                LampShape::Directional => 0.0,
-                _ if lamp.soft_radius < MIN_RADIUS as f32 => 0.0,
-                LampShape::Point | LampShape::Spot { .. } => f64::from(lamp.soft_radius),
+            soft_radius: match lamp.is_sphere() {
+                true => f64::from(lamp.soft_radius),
+                false => 0.0,
             },
         }
     }

@@ -10,6 +10,9 @@ pub const MAX_LAMPS: usize = 65_536;
 /// Largest radius of a lamp that is a sphere (voxels).
 pub const MAX_SOFT_RADIUS: f32 = 64.0;
 
+/// Least radius of a lamp that is a sphere (voxels); smaller ones are points.
+pub const LEAST_SOFT_RADIUS: f32 = 0.01;
+
 /// Most probes of one layout (8 kB of maps and history each).
 pub const MAX_PROBES: u32 = 1 << 20;
 
@@ -49,6 +52,13 @@ pub struct Lamp {
     pub soft_radius: f32,
     /// Applied in order as a function of world time.
     pub motion: Vec<Motion>,
+}
+
+impl Lamp {
+    /// Whether the lamp is a sphere, whose shadows are soft.
+    pub fn is_sphere(&self) -> bool {
+        !matches!(self.kind, LampKind::Directional { .. }) && self.soft_radius >= LEAST_SOFT_RADIUS
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -229,6 +229,43 @@ fn probes_have_figures_with_the_final_gather_and_without() {
     }
 }
 
+/// Kernels of points know no spheres: rows of both kinds in one suite must not meet in one frame.
+#[test]
+fn lamps_are_measured_as_points_and_as_spheres() {
+    let ended = tiny(
+        &["lights", "worlds/cornell.ron", "--quick"],
+        &["--runs", "1"],
+    );
+    let report: Value = serde_json::from_str(&ended.stdout).expect("JSON");
+    let of = |condition: &str| {
+        let rows = rows(&report).iter();
+        rows.filter(|row| row["condition"] == condition).count()
+    };
+    for condition in ["still", "flickering", "moving", "spheres"] {
+        assert_eq!(of(condition), 2, "{condition}: no lamp, and one");
+    }
+}
+
+#[test]
+fn the_quality_tables_have_an_octree_beside_the_lattices() {
+    let folder = folder();
+    let cache = folder.path().to_str().expect("UTF-8");
+    let suite = ["tables", "worlds/bleed.ron"];
+    let ended = tiny(&suite, &["--spp", "1", "--cache", cache]);
+    let report: Value = serde_json::from_str(&ended.stdout).expect("JSON");
+    let all = rows(&report);
+    assert_eq!(all.len(), 2 * 4);
+    for row in all {
+        let id = row["id"].as_str().expect("an id");
+        assert!(id.starts_with("tables/octree-quality/bleed/"), "{id}");
+        assert!(number(&row["quality"]["flip"]) > 0.0, "{id}");
+        let error = number(&row["figures"]["absolute_error_mean"]["value"]);
+        assert!(error > 0.0 && error < 3.0, "{id}: {error}");
+    }
+    let octrees = all.iter().filter(|row| row["layout"] == "octree").count();
+    assert_eq!(octrees, 2);
+}
+
 #[test]
 fn hits_of_the_published_octree_are_counted_over_time() {
     let more = ["--quick", "--shard", "1/8"];

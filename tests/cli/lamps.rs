@@ -110,7 +110,7 @@ fn lamps_are_placed_switched_dug_and_undone_at_any_frame_rate() {
 #[test]
 fn a_lamp_is_picked_and_another_made_for_the_hand() {
     let spot = json!({"lamp": {
-        "form": "spot", "colour": "green", "power": 321.5, "radius": 0.1, "motion": "pulse",
+        "form": "spot", "colour": "green", "power": 321.5, "radius": 0.1, "soft_radius": 0.5, "motion": "pulse",
     }});
     let picked = played(&[
         (5, json!([{"item": {"slot": 3, "item": spot}}, {"slot": 3}])),
@@ -157,10 +157,14 @@ fn records_with_items_that_cannot_be_are_refused() {
     let bright = json!({"lamp": {
         "form": "point", "colour": "white", "power": 1e30, "radius": 0.25, "motion": "still",
     }});
+    let large = json!({"lamp": {
+        "form": "point", "colour": "white", "power": 100.0, "radius": 0.25, "soft_radius": 9.0, "motion": "still",
+    }});
     for input in [
         json!({"slot": 10}),
         json!({"item": {"slot": 10, "item": {"material": 1}}}),
         json!({"item": {"slot": 1, "item": bright}}),
+        json!({"item": {"slot": 1, "item": large}}),
         json!({"brush": {"material": 1, "radius": 1.0}}),
     ] {
         let moments = [json!({"t": 0, "do": [input]}), json!({"t": 1, "end": true})];
@@ -210,6 +214,7 @@ fn a_saved_lamp_shines_in_every_command_as_one_of_the_world_file() {
     let unlit = picture("dark.ron", &save, "unlit");
     let of_file = picture("own.ron", &save, "file");
     assert_ne!(unlit, of_file);
+    let bare = save.clone();
     let lamp = json!({
         "voxel": [8, 4, 12], "towards": [0, 1, 0], "is_on": true,
         "block": {"form": "point", "colour": "cyan", "power": 900.0, "radius": 0.25, "motion": "still"},
@@ -217,6 +222,14 @@ fn a_saved_lamp_shines_in_every_command_as_one_of_the_world_file() {
     save.lamps = vec![serde_json::from_value(lamp).expect("a lamp")];
     save.head.lamps = 1;
     assert_eq!(picture("dark.ron", &save, "placed"), of_file);
+    let mut soft = save.clone();
+    soft.lamps[0].block.soft_radius = 1.0;
+    let own = fs::read_to_string(file("own.ron")).expect("readable");
+    let sphere = own.replacen("radius: 0.25", "radius: 0.25, soft_radius: 1", 1);
+    fs::write(file("sphere.ron"), sphere).expect("writable");
+    let of_sphere = picture("sphere.ron", &bare, "sphere");
+    assert_ne!(of_sphere, of_file);
+    assert_eq!(picture("dark.ron", &soft, "soft"), of_sphere);
     save.lamps[0].is_on = false;
     assert_eq!(picture("dark.ron", &save, "off"), unlit);
     let listed = end(grotto()

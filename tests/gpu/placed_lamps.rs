@@ -66,8 +66,9 @@ fn of_file(lamp: &PlacedLamp) -> String {
         _ => String::new(),
     };
     format!(
-        "({kind}position: ({}, {}, {}), colour: ({}, {}, {}), power: {}, radius: {}),",
-        at.x, at.y, at.z, colour.x, colour.y, colour.z, lamp.power, lamp.radius
+        "({kind}position: ({}, {}, {}), colour: ({}, {}, {}), power: {}, radius: {}, \
+         soft_radius: {}),",
+        at.x, at.y, at.z, colour.x, colour.y, colour.z, lamp.power, lamp.radius, lamp.soft_radius
     )
 }
 
@@ -79,6 +80,7 @@ fn lamp(voxel: [i32; 3], form: LampForm) -> PlacedLamp {
             colour: LampColour::Amber,
             power: 400.0,
             radius: 0.25,
+            soft_radius: 0.0,
             motion: LampMotion::Still,
         },
         towards: IVec3::NEG_Y,
@@ -91,6 +93,10 @@ fn place(drawn: &mut Drawn, lamps: &[PlacedLamp]) {
     drawn.world.restored.lamps.clear();
     for lamp in lamps {
         placed::put(&mut drawn.world.restored.lamps, lamp.voxel, Some(*lamp));
+    }
+    if lamps.iter().any(|lamp| lamp.block.is_soft()) {
+        let allowed = drawn.frame.allow_spheres(&drawn.gpu);
+        allowed.expect("the passes fit");
     }
     drawn.lights = Lights::at(&drawn.world, &drawn.world.lamp_presets[0], 0.0);
 }
@@ -121,6 +127,33 @@ fn the_next_frame_has_the_direct_light_of_a_lamp_of_the_world_file() {
         let different = apart(&drawn.radiance(), &expected);
         assert!(different < 1e-4, "{different}");
     }
+}
+
+/// The room has points alone until then, so its kernels know no spheres.
+#[test]
+fn a_sphere_is_placed_into_a_world_of_points_and_has_its_soft_shadows() {
+    let mut sphere = lamp([-6, 6, 3], LampForm::Point);
+    sphere.block.soft_radius = 1.25;
+    let mut drawn = room("");
+    drawn.shot.view = View::Direct;
+    place(&mut drawn, &[lamp([6, 0, 4], LampForm::Point)]);
+    drawn.draw(4);
+    assert!(!drawn.frame.stage.has_spheres);
+    place(&mut drawn, &[]);
+    drawn.draw(1);
+    place(&mut drawn, &[sphere]);
+    assert!(drawn.frame.stage.has_spheres);
+    let seen = drawn.path_traced(View::Direct, 256);
+    drawn.draw(12);
+    let different = apart(&drawn.radiance(), &seen);
+    // On a software device 0.0044, most of it noise.
+    assert!(different < 0.006, "{different}");
+    // Sharp shadows are farther away than soft ones, 0.0064: the test could fail.
+    let mut sharp = room(&of_file(&lamp([-6, 6, 3], LampForm::Point)));
+    sharp.shot.view = View::Direct;
+    sharp.draw(12);
+    let sharp = apart(&sharp.radiance(), &seen);
+    assert!(sharp > 1.25 * different, "{sharp} and {different}");
 }
 
 /// The first lamp of a dark room is a new lamp: what faces knew about one that was there before does not hold.

@@ -23,6 +23,7 @@ const LAMPS: [LampBlock; 3] = [
         colour: LampColour::Warm,
         power: 1500.0,
         radius: 0.25,
+        soft_radius: 0.0,
         motion: LampMotion::Still,
     },
     LampBlock {
@@ -30,6 +31,7 @@ const LAMPS: [LampBlock; 3] = [
         colour: LampColour::Amber,
         power: 800.0,
         radius: 0.25,
+        soft_radius: 0.0,
         motion: LampMotion::Flicker,
     },
     LampBlock {
@@ -37,6 +39,7 @@ const LAMPS: [LampBlock; 3] = [
         colour: LampColour::White,
         power: 4000.0,
         radius: 0.25,
+        soft_radius: 0.0,
         motion: LampMotion::Still,
     },
 ];

@@ -184,6 +184,7 @@ mod tests {
             colour: LampColour::Blue,
             power: 100.0,
             radius: 0.25,
+            soft_radius: 0.0,
             motion: LampMotion::Still,
         };
         let (point, spot) = (

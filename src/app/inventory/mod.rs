@@ -23,7 +23,7 @@ use super::{
 };
 use crate::world::{
     World,
-    placed::{LampBlock, LampColour, LampForm, LampMotion, POWERS, RADII},
+    placed::{LampBlock, LampColour, LampForm, LampMotion, POWERS, RADII, SOFT_RADII},
 };
 
 /// Edge length of a picture in the grid (points), and width of its cell.
@@ -217,6 +217,8 @@ impl Inventory {
                         &LampMotion::ALL,
                         LampMotion::name,
                     );
+                    ui.label(texts::SOFT).on_hover_text(texts::SOFT_HINT);
+                    ui.add(Slider::new(&mut block.soft_radius, SOFT_RADII).fixed_decimals(2));
                     ui.end_row();
                 });
             if !in_hand && ui.button(texts::TAKE).clicked() {

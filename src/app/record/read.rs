@@ -293,6 +293,7 @@ mod tests {
                 slot: 0,
                 item: Item::Lamp(LampBlock {
                     power: 1234.5,
+                    soft_radius: 0.7,
                     ..LampBlock::default()
                 }),
             },

@@ -117,7 +117,10 @@ impl Run<'_> {
     }
 
     fn change_lamp(&mut self, change: LampChange) {
-        self.viewport.put_lamp(change.voxel, change.after);
+        if let Err(error) = self.viewport.put_lamp(change.voxel, change.after) {
+            self.messages.toast_error(error.to_string());
+            return;
+        }
         self.noise_of_lamp(match (change.before, change.after) {
             (Some(_), Some(_)) => Kind::Switch,
             (Some(_), None) => Kind::Dig,

@@ -151,7 +151,7 @@ impl Viewport {
         }
         self.edit(|voxels, _| changes.put(voxels, side))?;
         if let Some((voxel, lamp)) = changes.lamp(side) {
-            self.put_lamp(voxel, lamp);
+            self.put_lamp(voxel, lamp)?;
         }
         Ok(())
     }

@@ -302,6 +302,9 @@ pub mod inventory {
     pub const RADIUS: &str = "radius";
     pub const RADIUS_HINT: &str =
         "Smaller distances count as this one: how bright the lamp gets from near (voxels)";
+    pub const SOFT: &str = "sphere";
+    pub const SOFT_HINT: &str =
+        "Radius of the sphere that shines: larger is softer shadows, 0 is a point (voxels)";
     pub const MOTION: &str = "motion";
     pub const TAKE: &str = "Take this lamp";
 }

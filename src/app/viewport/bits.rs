@@ -54,7 +54,9 @@ fn bulb(lamp: &PlacedLamp, world: &World, time_s: f64) -> GpuBit {
     let [smallest, largest] = HALF_SIZES;
     let dark = GpuBit {
         centre_ws: lamp.centre_ws().to_array(),
-        half_size: lamp.block.radius.clamp(smallest, largest),
+        half_size: (lamp.block.radius)
+            .max(lamp.block.soft_radius)
+            .clamp(smallest, largest),
         albedo: (GLASS * lamp.colour()).to_array(),
         ..GpuBit::default()
     };

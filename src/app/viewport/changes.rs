@@ -33,8 +33,16 @@ impl Viewport {
     }
 
     /// Places, changes or removes the lamp of a voxel (world space). It stays when the world is built again.
-    pub fn put_lamp(&mut self, voxel: IVec3, lamp: Option<PlacedLamp>) {
+    ///
+    /// # Errors
+    /// [`FrameError`] when the lamp is the first sphere of the world and the adapter cannot hold the passes for it; then
+    /// nothing changes.
+    pub fn put_lamp(&mut self, voxel: IVec3, lamp: Option<PlacedLamp>) -> Result<(), FrameError> {
+        if lamp.is_some_and(|lamp| lamp.block.is_soft()) {
+            self.frame.allow_spheres(&self.gpu)?;
+        }
         placed::put(&mut self.world.restored.lamps, voxel, lamp);
+        Ok(())
     }
 
     /// The lamps of the chosen preset, up to the number that the parameters allow.

@@ -453,13 +453,13 @@ mod tests {
         let at = |x| lamp(IVec3::new(x, 12, 3));
         // Lamps of two sides of the world's edge at x = 32.
         for lamp in [at(2), at(31), at(40)] {
-            viewport.put_lamp(lamp.voxel, Some(lamp));
+            viewport.put_lamp(lamp.voxel, Some(lamp)).expect("it fits");
         }
         let off = PlacedLamp {
             is_on: false,
             ..at(2)
         };
-        viewport.put_lamp(off.voxel, Some(off));
+        viewport.put_lamp(off.voxel, Some(off)).expect("it fits");
         let lit = |viewport: &Viewport| {
             let lights = Lights::at(&viewport.world, &viewport.lamps(), 0.0);
             // Without the sun.
@@ -481,7 +481,7 @@ mod tests {
         let gpu = viewport.gpu.reopened(None).expect("the adapter");
         viewport.move_to(gpu).expect("it fits");
         assert_eq!((viewport.placed_lamps().len(), lit(&viewport)), (2, 1));
-        viewport.put_lamp(off.voxel, None);
+        viewport.put_lamp(off.voxel, None).expect("it fits");
         assert_eq!(viewport.placed_lamps(), [at(31)]);
     }
 

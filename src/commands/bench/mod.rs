@@ -45,7 +45,7 @@ enum Suite {
     Rays(speed::Arguments),
     /// By the sizes of the probes' maps
     Maps(speed::Arguments),
-    /// By lamps: still, flickering, moving
+    /// By lamps: still, flickering, moving, still with a radius
     Lights(speed::Arguments),
     /// With block textures and without
     Textures(speed::Arguments),

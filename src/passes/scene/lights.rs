@@ -52,6 +52,16 @@ impl GpuLights {
         }
     }
 
+    /// Whether kernels that are made for these lights know spheres.
+    pub fn has_spheres(&self) -> bool {
+        self.has_spheres
+    }
+
+    /// Says whether kernels know spheres; those that exist must be made again.
+    pub fn set_spheres(&mut self, has_spheres: bool) {
+        self.has_spheres = has_spheres;
+    }
+
     /// The constant of kernels that are made for these lights.
     pub fn constants(&self) -> [(&'static str, f64); 1] {
         [("SPHERES", f64::from(u8::from(self.has_spheres)))]

@@ -9,7 +9,7 @@ use glam::{IVec3, UVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::Travel;
-use super::scenery::{Lamp, LampKind, Motion};
+use super::scenery::{LEAST_SOFT_RADIUS, Lamp, LampKind, Motion};
 
 /// Most lamps that can be placed in a world.
 pub const MOST_PLACED: usize = 4096;
@@ -18,6 +18,9 @@ pub const MOST_PLACED: usize = 4096;
 pub const POWERS: RangeInclusive<f32> = 10.0..=20_000.0;
 /// Radii of lamp blocks (voxels): see [`Lamp::radius`].
 pub const RADII: RangeInclusive<f32> = 0.05..=0.5;
+/// Radii of lamp blocks as spheres (voxels): see [`Lamp::soft_radius`]. The largest ends at the far side of the voxel
+/// next to the lamp's own, so it lights nothing behind a wall.
+pub const SOFT_RADII: RangeInclusive<f32> = 0.0..=1.5;
 
 /// Voxels of placed lamps lie within ± this.
 const FARTHEST: u32 = 1 << 24;
@@ -32,7 +35,15 @@ pub struct LampBlock {
     pub power: f32,
     /// Voxels; smaller distances count as this one.
     pub radius: f32,
+    /// Voxels: a sphere of this radius shines and casts soft shadows. 0 is a point, which saves and records of older
+    /// builds mean, too.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub soft_radius: f32,
     pub motion: LampMotion,
+}
+
+fn is_zero(value: &f32) -> bool {
+    *value == 0.0
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,6 +99,7 @@ impl Default for LampBlock {
             colour: LampColour::Warm,
             power: 1500.0,
             radius: 0.25,
+            soft_radius: 0.0,
             motion: LampMotion::Still,
         }
     }
@@ -206,18 +218,26 @@ impl LampBlock {
             motion => format!(", {}", motion.name()),
         };
         let (colour, form) = (self.colour.name(), self.form.name());
-        format!("{colour} {form}, {} W{motion}", self.power)
+        let soft = if self.is_soft() { "soft " } else { "" };
+        format!("{soft}{colour} {form}, {} W{motion}", self.power)
     }
 
     /// Why a block that was read from a file is none; `None` for one that can be placed.
     pub fn fault(&self) -> Option<String> {
-        let fits = POWERS.contains(&self.power) && RADII.contains(&self.radius);
+        let fits = POWERS.contains(&self.power)
+            && RADII.contains(&self.radius)
+            && SOFT_RADII.contains(&self.soft_radius);
         (!fits).then(|| {
             format!(
-                "a lamp block cannot have {} W and a radius of {} voxels",
-                self.power, self.radius
+                "a lamp block cannot have {} W, a radius of {} voxels and a soft radius of {}",
+                self.power, self.radius, self.soft_radius
             )
         })
+    }
+
+    /// Whether it is a sphere, whose shadows are soft.
+    pub fn is_soft(&self) -> bool {
+        self.soft_radius >= LEAST_SOFT_RADIUS
     }
 }
 
@@ -249,7 +269,7 @@ impl PlacedLamp {
             colour: self.colour(),
             power: self.block.power / (voxel_m * voxel_m),
             radius: self.block.radius,
-            soft_radius: 0.0,
+            soft_radius: self.block.soft_radius,
             motion: self.block.motion.motions(),
         }
     }

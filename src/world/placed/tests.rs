@@ -14,15 +14,19 @@ pub fn lamps() -> impl Strategy<Value = Vec<PlacedLamp>> {
         prop::sample::select(&LampColour::ALL[..]),
         POWERS,
         RADII,
+        prop_oneof![Just(0.0), SOFT_RADII],
         prop::sample::select(&LampMotion::ALL[..]),
     );
-    let block = block.prop_map(|(form, colour, power, radius, motion)| LampBlock {
-        form,
-        colour,
-        power,
-        radius,
-        motion,
-    });
+    let block = block.prop_map(
+        |(form, colour, power, radius, soft_radius, motion)| LampBlock {
+            form,
+            colour,
+            power,
+            radius,
+            soft_radius,
+            motion,
+        },
+    );
     let lamp = (voxel, block, prop::sample::select(&AXES[..]), any::<bool>());
     let lamp = lamp.prop_map(|(voxel, block, towards, is_on)| PlacedLamp {
         voxel,
@@ -83,6 +87,10 @@ fn what_no_player_places_is_a_fault() {
     assert!(change(|lamp| lamp.block.power = f32::NAN).is_some());
     assert!(change(|lamp| lamp.block.power = 1e30).is_some());
     assert!(change(|lamp| lamp.block.radius = 0.0).is_some());
+    assert!(change(|lamp| lamp.block.soft_radius = 1.5).is_none());
+    assert!(change(|lamp| lamp.block.soft_radius = 1.6).is_some());
+    assert!(change(|lamp| lamp.block.soft_radius = -0.1).is_some());
+    assert!(change(|lamp| lamp.block.soft_radius = f32::NAN).is_some());
     let twins = fault(&[good, good]).expect("a fault");
     assert!(twins.contains("one voxel"), "{twins}");
     let many: Vec<_> = (0..=MOST_PLACED as i32)
@@ -100,4 +108,24 @@ fn a_spot_shines_away_from_its_face_and_power_is_by_the_metre() {
     assert_eq!(spot.position, Vec3::new(-2.5, 0.5, 7.5));
     assert_eq!(spot.power, lamp.block.power / 4.0);
     assert!(matches!(spot.kind, LampKind::Spot { direction, .. } if direction == Vec3::NEG_Z));
+}
+
+#[test]
+fn a_point_is_written_as_before_there_were_spheres_and_a_sphere_with_its_radius() {
+    let point = LampBlock::default();
+    let text = serde_json::to_string(&point).expect("JSON");
+    assert!(!text.contains("soft_radius"), "{text}");
+    assert_eq!(serde_json::from_str::<LampBlock>(&text).ok(), Some(point));
+    let sphere = LampBlock {
+        soft_radius: 0.75,
+        ..point
+    };
+    let text = serde_json::to_string(&sphere).expect("JSON");
+    assert_eq!(serde_json::from_str::<LampBlock>(&text).ok(), Some(sphere));
+    assert_ne!(sphere.name(), point.name());
+    let mut lamp = lamp(IVec3::ONE);
+    assert!(!lamp.lamp(1.0).is_sphere());
+    lamp.block = sphere;
+    assert_eq!(lamp.lamp(1.0).soft_radius, 0.75);
+    assert!(lamp.lamp(1.0).is_sphere());
 }

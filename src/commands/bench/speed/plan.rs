@@ -37,6 +37,10 @@ const CAVE: &str = "worlds/cave.ron";
 const CORNELL: &str = "worlds/cornell.ron";
 const CAVERN: &str = "worlds/cavern.ron";
 const BEAM: &str = "worlds/beam.ron";
+const DOOR: &str = "worlds/door.ron";
+const SPLIT: &str = "worlds/split.ron";
+const BLEED: &str = "worlds/bleed.ron";
+const HOUSE: &str = "worlds/house.ron";
 
 /// Number of voxels from which a world counts as large: its frames take long, and fewer of them are measured.
 const LARGE: u64 = 10_000_000;
@@ -72,7 +76,7 @@ impl SpeedSuite {
             Self::Layouts => &[P::Layouts],
             Self::Rays => &[P::Rays],
             Self::Maps => &[P::Maps],
-            Self::Lights => &[P::Lights],
+            Self::Lights => &[P::Lights, P::Spheres],
             Self::Textures => &[P::Textures],
             Self::Resolution => &[P::Resolution],
             Self::States => &[P::States],
@@ -88,6 +92,7 @@ impl SpeedSuite {
                 P::Rays,
                 P::Maps,
                 P::LightsOfAll,
+                P::SpheresOfAll,
                 P::Textures,
                 P::Resolution,
                 P::States,
@@ -111,6 +116,9 @@ enum Part {
     Lights,
     /// Without the cavern, whose dozens of lamps take minutes.
     LightsOfAll,
+    /// The same lamps with a radius.
+    Spheres,
+    SpheresOfAll,
     Textures,
     Resolution,
     States,
@@ -128,9 +136,9 @@ impl Part {
     fn worlds(self) -> &'static [&'static str] {
         match self {
             Self::Layouts | Self::Textures => &[CAVE, CORNELL],
-            Self::Lights | Self::Start => &[CAVE, CAVERN],
+            Self::Lights | Self::Spheres | Self::Start => &[CAVE, CAVERN],
             Self::Cascades | Self::World | Self::Traversal => &[CAVERN],
-            Self::Tables => &[CAVE, CORNELL, BEAM],
+            Self::Tables => &[CAVE, CORNELL, BEAM, DOOR, SPLIT, BLEED, HOUSE],
             Self::Probes | Self::Hits => &[CORNELL],
             _ => &[CAVE],
         }
@@ -142,6 +150,7 @@ impl Part {
             Self::Rays => suites::rays(wanted),
             Self::Maps => suites::maps(wanted),
             Self::Lights | Self::LightsOfAll => suites::lights(wanted),
+            Self::Spheres | Self::SpheresOfAll => suites::spheres(wanted),
             Self::Textures => suites::textures(wanted),
             Self::Resolution => suites::resolution(wanted),
             Self::States => suites::states(wanted),
@@ -192,7 +201,9 @@ impl Plan {
                     Part::World => {
                         only.extend(plan.variants(path, &parameters, arguments.quick)?)
                     }
-                    Part::Occlusion => only.push(plan.scene_of_spheres(path, &parameters)?),
+                    Part::Occlusion | Part::Spheres | Part::SpheresOfAll => {
+                        only.push(plan.scene_of_spheres(path, &parameters)?)
+                    }
                     _ => only.push(plan.scene(path, &parameters)?),
                 }
             }

@@ -102,7 +102,27 @@ impl Region {
     }
 }
 
-fn is_uniform(layout: &LayoutSpec) -> bool {
+/// The octree of a world: its own, or one that is made up with cells as fine as the world's finest uniform layout, or as
+/// fine as can be. `None` for a world too small for any.
+pub fn octree_of(world: &World) -> Option<LayoutSpec> {
+    if let Some(own) = world.layouts.iter().find(|layout| layout.octree.is_some()) {
+        return Some(own.clone());
+    }
+    let region = Region::of(world);
+    let mut coarser = None;
+    for depth in DEPTHS {
+        let Some(octree) = region.octree("octree".to_owned(), depth, OctreeSpec::default()) else {
+            break;
+        };
+        if octree.spacing.x <= region.finest * (1u32 << depth) as f32 {
+            return Some(octree);
+        }
+        coarser = Some(octree);
+    }
+    coarser
+}
+
+pub fn is_uniform(layout: &LayoutSpec) -> bool {
     !layout.follow && layout.cascades == 1 && layout.octree.is_none()
 }
 

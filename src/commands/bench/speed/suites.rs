@@ -229,6 +229,18 @@ const LAMPS: [usize; 9] = [0, 1, 2, 4, 8, 16, 32, 64, 128];
 
 /// Lamps of the world's largest preset: still, flickering, moving.
 pub fn lights(wanted: &Wanted<'_>) -> Rows {
+    lamps(wanted, &["still", "flickering", "moving"])
+}
+
+/// The same lamps at rest, in worlds whose lamps are spheres.
+pub fn spheres(wanted: &Wanted<'_>) -> Rows {
+    lamps(wanted, &[SPHERES])
+}
+
+/// The condition of rows whose lamps stand still and have a radius.
+const SPHERES: &str = "spheres";
+
+fn lamps(wanted: &Wanted<'_>, conditions: &[&str]) -> Rows {
     let mut rows = Vec::new();
     for (index, scene, camera, layout) in wanted.scenes() {
         let lamps = scene.most_lamps();
@@ -239,10 +251,10 @@ pub fn lights(wanted: &Wanted<'_>) -> Rows {
         if counts.last() != Some(&lamps.len()) {
             counts.push(lamps.len());
         }
-        for condition in ["still", "flickering", "moving"] {
+        for &condition in conditions {
             for &count in &counts {
                 let work = match condition {
-                    "still" => Work::Frames(Condition::Still),
+                    "still" | SPHERES => Work::Frames(Condition::Still),
                     _ => Work::Frames(Condition::Moving),
                 };
                 let scene_of = (index, scene);
@@ -306,7 +318,7 @@ pub fn world(wanted: &Wanted<'_>) -> Rows {
 /// circle of two voxels.
 fn animated(lamp: &Lamp, condition: &str) -> Lamp {
     let motion = match condition {
-        "still" => Vec::new(),
+        "still" | SPHERES => Vec::new(),
         "flickering" => vec![Motion::Flicker {
             amount: 0.3,
             rate: 5.0,
@@ -334,7 +346,7 @@ fn animated(lamp: &Lamp, condition: &str) -> Lamp {
 mod tests {
     use std::{collections::BTreeSet, path::Path};
 
-    use super::*;
+    use super::{super::occlusion::with_spheres, *};
     use crate::parameters::Parameters;
 
     fn scenes() -> Vec<BenchScene> {
@@ -400,6 +412,18 @@ mod tests {
         let moves =
             |lamp: &Lamp| matches!(lamp.motion[..], [Motion::Travel(Travel::Orbit { .. }), ..]);
         assert!(of("moving").iter().all(moves), "no lamp of the world moves");
+        let with_spheres = [with_spheres(&scenes[2])];
+        let rows_of_spheres = spheres(&wanted(&with_spheres)).expect("sound");
+        assert_eq!(rows_of_spheres.len(), rows.len() / 3);
+        let lit = |row: &&RowSpec| row.id == "lights/cavern/lamps 16/spheres";
+        let row = rows_of_spheres.iter().find(lit);
+        let row = row.expect("a row of 16 spheres");
+        let is_still = |lamp: &Lamp| lamp.is_sphere() && lamp.motion.is_empty();
+        assert!(row.lamps.lamps.iter().all(is_still) && row.lamps.lamps.len() == 16);
+        assert!(
+            rows.iter()
+                .all(|row| !row.lamps.lamps.iter().any(Lamp::is_sphere))
+        );
         let all = scenes[2].most_lamps().len();
         assert!(rows.iter().any(|row| row.lamps.lamps.len() == all));
     }

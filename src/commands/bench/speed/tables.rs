@@ -5,6 +5,7 @@ use glam::UVec3;
 use super::{
     super::{super::Failure, model::Missing},
     occlusion,
+    probe_tables::{is_uniform, octree_of},
     spec::{BenchScene, Condition, RowSpec, Work},
     suites::Wanted,
 };
@@ -16,6 +17,8 @@ pub const CAVE: &str = "cave";
 pub const CORNELL: &str = "cornell";
 /// Small boxes in a thin roof: the world where the error tables of probes are the most informative.
 pub const BEAM: &str = "beam";
+/// Rooms behind thin walls: worlds where light leaks unless probes are placed well.
+pub const QUALITY: [&str; 4] = ["door", "split", "bleed", "house"];
 
 /// Tables of the sources whose systems grotto does not have.
 pub fn missing() -> Vec<Missing> {
@@ -36,6 +39,7 @@ pub fn tables(wanted: &Wanted<'_>) -> Result<Vec<RowSpec>, Failure> {
     all.fibix()?;
     all.g3d()?;
     all.minecraft()?;
+    all.octree()?;
     Ok(all.rows)
 }
 
@@ -259,6 +263,26 @@ impl Tables<'_> {
         Ok(())
     }
 
+    /// Error by layout, and in an octree as fine as the finest: with the final gather, and by the probes alone.
+    fn octree(&mut self) -> Result<(), Failure> {
+        for world in QUALITY {
+            let Some((_, scene)) = self.scene(world) else {
+                continue;
+            };
+            let uniform = scene.world.layouts.iter().filter(|one| is_uniform(one));
+            let layouts: Vec<_> = uniform.cloned().chain(octree_of(&scene.world)).collect();
+            for layout in layouts {
+                for gather in ["on", "off"] {
+                    let name = format!("{world}/{}/gather {gather}", layout.name);
+                    let set = [("probes.final_gather", gather)];
+                    let work = (Some(layout.clone()), Work::Error);
+                    self.add("octree-quality", world, &name, work, &set)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Limits the last row's lamps to the first `count` of its world's largest preset.
     fn light_by(&mut self, count: usize) {
         let lamps = self.scene(CAVE).map(|(_, scene)| scene.most_lamps());
@@ -290,7 +314,7 @@ mod tests {
     use std::{collections::BTreeSet, path::Path};
 
     use super::*;
-    use crate::parameters::Parameters;
+    use crate::{parameters::Parameters, probes::Volume, world::voxels::Voxels};
 
     #[test]
     fn every_table_has_its_rows() {
@@ -300,10 +324,14 @@ mod tests {
                 .join(name);
             BenchScene::load(&path, &Parameters::default()).expect("a world of the repository")
         };
-        let scenes = [load("cave.ron"), load("cornell.ron"), load("beam.ron")];
+        let own = [CAVE, CORNELL, BEAM].into_iter();
+        let scenes: Vec<_> = own
+            .chain(QUALITY)
+            .map(|name| load(&format!("{name}.ron")))
+            .collect();
         let wanted = Wanted {
             scenes: &scenes,
-            only: vec![0, 1, 2],
+            only: (0..scenes.len()).collect(),
             cameras: &[],
             layouts: &[],
             size: [64, 36],
@@ -332,8 +360,29 @@ mod tests {
             ("minecraft-rays", 6),
             ("minecraft-textures", 2),
             ("minecraft-lamps", 16),
+            // Three, three, three and two uniform layouts, and an octree each.
+            ("octree-quality", 2 * (4 + 4 + 4 + 3)),
         ] {
             assert_eq!(of(table), count, "{table}");
+        }
+        let is_octree =
+            |row: &&RowSpec| row.id.contains("octree-quality") && row.layout.octree.is_some();
+        let octrees: Vec<_> = rows.iter().filter(is_octree).collect();
+        assert_eq!(octrees.len(), 2 * QUALITY.len());
+        for row in octrees {
+            let scene = &scenes[row.scene];
+            let depth = row.layout.octree.as_ref().map_or(0, |octree| octree.depth);
+            let finest = row.layout.spacing.x / (1u32 << depth) as f32;
+            let uniform = scene.world.layouts.iter().filter(|one| is_uniform(one));
+            let spacing = uniform.map(|one| one.spacing.max_element());
+            assert!(
+                finest <= spacing.fold(f32::INFINITY, f32::min),
+                "{}",
+                row.id
+            );
+            let voxels = Voxels::empty(UVec3::splat(8));
+            let volume = Volume::octree_of(&row.layout, &voxels, scene.world.origin);
+            volume.unwrap_or_else(|error| panic!("{}: {error}", row.id));
         }
         let lamps = |id: &str| {
             let row = rows.iter().find(|row| row.id == id);

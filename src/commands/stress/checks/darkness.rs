@@ -1,6 +1,9 @@
 //! Finds places that no light can reach: air that is connected, through faces of voxels, to no lamp, to no
 //! emissive voxel and not to the outside. Light does not pass an edge or a corner between voxels, so such a
 //! space is exactly black. The check has no noise, and it also covers the path tracer.
+//!
+//! Bodies let no light through walls. One that glows lights the air around it; and where the camera sees a body in
+//! front of the voxels, nothing is said.
 
 use glam::{DVec2, DVec3, IVec3};
 
@@ -9,8 +12,12 @@ use super::voxels::all;
 use crate::{
     lights::{LampShape, Lights},
     measure::picture::Picture,
-    reference::march::{FACE_NORMALS, Outcome, Ray, march},
-    world::{Camera, World, voxels::Voxels},
+    reference::{
+        PosedBodies,
+        bodies::BodyOutcome,
+        march::{FACE_NORMALS, Outcome, Ray, march},
+    },
+    world::{Camera, World, bodies::Pose, voxels::Voxels},
 };
 
 /// Light below this counts as none: rounding of halves may leave that much.
@@ -33,12 +40,21 @@ impl Darkness {
             &play.case.world,
             &play.voxels,
             &play.lights(),
+            play.shot.time_s,
         )
     }
 
     /// The darkness in the view of a camera.
-    fn seen_by(camera: &Camera, world: &World, voxels: &Voxels, lights: &Lights) -> Self {
-        let lit = lit_air(world, voxels, lights);
+    fn seen_by(
+        camera: &Camera,
+        world: &World,
+        voxels: &Voxels,
+        lights: &Lights,
+        time_s: f64,
+    ) -> Self {
+        let poses = world.bodies.poses(time_s);
+        let bodies = PosedBodies::new(&world.bodies, world.origin, &poses);
+        let lit = lit_air(world, voxels, lights, &poses);
         let size = world.size.as_ivec3();
         let index = |at: IVec3| (at.x + size.x * (at.y + size.y * at.z)) as usize;
         let inside = |at: IVec3| at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all();
@@ -52,6 +68,13 @@ impl Darkness {
             let Outcome::Hit(hit) = march(voxels, &ray) else {
                 return false;
             };
+            let to_voxel = Ray {
+                max_distance: hit.distance,
+                ..ray
+            };
+            if !matches!(bodies.march(&to_voxel, None, None), BodyOutcome::Miss) {
+                return false;
+            }
             let before = hit.voxel + FACE_NORMALS[usize::from(hit.face)];
             // No light reaches the air in front of the face, and no voxel next to that air shines into it.
             inside(before) && lit[index(before)] == UNKNOWN
@@ -78,7 +101,11 @@ impl Darkness {
 }
 
 /// The state of each voxel, in the order x, y, z.
-fn lit_air(world: &World, voxels: &Voxels, lights: &Lights) -> Vec<u8> {
+fn lit_air(world: &World, voxels: &Voxels, lights: &Lights, poses: &[Pose]) -> Vec<u8> {
+    let shines = |material: u8| {
+        let emission = world.materials[usize::from(material) - 1].emission;
+        emission.max_element() > 0.0
+    };
     let size = voxels.size().as_ivec3();
     let index = |at: IVec3| (at.x + size.x * (at.y + size.y * at.z)) as usize;
     let inside = |at: IVec3| at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all();
@@ -98,20 +125,40 @@ fn lit_air(world: &World, voxels: &Voxels, lights: &Lights) -> Vec<u8> {
             open.push(at);
         }
     };
-    // A lamp inside solid voxels, or on a border, is assumed to light everything that it touches.
+    // A lamp inside solid voxels, or on a border, is assumed to light everything that it touches: a sphere shines wherever
+    // its surface lies in air, on both sides of a wall.
     for lamp in lights
         .lamps
         .iter()
         .filter(|lamp| lamp.shape != LampShape::Directional)
     {
         let at: DVec3 = lamp.position_ws - world.origin.as_dvec3();
-        let at = at.floor().as_ivec3();
-        for k in 0..27 {
-            reach(
-                at + IVec3::new(k % 3, k / 3 % 3, k / 9) - 1,
-                &mut known,
-                &mut open,
-            );
+        let low = (at - lamp.soft_radius).floor().as_ivec3() - 1;
+        let high = (at + lamp.soft_radius).floor().as_ivec3() + 1;
+        let (low, high) = (low.max(IVec3::ZERO), high.min(size - 1));
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                for x in low.x..=high.x {
+                    let voxel = IVec3::new(x, y, z);
+                    let (near, far) = ((voxel - 1).as_dvec3(), (voxel + 2).as_dvec3());
+                    if at.clamp(near, far).distance(at) <= lamp.soft_radius {
+                        reach(voxel, &mut known, &mut open);
+                    }
+                }
+            }
+        }
+    }
+    // A voxel of a body that shines is assumed to light everything that it may touch.
+    for (body, pose) in world.bodies.bodies.iter().zip(poses) {
+        let model = &world.bodies.models[body.model];
+        for voxel in model.solid().filter(|voxel| shines(model.material(*voxel))) {
+            let offset = voxel.as_vec3() + 0.5 - body.pivot;
+            let at = (pose.position + pose.rotation * offset).as_dvec3() - world.origin.as_dvec3();
+            let at = at.floor().as_ivec3();
+            for k in 0..27 {
+                let beside = IVec3::new(k % 3, k / 3 % 3, k / 9) - 1;
+                reach(at + beside, &mut known, &mut open);
+            }
         }
     }
     for at in all(voxels.size()) {
@@ -120,12 +167,6 @@ fn lit_air(world: &World, voxels: &Voxels, lights: &Lights) -> Vec<u8> {
             reach(at, &mut known, &mut open);
         }
         let material = voxels.material(at);
-        let shines = |material: u8| {
-            world.materials[usize::from(material) - 1]
-                .emission
-                .max_element()
-                > 0.0
-        };
         if material != 0 && shines(material) {
             for side in FACE_NORMALS {
                 reach(at + side, &mut known, &mut open);
@@ -157,9 +198,44 @@ mod tests {
             lamps: [Preset(name: \"p\", lamps: [(position: (4, 4, 4), power: 10)])])";
         let world = parse(text, "rooms", None, &Overrides::default()).expect("sound");
         let lights = Lights::at(&world, &world.lamp_presets[0], 0.0);
-        let known = lit_air(&world, &generate(&world), &lights);
+        let known = lit_air(&world, &generate(&world), &lights, &world.bodies.poses(0.0));
         let at = |x: usize| known[x + 16 * (4 + 8 * 4)];
         assert_eq!((at(4), at(8), at(12)), (LIT, SOLID, UNKNOWN));
+        // A sphere that sticks through the wall lights both sides.
+        let sphere = text.replace("power: 10", "power: 10, soft_radius: 5.5");
+        let world = parse(&sphere, "rooms", None, &Overrides::default()).expect("sound");
+        let lights = Lights::at(&world, &world.lamp_presets[0], 0.0);
+        let known = lit_air(&world, &generate(&world), &lights, &world.bodies.poses(0.0));
+        assert_eq!(known[12 + 16 * (4 + 8 * 4)], LIT);
+    }
+
+    /// The left of two closed rooms, which has no lamp, with a body in it.
+    #[test]
+    fn a_body_that_glows_lights_its_room_and_one_that_does_not_hides_what_is_behind_it() {
+        let room = |material: &str, bodies: &str| {
+            let text = format!(
+                "(title: \"\", size: (16, 8, 8), shape: Subtraction([
+                    Translate(by: (8, 4, 4), of: Box(half: (8, 4, 4))),
+                    Translate(by: (4, 4, 4), of: Box(half: (2, 2, 2))),
+                    Translate(by: (12, 4, 4), of: Box(half: (2, 2, 2)))]),
+                materials: {{\"dull\": (a: Flat(1, 1, 1)), \"glow\": (a: Flat(1, 1, 1), emission: (1, 1, 1))}},
+                bodies: [{bodies}], cameras: [(name: \"c\", position: (5.9, 4, 4), yaw_deg: 90)])"
+            );
+            let text = text.replace("MATERIAL", material);
+            let world = parse(&text, "room", None, &Overrides::default()).expect("sound");
+            let lights = Lights::at(&world, &world.lamp_presets[0], 0.0);
+            let voxels = generate(&world);
+            let darkness = Darkness::seen_by(&world.cameras[0], &world, &voxels, &lights, 0.0);
+            darkness.pixels.iter().filter(|dark| **dark).count()
+        };
+        let all = (SIZE[0] * SIZE[1]) as usize;
+        let body =
+            "(model: Shape(size: (1, 1, 1), shape: Sphere(radius: 1), material: \"MATERIAL\"),
+            position: (4, 4, 4), degrees: (20, 30, 0))";
+        assert_eq!(room("dull", ""), all);
+        let beside = room("dull", body);
+        assert!(beside > all / 4 && beside < all, "{beside} of {all}");
+        assert_eq!(room("glow", body), 0);
     }
 
     #[test]

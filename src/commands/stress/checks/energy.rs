@@ -5,17 +5,20 @@
 //! sky: M ≤ e + ρ·(E/π + max(M, S)). So M ≤ max(S, (e + ρ·E/π)/(1 − ρ), e + ρ·(E/π + S)): the radiance of a
 //! white furnace (Veach 1997, §8.3) whose walls all have the greatest emission, albedo and direct light of the
 //! world. E is bounded by each lamp's intensity over its radius squared, because nothing is nearer than the
-//! radius.
+//! radius. For a sphere of radius R that is the irradiance of its own surface, and of every point inside of it: the
+//! hemisphere of radiance I/(πR²).
 
 use glam::{DVec3, Vec3};
 
 use super::super::test_case::TestCase;
 use crate::{
+    lights::lamp::MIN_RADIUS,
     measure::picture::Picture,
-    world::{Colour, LampKind, Motion, World},
+    world::{Colour, Lamp, LampKind, Motion, World},
 };
 
-/// Estimates of light from emissive faces are unbiased but noisy: single estimates may lie above the mean.
+/// Estimates of light from emissive faces and from spheres are unbiased but noisy: single estimates may lie above the
+/// mean. One ray into a hemisphere brings at most twice the mean.
 const NOISE: f32 = 2.0;
 /// Halves are rounded, and probes clamp to the largest half.
 const ROUNDING: f32 = 1.01;
@@ -39,7 +42,10 @@ pub fn bound(case: &TestCase) -> Option<Vec3> {
         direct += match lamp.kind {
             LampKind::Directional { .. } => power,
             LampKind::Point | LampKind::Spot { .. } => {
-                let radius = f64::from(lamp.radius).max(crate::lights::lamp::MIN_RADIUS);
+                let radius = match lamp.is_sphere() {
+                    true => f64::from(lamp.soft_radius),
+                    false => f64::from(lamp.radius).max(MIN_RADIUS),
+                };
                 power / (4.0 * std::f64::consts::PI * radius * radius)
             }
         };
@@ -79,13 +85,12 @@ pub fn most_albedo(world: &World) -> Vec3 {
     })
 }
 
-/// The tolerance of the bound: larger if the world has emissive faces, whose light is sampled at random.
-fn slack(world: &World) -> f32 {
+/// The tolerance of the bound: larger if there are emissive faces or spheres, whose light is sampled at random.
+fn slack(case: &TestCase) -> f32 {
     let shines = |emission: Vec3| emission.max_element() > 0.0;
-    let noisy = world
-        .materials
-        .iter()
-        .any(|material| shines(material.emission));
+    let mut materials = case.world.materials.iter();
+    let noisy = materials.any(|material| shines(material.emission))
+        || case.lamps.lamps.iter().any(Lamp::is_sphere);
     if noisy { ROUNDING * NOISE } else { ROUNDING }
 }
 
@@ -94,7 +99,7 @@ pub fn picture(what: &str, picture: &Picture, case: &TestCase) -> Result<(), Str
     let Some(bound) = bound(case) else {
         return Ok(());
     };
-    let most = bound * slack(&case.world) + 1e-4;
+    let most = bound * slack(case) + 1e-4;
     for (index, rgb) in picture.rgb.iter().enumerate() {
         if Vec3::from_array(*rgb).cmpgt(most).any() {
             let (x, y) = (index as u32 % picture.width, index as u32 / picture.width);
@@ -111,7 +116,7 @@ pub fn irradiance(texels: &[f32], case: &TestCase) -> Result<(), String> {
     let Some(bound) = bound(case) else {
         return Ok(());
     };
-    let most = bound * slack(&case.world) + 1e-4;
+    let most = bound * slack(case) + 1e-4;
     for (index, texel) in texels.chunks_exact(3).enumerate() {
         let light = Vec3::new(texel[0], texel[1], texel[2]);
         if light.cmpgt(most).any() {
@@ -145,6 +150,22 @@ mod tests {
             "{bound}"
         );
         assert!(super::bound(&furnace(1.0)).is_none());
+    }
+
+    #[test]
+    fn a_sphere_lights_its_own_surface_most() {
+        let of = |radius: &str| {
+            let text = format!(
+                "(title: \"\", size: (8, 8, 8), shape: Empty, sky: (zenith: (0, 0, 0)), \
+                 materials: {{\"a\": (a: Flat(0.5, 0.5, 0.5))}}, \
+                 lamps: [Preset(name: \"p\", lamps: [(position: (4, 4, 4), power: 16, {radius})])])"
+            );
+            let world = parse(&text, "sphere", None, &Overrides::default()).expect("sound");
+            let case = TestCase::of(world, &[], 0).expect("sound");
+            (bound(&case).expect("finite").x, slack(&case))
+        };
+        assert_eq!(of("soft_radius: 2"), (of("radius: 2").0, ROUNDING * NOISE));
+        assert_eq!(of("soft_radius: 0.005, radius: 2"), of("radius: 2"));
     }
 
     #[test]

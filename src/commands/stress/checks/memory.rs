@@ -1,6 +1,10 @@
 //! Memory on the adapter: all of it is released, and none is taken that was not predicted.
 
-use crate::{frame::Frame, gpu::Gpu, world::file::Summary};
+use crate::{
+    frame::Frame,
+    gpu::Gpu,
+    world::{bodies::Bodies, file::Summary},
+};
 
 /// Bytes that the adapter's allocator has given out; `None` where it does not report them.
 pub fn allocated(gpu: &Gpu) -> Option<u64> {
@@ -30,8 +34,36 @@ const SMALL: u64 = 2 << 20;
 /// Bytes of a brick with its masks.
 const BRICK: u64 = 576;
 
+/// Bytes of a body's pose, its boxes and its stored light, of which there are two copies.
+const BODY: u64 = 8192;
+/// Bytes of the facts about a cell of 8³ voxels or more, in two copies.
+const FACTS: u64 = 16;
+/// Bytes of a model's block of 4³ voxels: a material for each, and a mask.
+const BLOCK: u64 = 72;
+/// Bytes of what a model says about its lit faces.
+const MODEL: u64 = 2048;
+
+/// Most bytes that bodies take.
+fn of_bodies(bodies: &Bodies, cells: u64) -> u64 {
+    if bodies.bodies.is_empty() {
+        return 0;
+    }
+    let of_model = |size: [u32; 3]| {
+        let blocks = size.map(|edge| u64::from(edge.div_ceil(4)));
+        MODEL + BLOCK * blocks.iter().product::<u64>()
+    };
+    let models = bodies.models.iter();
+    let models: u64 = models.map(|model| of_model(model.size.to_array())).sum();
+    BODY * bodies.bodies.len() as u64 + FACTS * cells + models
+}
+
 /// Compares the memory of a scene with the predictions of `grotto check` and `Frame::memory`.
-pub fn predicted(frame: &Frame, summary: &Summary, taken: Option<u64>) -> Result<(), String> {
+pub fn predicted(
+    frame: &Frame,
+    bodies: &Bodies,
+    summary: &Summary,
+    taken: Option<u64>,
+) -> Result<(), String> {
     let memory = frame.memory();
     let grid = frame.stage.voxels.grid.size();
     if grid != summary.grid_bytes.max(16) {
@@ -41,10 +73,11 @@ pub fn predicted(frame: &Frame, summary: &Summary, taken: Option<u64>) -> Result
         ));
     }
     let cells = summary.size.map(|edge| u64::from(edge.div_ceil(8)));
-    let most = grid + cells.iter().product::<u64>() * BRICK + 1024;
+    let cells: u64 = cells.iter().product();
+    let most = grid + cells * BRICK + of_bodies(bodies, cells) + 1024;
     if memory.voxels > most {
         return Err(format!(
-            "the voxels take {} bytes, and all cells together {most}",
+            "the voxels take {} bytes, and all cells and bodies together {most}",
             memory.voxels
         ));
     }

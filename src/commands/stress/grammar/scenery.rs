@@ -1,6 +1,6 @@
 //! Lamps, sky, cameras and probe layouts.
 
-use super::{dice::Dice, matter, shape::Ground, term::Term};
+use super::{dice::Dice, matter, shape::Ground, spheres::Spheres, term::Term};
 
 fn record(name: &'static str, keys: Vec<(&'static str, Term)>) -> Term {
     Term::Record(name, keys)
@@ -11,7 +11,7 @@ fn number(value: f64) -> Term {
 }
 
 /// A position: in a room, in air, in solid voxels, at a face, an edge or a corner of the world, or outside.
-fn place(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> [f64; 3] {
+pub(super) fn place(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> [f64; 3] {
     if !ground.rooms.is_empty() && dice.chance(0.7) {
         let room = *dice.pick(&ground.rooms);
         return [0, 1, 2].map(|axis| {
@@ -44,7 +44,13 @@ fn colour(dice: &mut Dice) -> Term {
     Term::vector([0; 3].map(|_| dice.number(0.0, 1.0)))
 }
 
-fn lamp(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3], is_scattered: bool) -> Term {
+fn lamp(
+    dice: &mut Dice,
+    spheres: &mut Spheres,
+    ground: &Ground<'_>,
+    centre: [f64; 3],
+    is_scattered: bool,
+) -> Term {
     let mut keys = Vec::new();
     let directional = dice.chance(0.08);
     if directional {
@@ -84,28 +90,27 @@ fn lamp(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3], is_scattered: bo
             .collect();
         keys.push(("motion", Term::List(all)));
     }
+    if !directional {
+        keys.extend(spheres.soft_radius());
+    }
     record("", keys)
 }
 
-fn motion(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3], is_scattered: bool) -> Term {
+/// A motion that lamps and bodies share, by its number.
+pub(super) fn motion_of_place(
+    dice: &mut Dice,
+    ground: &Ground<'_>,
+    centre: [f64; 3],
+    form: u32,
+) -> Term {
     let rate = |dice: &mut Dice| ("rate", number(dice.number(-6.0, 6.0)));
-    let share = |dice: &mut Dice| ("amount", number(dice.number(0.0, 1.0)));
-    match dice.whole(0, 5) {
+    match form % 3 {
         0 => record("Orbit", vec![("radius", dice.within([6.0; 3])), rate(dice)]),
         1 => record(
             "Bob",
             vec![("amplitude", dice.within([6.0; 3])), rate(dice)],
         ),
-        2 => record("Flicker", vec![share(dice), rate(dice)]),
-        3 => record(
-            "Pulse",
-            vec![
-                share(dice),
-                rate(dice),
-                ("phase", number(dice.number(-3.0, 3.0))),
-            ],
-        ),
-        4 if !is_scattered => {
+        _ => {
             let count = dice.whole(2, 4);
             let points = (0..count).map(|_| Term::vector(place(dice, ground, centre)));
             let points = Term::List(points.collect());
@@ -117,24 +122,47 @@ fn motion(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3], is_scattered: 
                 ],
             )
         }
+    }
+}
+
+fn motion(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3], is_scattered: bool) -> Term {
+    let rate = |dice: &mut Dice| ("rate", number(dice.number(-6.0, 6.0)));
+    let share = |dice: &mut Dice| ("amount", number(dice.number(0.0, 1.0)));
+    match dice.whole(0, 5) {
+        form @ (0 | 1) => motion_of_place(dice, ground, centre, form),
+        2 => record("Flicker", vec![share(dice), rate(dice)]),
+        3 => record(
+            "Pulse",
+            vec![
+                share(dice),
+                rate(dice),
+                ("phase", number(dice.number(-3.0, 3.0))),
+            ],
+        ),
+        4 if !is_scattered => motion_of_place(dice, ground, centre, 2),
         _ => record("HueCycle", vec![("rate", number(dice.number(-1.0, 1.0)))]),
     }
 }
 
 /// Lamp presets; the first one is used.
-pub fn lamps(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
-    let preset = |dice: &mut Dice, index: u32| {
+pub fn lamps(
+    dice: &mut Dice,
+    spheres: &mut Spheres,
+    ground: &Ground<'_>,
+    centre: [f64; 3],
+) -> Term {
+    let mut preset = |dice: &mut Dice, index: u32| {
         let count = *dice.pick(&[0, 1, 1, 1, 2, 3, 5]);
         let count = if dice.chance(0.04) { 52 } else { count };
         let all = (0..count)
-            .map(|_| lamp(dice, ground, centre, false))
+            .map(|_| lamp(dice, spheres, ground, centre, false))
             .collect();
         let mut keys = vec![
             ("name", Term::text(format!("p{index}"))),
             ("lamps", Term::List(all)),
         ];
         if dice.chance(0.25) {
-            let mut of = vec![("lamp", lamp(dice, ground, centre, true))];
+            let mut of = vec![("lamp", lamp(dice, spheres, ground, centre, true))];
             if dice.chance(0.4) {
                 of.push(("colours", Term::List(vec![colour(dice), colour(dice)])));
             }

@@ -349,3 +349,12 @@ fn leaf(dice: &mut Dice, ground: &Ground<'_>, half: [f64; 3]) -> Term {
 pub fn of_rule(dice: &mut Dice, ground: &Ground<'_>, centre: [f64; 3]) -> Term {
     moved(centre, leaf(dice, ground, ground.half))
 }
+
+/// A shape about (0, 0, 0), for a body. It has voxels whatever its size, for a box in the middle belongs to it.
+pub fn of_body(dice: &mut Dice, ground: &Ground<'_>, half: [f64; 3]) -> Term {
+    let middle = cuboid([0.6; 3]);
+    Term::Tuple(
+        "Union",
+        vec![Term::List(vec![middle, leaf(dice, ground, half)])],
+    )
+}
