@@ -15,7 +15,7 @@ use super::{
 };
 use crate::support::{self, Fault, frames::Drawn, scenes::flat};
 
-const CELLS: &str = "surface_cache/body_cells.wesl";
+const CELLS: &str = "surface_cache/lamp_visibility.wesl";
 const FOUND: &str = "return KnownLamps(head.y, facts_from(first + 2u), vec3f(cell << vec3u(shift)) + half, half - 0.5);";
 const LAMPS: &str = "surface_cache/body_lamps.wesl";
 
