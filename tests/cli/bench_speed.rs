@@ -135,8 +135,8 @@ fn what_varies_does_so_and_nothing_else() {
         assert!(states == "on" || sleeping == 0.0, "{id}: {sleeping} asleep");
     }
     let report = tiny(&["lights", "worlds/cornell.ron"], &["--runs", "1"]).json();
-    // No lamp and one, in three conditions.
-    assert_eq!(rows(&report).len(), 2 * 3);
+    // No lamp and one: still, flickering, moving, and with a radius.
+    assert_eq!(rows(&report).len(), 2 * 4);
     for row in rows(&report) {
         let shadow = number(&row["rays"]["shadow"]);
         let lit = number(&row["varied"]["lamps"]) > 0.0;

@@ -3,7 +3,10 @@
 use crate::{
     frame::Frame,
     gpu::Gpu,
-    world::{bodies::Bodies, file::Summary},
+    world::{
+        bodies::{Bodies, BodyModel},
+        file::Summary,
+    },
 };
 
 /// Bytes that the adapter's allocator has given out; `None` where it does not report them.
@@ -34,27 +37,43 @@ const SMALL: u64 = 2 << 20;
 /// Bytes of a brick with its masks.
 const BRICK: u64 = 576;
 
-/// Bytes of a body's pose, its boxes and its stored light, of which there are two copies.
-const BODY: u64 = 8192;
+/// Bytes of a body: its poses now and before, two boxes in each of eight orders, and the fact about it in two copies.
+const BODY: u64 = 1024;
 /// Bytes of the facts about a cell of 8³ voxels or more, in two copies.
 const FACTS: u64 = 16;
-/// Bytes of a model's block of 4³ voxels: a material for each, and a mask.
-const BLOCK: u64 = 72;
-/// Bytes of what a model says about its lit faces.
-const MODEL: u64 = 2048;
+/// Bytes of the facts about a cell around a body, in two copies, and most such cells along an axis.
+const NEAR_FACTS: u64 = 64;
+const MOST_NEAR: u64 = 16;
+/// Bytes of a model's block of 4³ voxels: a material for each, a mask, and what is said of six faces.
+const BLOCK: u64 = 112;
+/// Bytes of the light of a body's block: six faces, in two copies.
+const LIGHT: u64 = 96;
 
 /// Most bytes that bodies take.
 fn of_bodies(bodies: &Bodies, cells: u64) -> u64 {
     if bodies.bodies.is_empty() {
         return 0;
     }
-    let of_model = |size: [u32; 3]| {
-        let blocks = size.map(|edge| u64::from(edge.div_ceil(4)));
-        MODEL + BLOCK * blocks.iter().product::<u64>()
+    let blocks = |model: &BodyModel| {
+        let blocks = model.size.map(|edge| edge.div_ceil(4)).as_u64vec3();
+        blocks.element_product()
     };
-    let models = bodies.models.iter();
-    let models: u64 = models.map(|model| of_model(model.size.to_array())).sum();
-    BODY * bodies.bodies.len() as u64 + FACTS * cells + models
+    // A body touches one cell of 4³ voxels more than its diagonal is long, rounded up.
+    let near = |model: &BodyModel| {
+        let touched = (model.size.as_vec3().length() / 4.0) as u64 + 2;
+        touched.next_power_of_two().min(MOST_NEAR).pow(3)
+    };
+    let models: u64 = bodies
+        .models
+        .iter()
+        .map(|model| BLOCK * (1 + blocks(model)))
+        .sum();
+    let of_body = |model: &BodyModel| BODY + LIGHT * blocks(model) + NEAR_FACTS * near(model);
+    let all = bodies
+        .bodies
+        .iter()
+        .map(|body| of_body(&bodies.models[body.model]));
+    FACTS * cells + models + all.sum::<u64>()
 }
 
 /// Compares the memory of a scene with the predictions of `grotto check` and `Frame::memory`.
