@@ -162,7 +162,7 @@ impl GpuBodies {
         let mut first_near = self.room.first_near_fact();
         for body in &bodies.bodies {
             let model = &models[body.model];
-            let near = NearCells::of(&model.solid);
+            let near = NearCells::of(&model.solid, bodies.bodies.len());
             let [x, y, z] = model.blocks.to_array();
             let first_lit = poses.lit_faces;
             poses.placed.push(Placed {

@@ -18,9 +18,13 @@ crate::shared! {
     pub const NEAR_FACTS as NEAR_FACTS: usize = 4;
 }
 
-/// log2 of the voxels along the smallest cells around bodies, and of the most cells along an axis.
+/// log2 of the voxels along the smallest and the largest cells around bodies. A cell of the world that has a list of lamps
+/// is never smaller than these, so all of a cell has one list.
 const LEAST_NEAR_SHIFT: u32 = 2;
+const MOST_NEAR_SHIFT: u32 = 4;
+/// log2 of the most cells along an axis, and most cells around all bodies: 16 MiB of facts.
 const MOST_NEAR_BITS: u32 = 4;
+const MOST_NEAR_CELLS: usize = 1 << 19;
 
 /// The cells around a body, in which the world's cells take turns as the body moves: the cell at a place has the number
 /// of its coordinates modulo the number of cells along an axis.
@@ -33,18 +37,22 @@ pub struct NearCells {
 }
 
 impl NearCells {
-    /// As many as a body with these solid voxels may touch, however it is turned.
-    pub fn of(solid: &Bounds) -> Self {
+    /// As many as a body with these solid voxels may touch, however it is turned, if there is room for as many around each
+    /// of `bodies` bodies. Otherwise it has fewer, and nothing is known of its farther parts.
+    pub fn of(solid: &Bounds, bodies: usize) -> Self {
         let reach = (solid.high - solid.low).length();
         let bits = |shift: u32| {
             let touched = (reach / (1 << shift) as f32) as u32 + 2;
             touched.next_power_of_two().ilog2()
         };
-        let fits = |shift: &u32| bits(*shift) <= MOST_NEAR_BITS;
-        let shift = (LEAST_NEAR_SHIFT..).find(fits).unwrap_or(LEAST_NEAR_SHIFT);
+        let has_room = |bits: &u32| bodies << (3 * bits) <= MOST_NEAR_CELLS;
+        let most_bits = (0..=MOST_NEAR_BITS).rev().find(has_room).unwrap_or(0);
+        let fits = |shift: &u32| bits(*shift) <= most_bits;
+        let shift = (LEAST_NEAR_SHIFT..MOST_NEAR_SHIFT).find(fits);
+        let shift = shift.unwrap_or(MOST_NEAR_SHIFT);
         Self {
             shift,
-            bits: bits(shift),
+            bits: bits(shift).min(most_bits),
         }
     }
 
@@ -69,12 +77,13 @@ impl Room {
     /// `models` are those of the bodies.
     pub fn of(bodies: &Bodies, models: &[GpuModel]) -> Self {
         let of_bodies = || bodies.bodies.iter().map(|body| &models[body.model]);
+        let count = bodies.bodies.len();
         Self {
-            bodies: bodies.bodies.len(),
+            bodies: count,
             models: models.iter().map(|model| model.vectors.len()).sum(),
             lit_faces: of_bodies().map(|model| model.lit_faces).sum(),
             near_cells: of_bodies()
-                .map(|model| NearCells::of(&model.solid).count())
+                .map(|model| NearCells::of(&model.solid, count).count())
                 .sum(),
         }
     }
@@ -159,23 +168,44 @@ mod tests {
 
     use super::*;
 
-    fn of(edge: f32) -> NearCells {
-        NearCells::of(&Bounds {
+    fn of(edge: u32, bodies: usize) -> NearCells {
+        let solid = Bounds {
             low: Vec3::ZERO,
-            high: Vec3::splat(edge),
-        })
+            high: Vec3::splat(edge as f32),
+        };
+        NearCells::of(&solid, bodies)
     }
 
     #[test]
     fn cells_hold_a_body_however_it_is_turned() {
-        assert_eq!(of(16.0), NearCells { shift: 2, bits: 3 });
+        assert_eq!(of(16, 100), NearCells { shift: 2, bits: 3 });
         for edge in 1..=64 {
-            let cells = of(edge as f32);
-            let widest = (edge * edge * 3) as f32;
+            let cells = of(edge, 100);
+            let longest = ((edge * edge * 3) as f32).sqrt();
             // However a line of that length lies, it touches one cell more than its own length has, rounded up.
-            let touched = (widest.sqrt() / (1 << cells.shift) as f32).ceil() as u32 + 1;
+            let touched = (longest / (1 << cells.shift) as f32).ceil() as u32 + 1;
             assert!(touched <= 1 << cells.bits, "{edge}");
             assert!(cells.bits <= MOST_NEAR_BITS, "{edge}");
         }
+    }
+
+    #[test]
+    fn facts_about_cells_stay_few_whatever_there_is() {
+        for bodies in [1, 50, 1000, 16_384, 1_000_000] {
+            for edge in [1, 16, 64] {
+                let cells = of(edge, bodies);
+                let all = bodies * cells.count();
+                assert!(
+                    all <= MOST_NEAR_CELLS.max(bodies),
+                    "{bodies} of {edge}: {all}"
+                );
+                assert!((LEAST_NEAR_SHIFT..=MOST_NEAR_SHIFT).contains(&cells.shift));
+            }
+        }
+        let smallest_list = Cells::of(UVec3::ONE).shift;
+        assert!(
+            MOST_NEAR_SHIFT <= smallest_list,
+            "all of a cell has one list"
+        );
     }
 }
