@@ -1,7 +1,7 @@
 //! Chooses an adapter and opens a device with the features that the adapter offers.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     sync::{Arc, Mutex},
 };
 
@@ -270,12 +270,22 @@ impl Gpu {
         self.shaders.composed(name, generated)
     }
 
-    /// The same device with other shaders; nothing compiled before is reused.
+    /// The same device with other shaders. Kernels that contain none of the modules that differ are reused: to compile
+    /// all of them takes seconds.
     pub fn with_shaders(&self, shaders: ShaderLibrary) -> Self {
+        let changed: HashSet<&str> = shaders.differences(self.shaders()).collect();
+        let kernels = self.kernels.lock().expect("nobody panics holding it");
+        let same = kernels
+            .iter()
+            .filter(|(_, kernel)| kernel.has_none_of(&changed));
+        let kernels: HashMap<u64, Kernel> = same.map(|(key, same)| (*key, same.clone())).collect();
+        let chunk_times = self.chunk_times.lock().expect("nobody panics holding it");
+        let mut chunk_times = chunk_times.clone();
+        chunk_times.retain(|key, _| kernels.contains_key(key));
         Self {
             shaders: EarlyShaders::none(Arc::new(shaders)),
-            kernels: Arc::default(),
-            chunk_times: Arc::default(),
+            kernels: Arc::new(Mutex::new(kernels)),
+            chunk_times: Arc::new(Mutex::new(chunk_times)),
             ..self.clone()
         }
     }
@@ -366,6 +376,27 @@ fn choose(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::KernelSpec;
+
+    #[test]
+    fn other_shaders_leave_kernels_that_lack_what_differs() {
+        let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
+        let kernel = KernelSpec {
+            shader: "view/tonemap",
+            overrides: &[("data_modes", 0.0)],
+            ..KernelSpec::default()
+        };
+        Kernel::new(&gpu, &kernel).expect("compiles");
+        let kept = |changed: &str| {
+            let text = gpu.shaders().text(changed).expect("a module");
+            let text = format!("{text}\n// Another text.\n");
+            let shaders = gpu.shaders().clone().with(changed, &text);
+            gpu.with_shaders(shaders).compiled()
+        };
+        assert_eq!(kept("view/shade"), 1, "another shader");
+        assert_eq!(kept("view/tonemap"), 0, "its own text");
+        assert_eq!(kept("color/tonemap"), 0, "a module that it imports");
+    }
 
     #[test]
     fn one_of_several_cards_of_a_kind_has_a_number() {

@@ -2,6 +2,7 @@
 //! shader.
 
 use std::{
+    collections::HashSet,
     hash::{DefaultHasher, Hash as _, Hasher as _},
     num::NonZeroU64,
     ops::Range,
@@ -52,6 +53,8 @@ pub struct Kernel {
     /// Key of its [`KernelSpec`].
     key: u64,
     pub(super) spec: Arc<OwnedSpec>,
+    /// Names of the modules that it was composed of.
+    sources: Arc<[String]>,
     pipeline: wgpu::ComputePipeline,
     groups: Arc<[Group]>,
     pub workgroup_size: [u32; 3],
@@ -111,6 +114,12 @@ impl Kernel {
         })
     }
 
+    /// Whether it was composed of none of these modules.
+    pub(super) fn has_none_of(&self, modules: &HashSet<&str>) -> bool {
+        let mut sources = self.sources.iter();
+        sources.all(|source| !modules.contains(source.as_str()))
+    }
+
     fn compile(gpu: &Gpu, spec: &KernelSpec<'_>, module: &Module) -> Result<Self, GpuError> {
         let composed = &module.composed;
         let label = spec.shader;
@@ -156,6 +165,7 @@ impl Kernel {
             label: label.to_owned(),
             key: spec.key(),
             spec: Arc::new(spec.into()),
+            sources: composed.sources.as_slice().into(),
             pipeline,
             groups: groups.into(),
             workgroup_size: composed.module.entry_points[index].workgroup_size,

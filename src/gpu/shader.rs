@@ -61,6 +61,13 @@ impl ShaderLibrary {
         Self { modules }
     }
 
+    /// The same with another text of one module.
+    #[cfg(test)]
+    pub fn with(mut self, name: &str, text: &str) -> Self {
+        self.modules.insert(name.to_owned(), text.to_owned().into());
+        self
+    }
+
     /// The names of all modules, such as `view/shade`.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.modules.keys().map(String::as_str)
@@ -264,6 +271,24 @@ mod tests {
             error.to_string().contains("passes/broken.wesl:1"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn a_shader_depends_on_nothing_but_its_sources() {
+        let library = ShaderLibrary::embedded();
+        for name in [
+            "view/shade",
+            "view/tonemap",
+            "probes/blend",
+            "scene/lamp_lists",
+        ] {
+            let whole = library.compose(name, &[]).expect(name);
+            let mut sources = library.clone();
+            (sources.modules).retain(|module, _| whole.sources.contains(module));
+            assert!(sources.names().count() < library.names().count());
+            let again = sources.compose(name, &[]).expect(name);
+            assert!(again.wgsl == whole.wgsl && again.sources == whole.sources);
+        }
     }
 
     #[test]

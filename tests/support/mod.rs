@@ -50,9 +50,15 @@ pub fn copy_folder(from: &Path, to: &Path) {
     }
 }
 
-/// The default adapter, with checked shaders: reads beyond an array's end give zero on every driver.
+thread_local! {
+    /// The device of a test: each test runs in a thread of its own.
+    static GPU: Gpu = gpu_with(ShaderChecks::Checked);
+}
+
+/// The default adapter, with checked shaders: reads beyond an array's end give zero on every driver. A test opens it
+/// once, and compiles each kernel once.
 pub fn gpu() -> Gpu {
-    gpu_with(ShaderChecks::Checked)
+    GPU.with(Gpu::clone)
 }
 
 pub fn gpu_with(checks: ShaderChecks) -> Gpu {
