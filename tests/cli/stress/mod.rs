@@ -168,7 +168,7 @@ fn plant(fault: &str, seed: u32, check: Check) {
     let folder = folder();
     let number = seed.to_string();
     let arguments = [
-        "--scenes", "1", "--seed", &number, "--plant", fault, "--tries", "14",
+        "--scenes", "1", "--seed", &number, "--plant", fault, "--tries", "6",
     ];
     let (code, stdout, stderr) = stress(folder.path(), &arguments);
     assert_eq!(code, 4, "{fault} is not found\n{stdout}\n{stderr}");
