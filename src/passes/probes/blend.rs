@@ -11,10 +11,13 @@ pub struct ProbeBlend {
 }
 
 impl ProbeBlend {
+    /// `distances_settle`: nothing but edits changes what is seen from a probe.
+    ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, field: &ProbeField, distances_settle: bool) -> Result<Self, GpuError> {
         let atlas = field.atlas();
+        let walks = field.source().is_some();
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -23,6 +26,10 @@ impl ProbeBlend {
                     ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
                     ("DISTANCE_TEXELS", f64::from(atlas.distance_texels.max(1))),
                     ("DISTANCES", f64::from(u8::from(field.keeps_distances()))),
+                    (
+                        "DISTANCES_SETTLE",
+                        f64::from(u8::from(distances_settle && !walks)),
+                    ),
                     (
                         "REJECT_LONGER",
                         f64::from(u8::from(field.source().is_some_and(Source::rejects))),
