@@ -3,7 +3,7 @@
 use glam::{UVec3, Vec3};
 use grotto::{
     frame::{Frame, Stage},
-    gpu::{Gpu, Kernel, KernelSpec, Recorder, Timing, rectangle},
+    gpu::{Gpu, Kernel, KernelSpec, Recorder, ShaderChecks, Timing, rectangle},
     lights::Lights,
     measure::picture::Picture,
     parameters::{Parameters, ProbeStates},
@@ -18,9 +18,9 @@ use crate::support::{self, frames};
 
 const SIZE: [u32; 2] = [90, 70];
 
-/// A device whose dispatches hold `first_groups` workgroups while their time is not known.
+/// A device of its own, which knows no pace yet, and whose dispatches hold `first_groups` workgroups until it does.
 fn gpu(first_groups: u32) -> Gpu {
-    let mut gpu = support::gpu();
+    let mut gpu = support::gpu_with(ShaderChecks::Checked);
     gpu.first_groups = first_groups;
     gpu
 }
