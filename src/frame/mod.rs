@@ -17,6 +17,7 @@ mod antialias;
 mod bits;
 mod bodies;
 mod body_passes;
+mod count;
 mod early;
 mod error;
 mod inspect;
@@ -47,11 +48,10 @@ use passes::Passes;
 use values::{Drawn, Update, Wanted};
 
 use crate::{
-    gpu::{Gpu, GpuError, Recorder},
+    gpu::{Gpu, Recorder},
     lights::{CommonGain, LampRanks, Lights, RestingLamps, table::LightsOfFrame},
     parameters::ProbeParameters,
     passes::{
-        bench::shadow_count::{self, Senders},
         probes::{OcclusionFrame, ProbeField},
         scene::GpuLights,
         surface_cache::{NextFrame, SurfaceCache},
@@ -200,11 +200,14 @@ impl Frame {
         self.order.begin_frame(&shot.camera, self.frames);
         let lamps_have_changed = ranked.is_new || of_frame.still_since.contains(&(self.frames + 1));
         self.lights.set(gpu, &lights, &of_frame);
+        let changes_greatly = self.field.changes.are_great();
+        self.lights
+            .begin_frame(gpu, &mut recorder.encoder, changes_greatly);
         self.lights_before = Some(lights);
         self.field
             .begin_frame(gpu, probes, u64::from(shot.seed), u64::from(self.frames));
         let is_settled = SurfaceCache::is_settled(probes, self.frames);
-        let is_calm = is_settled && !self.field.changes.are_great();
+        let is_calm = is_settled && !changes_greatly;
         let next = NextFrame {
             size: shot.size,
             seed: shot.seed,
@@ -358,7 +361,7 @@ impl Frame {
     /// Compiles and binds every pass again, as after an edit of the folder `shaders/`; the probes keep their light.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] with the place; the frame is then unchanged.
+    /// [`FrameError::Gpu`] with the place; the frame is then unchanged.
     pub fn rebuild_passes(&mut self, gpu: &Gpu) -> Result<(), FrameError> {
         self.resize(gpu, self.size)
     }
@@ -379,22 +382,5 @@ impl Frame {
     /// The faces that have light of their own.
     pub fn faces(&self) -> &SurfaceCache {
         &self.faces
-    }
-
-    /// Counts the shadow rays of the last frame; `pixels`: whether to count the picture's own, as in views of direct
-    /// light.
-    ///
-    /// # Errors
-    /// [`GpuError::Shader`]; [`GpuError::Device`] when the device is lost.
-    pub fn count_shadow_rays(&self, gpu: &Gpu, pixels: bool) -> Result<u64, GpuError> {
-        let senders = Senders {
-            surfaces: &self.passes.camera_rays.surfaces,
-            pixels: pixels.then_some(self.drawn.size),
-            probe_rays: self.field.atlas().slots * self.field.rays_per_probe(),
-            face_groups: (self.faces.is_used()).then(|| self.faces.rays_most(self.size)),
-        };
-        let scene = scene(&self.stage, &self.view, &self.lights);
-        let offer = offer(&self.field, &self.faces, &scene);
-        shadow_count::count(gpu, &senders, &offer.with(self.faces.update_resources()))
     }
 }

@@ -78,10 +78,11 @@ impl Passes {
         } = subjects;
         let offer = offer(field, cache, scene);
         let resources = &scene.resources[..];
-        let requests_apart = offer.with([field.requests_of_faces()]);
+        let of_faces = offer.with([field.requests_of_faces(), lights.seen_by_faces()]);
         let of_pixels = offer.with([field.requests_of_pixels()]);
         let surfaces = &CameraRays::surfaces(gpu, size)?;
         let hdr = &Shade::hdr(gpu, size)?;
+        let without_bodies = !bodies.exist();
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
@@ -94,9 +95,8 @@ impl Passes {
             let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, &offer));
             let occlusion_rays = threads.spawn(|| OcclusionRays::new(gpu, field, &offer));
             let occlusion_blend = threads.spawn(|| OcclusionBlend::new(gpu, field));
-            let blend = threads.spawn(|| ProbeBlend::new(gpu, field));
-            let surface_trace =
-                threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &requests_apart));
+            let blend = threads.spawn(|| ProbeBlend::new(gpu, field, without_bodies));
+            let surface_trace = threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &of_faces));
             let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
             let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));
             let allocate =

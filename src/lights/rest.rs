@@ -31,6 +31,34 @@ impl RestingLamps {
     }
 }
 
+/// Lamps that have moved at most this many frames before the last that moved count as unsettled.
+const LATELY_FRAMES: u32 = 8;
+
+/// Which lamps have stood still for a while, so that nobody needs to ask about each.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Settled {
+    /// Of the first 64 lamps those that have moved lately, one bit each.
+    pub unsettled: [u32; 2],
+    /// All others have stood still since this frame.
+    pub since: u32,
+}
+
+impl Settled {
+    /// Of lamps that rest since these frames ([`RestingLamps::follow`]).
+    pub fn of(still_since: &[u32]) -> Self {
+        let newest = still_since.iter().copied().max().unwrap_or(0);
+        let is_unsettled = |since: u32| since > 0 && since + LATELY_FRAMES > newest;
+        let mut settled = Self::default();
+        for (lamp, &since) in still_since.iter().enumerate() {
+            match settled.unsettled.get_mut(lamp / 32) {
+                Some(word) if is_unsettled(since) => *word |= 1 << (lamp % 32),
+                _ => settled.since = settled.since.max(since),
+            }
+        }
+        settled
+    }
+}
+
 fn is_same_place(lamp: &LampState, before: &LampState) -> bool {
     let placed = LampState {
         intensity: lamp.intensity,
@@ -85,5 +113,22 @@ mod tests {
         assert_eq!(rest.follow(&lights(&[(2.0, 1.0)]), 12), [12]);
         rest.forget();
         assert_eq!(rest.follow(&lights(&[(3.0, 1.0)]), 1), [0]);
+    }
+
+    #[test]
+    fn lamps_that_moved_lately_are_unsettled() {
+        let mut since = vec![0, 90, 100, 40, 93, 0];
+        let settled = Settled::of(&since);
+        assert_eq!(settled.unsettled, [0b1_0100, 0]);
+        assert_eq!(settled.since, 90);
+        // Of lamps beyond the 64th there are no bits: they count for all.
+        since.resize(66, 0);
+        since[40] = 99;
+        since[65] = 100;
+        let settled = Settled::of(&since);
+        assert_eq!(settled.unsettled, [0b1_0100, 1 << 8]);
+        assert_eq!(settled.since, 100);
+        assert_eq!(Settled::of(&[0; 3]), Settled::default());
+        assert_eq!(Settled::of(&[]), Settled::default());
     }
 }

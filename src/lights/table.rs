@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, UVec3, Vec3};
 
 use super::lamp::MIN_SPOT_EDGE;
-use super::{LampShape, LampState, Lights};
+use super::{LampShape, LampState, Lights, rest::Settled};
 use crate::world::{placed::MOST_PLACED, scenery::MAX_LAMPS};
 
 crate::shared! {
@@ -94,7 +94,14 @@ pub struct GpuLightsHeader {
     pub keeps_slots: u32,
     /// Number of lamps that are spheres.
     pub soft_lamps: u32,
+    /// See [`Settled`].
+    pub unsettled: [u32; 2],
+    pub settled_since: u32,
+    pub _pad: u32,
 }
+
+/// The frame since which a lamp rests that never does.
+const NEVER_STILL: u32 = u32::MAX / 2;
 
 /// Byte of the lists in the buffer: behind the header and the lamps.
 pub const LISTS_OFFSET: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_of::<GpuLamp>();
@@ -134,7 +141,9 @@ impl Lights {
             self.lamps.len() <= CAPACITY,
             "a checked world has at most {MAX_LAMPS} lamps, a sun, and {MOST_PLACED} placed lamps"
         );
-        let since = (of_frame.still_since.iter().copied()).chain(iter::repeat(u32::MAX / 2));
+        let since = (of_frame.still_since.iter().copied()).chain(iter::repeat(NEVER_STILL));
+        let since: Vec<u32> = since.take(self.lamps.len()).collect();
+        let settled = Settled::of(&since);
         let brightest = (of_frame.brightest.iter().copied().map(Some)).chain(iter::repeat(None));
         let mut before = 0.0;
         let lamps: Vec<GpuLamp> = (self.lamps.iter().zip(since).zip(brightest))
@@ -165,6 +174,9 @@ impl Lights {
             list_frame: of_frame.list_frame,
             keeps_slots: u32::from(of_frame.keeps_slots),
             soft_lamps: self.lamps.iter().filter(|lamp| lamp.is_soft()).count() as u32,
+            unsettled: settled.unsettled,
+            settled_since: settled.since,
+            _pad: 0,
         };
         [
             bytemuck::bytes_of(&header),

@@ -26,6 +26,7 @@ mod octree;
 mod placed_lamps;
 mod probe_views;
 mod probes;
+mod seen_lamps;
 mod soft_shadows;
 mod tonemap;
 mod upscale;

@@ -9,6 +9,7 @@ use grotto::{
         emitters::GpuFacing,
         table::{GpuLampSlot, GpuLightsHeader, GpuSky, LISTS_OFFSET},
     },
+    passes::scene::GpuSeenLampsHeader,
     shared::{self, Layout},
     world::materials::table::{CAPACITY, GpuMaterial},
 };
@@ -93,7 +94,9 @@ fn lights_are_a_header_lamps_and_lists() {
         all_brightest,
         list_frame,
         keeps_slots,
-        soft_lamps
+        soft_lamps,
+        unsettled,
+        settled_since
     });
     header
         .members
@@ -101,6 +104,24 @@ fn lights_are_a_header_lamps_and_lists() {
     header.members.insert("lists".to_owned(), LISTS_OFFSET);
     // With one slot: how many there are depends on the world.
     header.stride = (LISTS_OFFSET + size_of::<GpuLampSlot>()).next_multiple_of(16);
+    assert_eq!(whole, header);
+}
+
+#[test]
+fn lamps_seen_are_a_header_and_words() {
+    let whole = shader_layout("light::seen_lamps", "SeenLamps");
+    let mut header = rust_layout!(GpuSeenLampsHeader {
+        cells,
+        shift,
+        read_first,
+        read_second,
+        written,
+        knows_nothing
+    });
+    let words = size_of::<GpuSeenLampsHeader>();
+    header.members.insert("words".to_owned(), words);
+    // With one word.
+    header.stride = (words + 4).next_multiple_of(16);
     assert_eq!(whole, header);
 }
 

@@ -2,6 +2,7 @@
 
 use glam::UVec3;
 
+use super::seen_lamps::SeenLamps;
 use crate::{
     gpu::{Gpu, GpuError},
     lights::{
@@ -17,6 +18,7 @@ pub struct GpuLights {
     cells: UVec3,
     shift: u32,
     has_spheres: bool,
+    seen: SeenLamps,
 }
 
 impl GpuLights {
@@ -40,6 +42,7 @@ impl GpuLights {
             cells,
             shift,
             has_spheres: true,
+            seen: SeenLamps::new(gpu, size.unwrap_or(UVec3::ONE))?,
         })
     }
 
@@ -77,6 +80,17 @@ impl GpuLights {
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
     }
 
+    /// Begins a frame of rays that learn which lamps are seen where. `changes_greatly`: lamps were switched, or voxels have
+    /// changed.
+    pub fn begin_frame(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        changes_greatly: bool,
+    ) {
+        self.seen.begin_frame(gpu, encoder, changes_greatly);
+    }
+
     /// Cells that have lists.
     pub fn cells(&self) -> UVec3 {
         self.cells
@@ -84,12 +98,20 @@ impl GpuLights {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.buffer.size()
+        self.buffer.size() + self.seen.bytes()
     }
 
     /// What the shaders bind by name.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 1] {
-        [("lights", self.buffer.as_entire_binding())]
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+        [
+            ("lights", self.buffer.as_entire_binding()),
+            self.seen.of_probes(),
+        ]
+    }
+
+    /// What pass `surface_cache/trace` binds in place of the same of pass `probes/trace`: the two run concurrently.
+    pub fn seen_by_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        self.seen.of_faces()
     }
 
     /// What pass `scene/lamp_lists` writes.

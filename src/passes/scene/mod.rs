@@ -10,6 +10,7 @@ mod hierarchy;
 pub mod lamp_lists;
 mod lights;
 mod materials;
+mod seen_lamps;
 pub mod voxelise;
 mod voxels;
 
@@ -17,4 +18,5 @@ pub use bodies::{BODIES, GpuBodies};
 pub use emitters::GpuEmitters;
 pub use lights::GpuLights;
 pub use materials::GpuMaterials;
+pub use seen_lamps::GpuSeenLampsHeader;
 pub use voxels::{GpuVoxels, MemoryUse};

@@ -1,0 +1,160 @@
+//! Which lamps the rays that hit a cell of the world have reached lately (`shaders/light/seen_lamps.wesl`).
+
+use bytemuck::{Pod, Zeroable};
+use glam::UVec3;
+
+use crate::gpu::{Gpu, GpuError};
+
+crate::shared! {
+    in lights;
+
+    /// A bit of the second word of a cell: a ray has looked at all lamps.
+    pub const LOOKED_AT_ALL as LOOKED_AT_ALL: u32 = 1 << 31;
+}
+
+/// Frames after which rays write the next third.
+const TURN_FRAMES: u64 = 16;
+/// Frames that rays look at all lamps after a great change of light: what they see then fills two thirds.
+const LEARNING_FRAMES: u64 = 2 * TURN_FRAMES;
+/// Smallest cells (log2 of their voxels), and most cells.
+const LEAST_SHIFT: u32 = 3;
+const MOST_CELLS: u64 = 1 << 18;
+const WORDS_A_CELL: u64 = 2;
+const THIRDS: u64 = 3;
+
+/// The start of `SeenLamps` in `shaders/light/seen_lamps.wesl`; its fields are explained there.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuSeenLampsHeader {
+    pub cells: [u32; 3],
+    pub shift: u32,
+    pub read_first: u32,
+    pub read_second: u32,
+    pub written: u32,
+    pub knows_nothing: u32,
+}
+
+/// A buffer for rays of probes and one for those of faces, for both are traced at the same time.
+pub struct SeenLamps {
+    of_probes: wgpu::Buffer,
+    of_faces: wgpu::Buffer,
+    cells: UVec3,
+    shift: u32,
+    frames: u64,
+    /// Until this frame rays look at all lamps.
+    learning_until: u64,
+}
+
+impl SeenLamps {
+    /// Nothing is known yet. `size`: voxels of the world.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter cannot hold it.
+    pub fn new(gpu: &Gpu, size: UVec3) -> Result<Self, GpuError> {
+        let shift = cell_shift(size);
+        let cells = cells(size, shift);
+        let bytes = size_of::<GpuSeenLampsHeader>() as u64 + THIRDS * third_bytes(cells);
+        let buffer = || {
+            gpu.making("lamps seen by rays", bytes, || {
+                gpu.storage_buffer("seen_lamps", bytes)
+            })
+        };
+        let made = Self {
+            of_probes: buffer()?,
+            of_faces: buffer()?,
+            cells,
+            shift,
+            frames: 0,
+            learning_until: 0,
+        };
+        made.write_header(gpu);
+        Ok(made)
+    }
+
+    /// Begins a frame. `changes_greatly`: lamps were switched, or voxels have changed.
+    pub fn begin_frame(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        changes_greatly: bool,
+    ) {
+        if changes_greatly {
+            self.learning_until = self.frames + LEARNING_FRAMES;
+        }
+        let written = self.write_header(gpu).written;
+        if self.frames.is_multiple_of(TURN_FRAMES) {
+            let start = size_of::<GpuSeenLampsHeader>() as u64 + 4 * u64::from(written);
+            for buffer in [&self.of_probes, &self.of_faces] {
+                encoder.clear_buffer(buffer, start, Some(third_bytes(self.cells)));
+            }
+        }
+        self.frames += 1;
+    }
+
+    fn write_header(&self, gpu: &Gpu) -> GpuSeenLampsHeader {
+        let turn = self.frames / TURN_FRAMES;
+        let first_of = |turn: u64| (turn % THIRDS * (third_bytes(self.cells) / 4)) as u32;
+        let header = GpuSeenLampsHeader {
+            cells: self.cells.to_array(),
+            shift: self.shift,
+            read_first: first_of(turn + 1),
+            read_second: first_of(turn + 2),
+            written: first_of(turn),
+            knows_nothing: u32::from(self.frames < self.learning_until),
+        };
+        for buffer in [&self.of_probes, &self.of_faces] {
+            gpu.queue
+                .write_buffer(buffer, 0, bytemuck::bytes_of(&header));
+        }
+        header
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.of_probes.size() + self.of_faces.size()
+    }
+
+    /// What pass `probes/trace` binds.
+    pub fn of_probes(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("seen_lamps", self.of_probes.as_entire_binding())
+    }
+
+    /// What pass `surface_cache/trace` binds.
+    pub fn of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("seen_lamps", self.of_faces.as_entire_binding())
+    }
+}
+
+fn cells(size: UVec3, shift: u32) -> UVec3 {
+    (size + ((1 << shift) - 1)) >> UVec3::splat(shift)
+}
+
+fn cell_shift(size: UVec3) -> u32 {
+    let count = |shift: u32| {
+        cells(size, shift)
+            .to_array()
+            .map(u64::from)
+            .iter()
+            .product::<u64>()
+    };
+    (LEAST_SHIFT..32)
+        .find(|&shift| count(shift) <= MOST_CELLS)
+        .unwrap_or(31)
+}
+
+fn third_bytes(cells: UVec3) -> u64 {
+    4 * WORDS_A_CELL * cells.to_array().map(u64::from).iter().product::<u64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_as_fine_as_there_is_room_for() {
+        assert_eq!(cell_shift(UVec3::new(512, 256, 512)), 3);
+        assert_eq!(cell_shift(UVec3::splat(1024)), 4);
+        assert_eq!(cells(UVec3::new(9, 8, 1), 3), UVec3::new(2, 1, 1));
+        assert_eq!(third_bytes(UVec3::new(2, 3, 5)), 240);
+    }
+}
