@@ -82,7 +82,6 @@ impl Passes {
         let of_pixels = offer.with([field.requests_of_pixels()]);
         let surfaces = &CameraRays::surfaces(gpu, size)?;
         let hdr = &Shade::hdr(gpu, size)?;
-        let without_bodies = !bodies.exist();
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
@@ -95,7 +94,7 @@ impl Passes {
             let probe_trace = threads.spawn(|| ProbeTrace::new(gpu, field, &offer));
             let occlusion_rays = threads.spawn(|| OcclusionRays::new(gpu, field, &offer));
             let occlusion_blend = threads.spawn(|| OcclusionBlend::new(gpu, field));
-            let blend = threads.spawn(|| ProbeBlend::new(gpu, field, without_bodies));
+            let blend = threads.spawn(|| ProbeBlend::new(gpu, field, &scene.constants));
             let surface_trace = threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &of_faces));
             let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
             let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));

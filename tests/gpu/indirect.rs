@@ -112,7 +112,7 @@ impl Stage {
             constants: field.gather_constants().to_vec(),
         };
         let rays = ProbeTrace::new(&gpu, &field, &offer).expect("compiles");
-        let blend = ProbeBlend::new(&gpu, &field, true).expect("compiles");
+        let blend = ProbeBlend::new(&gpu, &field, &[]).expect("compiles");
         Self {
             voxels,
             materials,

@@ -11,13 +11,13 @@ pub struct ProbeBlend {
 }
 
 impl ProbeBlend {
-    /// `distances_settle`: nothing but edits changes what is seen from a probe.
+    /// `scene`: the constants of the scene's offer.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, field: &ProbeField, distances_settle: bool) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, field: &ProbeField, scene: &[(&str, f64)]) -> Result<Self, GpuError> {
         let atlas = field.atlas();
-        let walks = field.source().is_some();
+        let stands = field.source().is_none();
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -26,16 +26,13 @@ impl ProbeBlend {
                     ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
                     ("DISTANCE_TEXELS", f64::from(atlas.distance_texels.max(1))),
                     ("DISTANCES", f64::from(u8::from(field.keeps_distances()))),
-                    (
-                        "DISTANCES_SETTLE",
-                        f64::from(u8::from(distances_settle && !walks)),
-                    ),
+                    ("PROBES_STAND", f64::from(u8::from(stands))),
                     (
                         "REJECT_LONGER",
                         f64::from(u8::from(field.source().is_some_and(Source::rejects))),
                     ),
                 ],
-                offered: &field.layout_constants(),
+                offered: &[scene, &field.layout_constants()[..]].concat(),
                 ..Default::default()
             },
         )?;

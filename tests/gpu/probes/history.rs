@@ -5,6 +5,7 @@ use std::cell::Cell;
 use glam::{DVec3, IVec2, IVec3};
 use grotto::{
     parameters::ProbeParameters,
+    passes::{probes::blend::ProbeBlend, scene::BODIES},
     probes::{Layout as _, octahedral, sampling},
 };
 
@@ -254,6 +255,29 @@ fn distances_follow_an_edit_where_it_is() {
     rig.update(|_, _| [1.0, 1.0, 1.0, 6.0]);
     let slow = rig.distance(0)(IVec2::new(0, 8))[0] * longest;
     assert!(slow < 3.3, "{slow}");
+}
+
+/// Bodies change distances without an edit, and so distances never settle where there are any.
+#[test]
+fn distances_follow_bodies() {
+    let parameters = ProbeParameters {
+        rays: 256,
+        warmup_frames: 1,
+        ..Default::default()
+    };
+    let mut rig = Rig::new(volume([1, 1, 1], 8.0), parameters);
+    rig.blend = ProbeBlend::new(&rig.gpu, &rig.field, &[(BODIES, 1.0)]).expect("compiles");
+    let longest = 1.5 * 8.0 * 3f64.sqrt();
+    for length in [3.0, 6.0] {
+        for _ in 0..300 {
+            rig.update(|_, _| [1.0, 1.0, 1.0, length]);
+        }
+        let distance = rig.distance(0);
+        for place in texels(16) {
+            let found = distance(place)[0] * longest;
+            assert!((found - f64::from(length)).abs() < 0.01, "{place}: {found}");
+        }
+    }
 }
 
 /// Small bright things make heavy-tailed noise; reacting to change must not bias the average.

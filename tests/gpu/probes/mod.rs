@@ -77,7 +77,7 @@ impl Rig {
         let gpu = gpu();
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
-        let blend = ProbeBlend::new(&gpu, &field, true).expect("compiles");
+        let blend = ProbeBlend::new(&gpu, &field, &[]).expect("compiles");
         let voxels = GpuVoxels::upload(&gpu, voxels, origin).expect("fits");
         Self {
             gpu,

@@ -69,7 +69,7 @@ impl Slab {
         let slab = Self {
             states: ProbeClassify::new(&gpu, &field, &voxels.resources()).expect("compiles"),
             schedule: ProbeSchedule::new(&gpu, &field).expect("compiles"),
-            blend: ProbeBlend::new(&gpu, &field, true).expect("compiles"),
+            blend: ProbeBlend::new(&gpu, &field, &[]).expect("compiles"),
             gpu,
             on_cpu,
             voxels,
