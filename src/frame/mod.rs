@@ -176,6 +176,7 @@ impl Frame {
             self.ranks.forget();
             self.field.changes.forget_edits();
             self.faces.forget(&mut recorder.encoder);
+            self.lights.forget(&mut recorder.encoder);
         }
         // Frames of the surface cache are numbered from 1.
         let still_since = self.resting.follow(&lights, self.frames + 1);

@@ -80,6 +80,11 @@ impl GpuLights {
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
     }
 
+    /// Forgets which lamps are seen where, as if no frame had been drawn.
+    pub fn forget(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        self.seen.forget(encoder);
+    }
+
     /// Begins a frame of rays that learn which lamps are seen where. `changes_greatly`: lamps were switched, or voxels have
     /// changed.
     pub fn begin_frame(

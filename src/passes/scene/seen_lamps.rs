@@ -71,6 +71,16 @@ impl SeenLamps {
         Ok(made)
     }
 
+    /// Forgets everything, as if no frame had been drawn.
+    pub fn forget(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let start = size_of::<GpuSeenLampsHeader>() as u64;
+        for buffer in [&self.of_probes, &self.of_faces] {
+            encoder.clear_buffer(buffer, start, None);
+        }
+        self.frames = 0;
+        self.learning_until = 0;
+    }
+
     /// Begins a frame. `changes_greatly`: lamps were switched, or voxels have changed.
     pub fn begin_frame(
         &mut self,
