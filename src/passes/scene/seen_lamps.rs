@@ -102,14 +102,14 @@ impl SeenLamps {
     }
 
     fn write_header(&self, gpu: &Gpu) -> GpuSeenLampsHeader {
-        let turn = self.frames / TURN_FRAMES;
-        let first_of = |turn: u64| (turn % THIRDS * (third_bytes(self.cells) / 4)) as u32;
+        let [written, read_first, read_second] =
+            thirds_in_turn(self.frames).map(|third| (third * third_bytes(self.cells) / 4) as u32);
         let header = GpuSeenLampsHeader {
             cells: self.cells.to_array(),
             shift: self.shift,
-            read_first: first_of(turn + 1),
-            read_second: first_of(turn + 2),
-            written: first_of(turn),
+            read_first,
+            read_second,
+            written,
             knows_nothing: u32::from(self.frames < self.learning_until),
         };
         for buffer in [&self.of_probes, &self.of_faces] {
@@ -133,6 +133,12 @@ impl SeenLamps {
     pub fn of_faces(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         ("seen_lamps", self.of_faces.as_entire_binding())
     }
+}
+
+/// In frame `frame`, the number of the third that rays write, and those of the two that they read: the oldest and the newest.
+fn thirds_in_turn(frame: u64) -> [u64; 3] {
+    let turn = frame / TURN_FRAMES;
+    [0, 1, 2].map(|later| (turn + later) % THIRDS)
 }
 
 fn cells(size: UVec3, shift: u32) -> UVec3 {
@@ -159,6 +165,21 @@ fn third_bytes(cells: UVec3) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_written_is_read_for_two_turns_and_then_written_anew() {
+        for turn in 0..7 {
+            let in_turn = |later: u64| thirds_in_turn((turn + later) * TURN_FRAMES);
+            let [written, ..] = in_turn(0);
+            for frame in 1..TURN_FRAMES {
+                assert_eq!(thirds_in_turn(turn * TURN_FRAMES + frame), in_turn(0));
+            }
+            assert!(!in_turn(0)[1..].contains(&written), "nobody reads it yet");
+            assert_eq!(in_turn(1)[2], written, "the newest");
+            assert_eq!(in_turn(2)[1], written, "the oldest");
+            assert_eq!(in_turn(3)[0], written, "it begins again");
+        }
+    }
 
     #[test]
     fn cells_are_as_fine_as_there_is_room_for() {
