@@ -3,6 +3,8 @@
 
 use glam::{IVec3, Vec3};
 
+use super::repeats::Repeats;
+
 crate::shared! {
     in probes;
 
@@ -34,6 +36,8 @@ pub struct EditSphere {
     pub radius: f32,
     /// The first frame that shows the edit.
     pub frame: u32,
+    /// The first frame that measures distances after it: rays that are repeated measure none.
+    pub measured_from: u32,
 }
 
 /// A box (grid space) within which voxels have changed.
@@ -53,6 +57,8 @@ pub fn change_of_bodies(way: f32) -> f32 {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     alert: f32,
+    /// The alert of lamps that glide alone.
+    gliding: f32,
     /// Frames since there was a change or an alert.
     still_frames: u32,
     edits: Vec<EditSphere>,
@@ -63,6 +69,7 @@ pub struct Changes {
     latest: Option<(EditBox, u32)>,
     /// The first frame that showed the edits before those.
     before_latest: Option<u32>,
+    repeats: Repeats,
 }
 
 impl Changes {
@@ -79,6 +86,7 @@ impl Changes {
             centre_ws: (low + high) / 2.0 + origin_ws.as_vec3(),
             radius: low.distance(high) / 2.0,
             frame,
+            measured_from: frame,
         });
         while self.edits.len() > EDITS {
             self.join_nearest();
@@ -104,8 +112,30 @@ impl Changes {
         } else {
             self.still_frames.saturating_add(1)
         };
+        let is_great_change = light_change >= GREAT_ALERT;
+        let glides = if is_great_change {
+            0.0
+        } else {
+            light_change.max(0.0)
+        };
+        self.gliding = glides.max(self.gliding * ALERT_KEPT);
+        if self.gliding < LEAST_ALERT {
+            self.gliding = 0.0;
+        }
+        let is_great = self.shown_first.is_some() || is_great_change;
+        self.repeats.begin_frame(is_great, frame);
+        if let Some(first) = self.repeats.great_since() {
+            for edit in self.edits.iter_mut().filter(|edit| edit.frame >= first) {
+                edit.measured_from = frame + 1;
+            }
+        }
         self.edits
             .retain(|edit| frame.saturating_sub(edit.frame) < REMEMBERED_FRAMES);
+    }
+
+    /// Which rays of probes are repeated.
+    pub fn repeats(&self) -> Repeats {
+        self.repeats
     }
 
     /// Forgets all edits: frame numbers start from 0 again, and no probe has a history.
@@ -113,6 +143,7 @@ impl Changes {
         self.edits.clear();
         self.latest = None;
         self.before_latest = None;
+        self.repeats = Repeats::default();
     }
 
     /// The edits that this frame is the first to show.
@@ -128,6 +159,11 @@ impl Changes {
     /// Confidence that light is changing now, 0 to 1.
     pub fn alert(&self) -> f32 {
         self.alert
+    }
+
+    /// Confidence that lamps glide or flicker now, 0 to [`GREAT_ALERT`].
+    pub fn gliding(&self) -> f32 {
+        self.gliding
     }
 
     /// Whether light changes greatly now, as after a switched lamp or an edit.
@@ -182,6 +218,7 @@ impl EditSphere {
     /// The smallest sphere around both; its frame is the newer one.
     fn joined(&self, other: &Self) -> Self {
         let frame = self.frame.max(other.frame);
+        let measured_from = self.measured_from.max(other.measured_from);
         let (large, small) = if self.radius >= other.radius {
             (self, other)
         } else {
@@ -190,13 +227,18 @@ impl EditSphere {
         let offset = small.centre_ws - large.centre_ws;
         let apart = offset.length();
         if apart + small.radius <= large.radius {
-            return Self { frame, ..*large };
+            return Self {
+                frame,
+                measured_from,
+                ..*large
+            };
         }
         let radius = (apart + large.radius + small.radius) / 2.0;
         Self {
             centre_ws: large.centre_ws + offset * ((radius - large.radius) / apart),
             radius,
             frame,
+            measured_from,
         }
     }
 }

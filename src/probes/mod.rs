@@ -14,6 +14,7 @@ mod occlusion;
 pub mod octahedral;
 pub mod octree;
 pub mod packed;
+pub mod repeats;
 pub mod sampling;
 pub mod visibility_bits;
 pub mod volume;

@@ -32,25 +32,30 @@ crate::shared! {
     pub struct GpuEditSphere as EditSphere {
         pub centre_ws: [f32; 3],
         pub radius: f32,
-        /// Number of the first frame that shows the edit.
+        /// Number of the first frame that measures distances after the edit.
         pub frame: u32,
         pub _pad: [u32; 3],
     }
 }
 
 impl GpuChanges {
-    pub fn new(changes: &Changes, parameters: &ProbeParameters, frame: u32) -> Self {
+    /// `repeats`: probes repeat their rays ([`crate::probes::repeats`]), so they need not be told of changes.
+    pub fn new(changes: &Changes, parameters: &ProbeParameters, repeats: bool, frame: u32) -> Self {
         let mut edits = [GpuEditSphere::default(); EDITS];
         for (out, edit) in edits.iter_mut().zip(changes.edits()) {
             *out = GpuEditSphere {
                 centre_ws: edit.centre_ws.to_array(),
                 radius: edit.radius,
-                frame: edit.frame,
+                frame: if repeats {
+                    edit.measured_from
+                } else {
+                    edit.frame
+                },
                 ..GpuEditSphere::default()
             };
         }
         Self {
-            alert: changes.alert(),
+            alert: if repeats { 0.0 } else { changes.alert() },
             stillness: changes.stillness(),
             deviations: parameters.change_deviations,
             variability_kept: VARIABILITY_KEPT,

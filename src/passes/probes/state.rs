@@ -29,6 +29,12 @@ crate::shared! {
     /// sees from its new place.
     const STATE_MOVED: u32 = 8;
 
+    /// Set in a probe's flags when its stored rays are pairs of then and now.
+    const HOLDS_PAIRS: u32 = 16;
+
+    /// The upper bits of a probe's flags from this one on: the number of the frame that was the first to send its rays.
+    const RAYS_FRAME_SHIFT: u32 = 16;
+
     /// What a probe knows of its own light.
     pub struct GpuProbeState as ProbeState {
         /// Updates so far; 0 for a probe in a solid voxel.

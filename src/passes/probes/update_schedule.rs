@@ -7,7 +7,7 @@ use super::state::{GpuProbeState, ProbeClass};
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
     parameters::{ProbeParameters, ProbeStates},
-    probes::{Changes, Layout as _, Volume, sampling},
+    probes::{Changes, Layout as _, Volume, repeats::SETS_AT_A_TIME, sampling},
 };
 
 crate::shared! {
@@ -40,7 +40,11 @@ crate::shared! {
         pub far_interval: u32,
         /// Which set of kept hits the updates of this frame take.
         pub hit_set: u32,
-        pub _pad: [u32; 3],
+        /// A probe repeats the rays of its last update if they were new at most so many frames ago; 0: none does.
+        pub repeats_within: u32,
+        /// New rays of probes have the directions of so many frames.
+        pub sets_at_a_time: u32,
+        pub _pad: u32,
     }
 }
 
@@ -101,6 +105,13 @@ crate::shared! {
     /// Set in an entry of the list: the rays of the probe request other probes.
     const MAKES_REQUESTS: u32 = 1 << 31;
 
+    /// And these: it repeats the rays of its last update; the rays that it has stored are pairs.
+    const REPEATS: u32 = 1 << 30;
+    const WERE_PAIRS: u32 = 1 << 29;
+
+    /// Bits of an entry from this one on: which set of directions its rays have. Below it: the slot.
+    const RAY_SET_SHIFT: u32 = 23;
+
     /// Probes outside solid voxels are updated in every frame.
     const STATES_OFF: u32 = 0;
 
@@ -149,12 +160,13 @@ impl UpdateSchedule {
         })
     }
 
-    /// Writes the schedule of the next frame.
+    /// Writes the schedule of the next frame. `repeats`: probes may repeat their rays.
     pub fn begin_frame(
         &self,
         gpu: &Gpu,
         parameters: &ProbeParameters,
         changes: &Changes,
+        repeats: bool,
         frame: u64,
     ) {
         let is_still = changes.stillness() == 1.0 && parameters.states == ProbeStates::On;
@@ -188,6 +200,12 @@ impl UpdateSchedule {
             still_interval,
             far_interval: if may_wait { FAR_INTERVAL } else { 1 },
             hit_set: sampling::set_of_frame(frame, parameters.hit_sets),
+            sets_at_a_time: if repeats { SETS_AT_A_TIME } else { 1 },
+            repeats_within: if repeats {
+                changes.repeats().within()
+            } else {
+                0
+            },
             ..Default::default()
         };
         gpu.queue
@@ -247,7 +265,7 @@ impl UpdateSchedule {
             gpu.read_buffer_range(&self.work, HEAD_BYTES, u64::from(self.slots) * 4)?;
         Ok(list[..count]
             .iter()
-            .map(|word| word & !MAKES_REQUESTS)
+            .map(|word| word & ((1 << RAY_SET_SHIFT) - 1))
             .collect())
     }
 

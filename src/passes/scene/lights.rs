@@ -85,15 +85,16 @@ impl GpuLights {
         self.seen.forget(encoder);
     }
 
-    /// Begins a frame of rays that learn which lamps are seen where. `changes_greatly`: lamps were switched, or voxels have
-    /// changed.
+    /// Begins a frame of rays that learn which lamps are seen where: see [`SeenLamps::begin_frame`].
     pub fn begin_frame(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        changes_greatly: bool,
+        lamps_change_greatly: bool,
+        repeats: bool,
     ) {
-        self.seen.begin_frame(gpu, encoder, changes_greatly);
+        self.seen
+            .begin_frame(gpu, encoder, lamps_change_greatly, repeats);
     }
 
     /// Cells that have lists.

@@ -81,17 +81,22 @@ impl SeenLamps {
         self.learning_until = 0;
     }
 
-    /// Begins a frame. `changes_greatly`: lamps were switched, or voxels have changed.
+    /// Begins a frame. `lamps_change_greatly`: lamps were switched; what an edit uncovers is found by the rays that look at
+    /// all lamps. `repeats`: rays are repeated, so they must choose as before, among the same lamps.
     pub fn begin_frame(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        changes_greatly: bool,
+        lamps_change_greatly: bool,
+        repeats: bool,
     ) {
-        if changes_greatly {
+        if lamps_change_greatly {
             self.learning_until = self.frames + LEARNING_FRAMES;
         }
         let written = self.write_header(gpu).written;
+        if repeats {
+            return;
+        }
         if self.frames.is_multiple_of(TURN_FRAMES) {
             let start = size_of::<GpuSeenLampsHeader>() as u64 + 4 * u64::from(written);
             for buffer in [&self.of_probes, &self.of_faces] {

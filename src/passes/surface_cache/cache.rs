@@ -36,10 +36,11 @@ const SETTLING_FRAMES: u32 = 24;
 /// While lamps glide, light of a face that is at most this many frames old is up to date: a pixel lists its face once in
 /// four frames.
 const FRESH_FRAMES: u32 = 4;
-/// Most rays whose mean is a quadrant's light: LEAST_SAMPLES until the probes have settled, then
-/// SAMPLES_AT_ALERT / alert, but at least LEAST_SAMPLES.
+/// Most rays whose mean is a quadrant's light: LEAST_SAMPLES until the probes have settled, then SAMPLES_WHILE_GLIDING over
+/// the alert of lamps that glide, but at least LEAST_SAMPLES. After great changes each quadrant finds how much of its history
+/// counts (`most_after_change` in `shaders/surface_cache/resolve.wesl`).
 const LEAST_SAMPLES: f32 = 64.0;
-const SAMPLES_AT_ALERT: f32 = 16.0;
+const SAMPLES_WHILE_GLIDING: f32 = 16.0;
 /// Distance from an edit (voxels) within which light changes at once.
 const EDIT_REACH: f32 = 3.0;
 
@@ -147,7 +148,7 @@ impl SurfaceCache {
         let alert = changes.alert();
         let settled = Self::is_settled(parameters, age);
         let most_samples = if settled {
-            (SAMPLES_AT_ALERT / alert.max(f32::MIN_POSITIVE)).max(LEAST_SAMPLES)
+            (SAMPLES_WHILE_GLIDING / changes.gliding().max(f32::MIN_POSITIVE)).max(LEAST_SAMPLES)
         } else {
             LEAST_SAMPLES
         };

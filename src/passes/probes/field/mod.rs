@@ -20,7 +20,7 @@ use crate::{
     parameters::{ProbeHits, ProbeParameters, Visibility},
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, OcclusionLayout, Octree, ProbeError,
-        VisibilityBits, Volume, atlas::ProbeMemory, sampling,
+        VisibilityBits, Volume, atlas::ProbeMemory, repeats::RAY_SETS, sampling,
     },
     world::voxels::Voxels,
 };
@@ -33,6 +33,9 @@ pub enum ProbeFieldError {
     #[error(transparent)]
     Gpu(#[from] GpuError),
 }
+
+/// Of a direction in `ray_directions`.
+const DIRECTION_BYTES: u64 = 16;
 
 /// The name of the visibility bits in messages about memory.
 const VISIBILITY_BITS: &str = "the visibility bits of all probes (probes.visibility=exact)";
@@ -165,8 +168,10 @@ impl ProbeField {
             )?,
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
-            ray_directions: gpu
-                .storage_buffer("ray_directions", u64::from(parameters.rays) * 16)?,
+            ray_directions: gpu.storage_buffer(
+                "ray_directions",
+                u64::from(RAY_SETS * parameters.rays) * DIRECTION_BYTES,
+            )?,
             rays: gpu.storage_buffer("probe_rays", memory.rays + memory.kept_hits)?,
             irradiance_maps: gpu.storage_buffer("irradiance_maps", memory.irradiance_maps)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
@@ -251,22 +256,34 @@ impl ProbeField {
     /// values with which this field was made.
     pub fn begin_frame(&self, gpu: &Gpu, parameters: &ProbeParameters, seed: u64, frame: u64) {
         let parameters = &*parameters.effective();
-        let changes = GpuChanges::new(&self.changes, parameters, frame as u32);
+        let repeats = self.may_repeat();
+        let changes = GpuChanges::new(&self.changes, parameters, repeats, frame as u32);
         gpu.queue
             .write_buffer(&self.changes_info, 0, bytemuck::bytes_of(&changes));
         let info = GpuProbeInfo::new(self, parameters, frame);
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
         let rays = parameters.rays_per_update().min(self.rays_per_probe);
+        // f32 holds such numbers exactly.
+        let number = (frame % (1 << 24)) as f32;
+        let set = frame % u64::from(RAY_SETS) * u64::from(self.rays_per_probe);
         let directions = sampling::directions_of_frame(parameters, rays, seed, frame);
         let directions: Vec<[f32; 4]> = directions
             .into_iter()
-            .map(|direction| direction.as_vec3().extend(0.0).to_array())
+            .map(|direction| direction.as_vec3().extend(number).to_array())
             .collect();
-        gpu.queue
-            .write_buffer(&self.ray_directions, 0, bytemuck::cast_slice(&directions));
+        gpu.queue.write_buffer(
+            &self.ray_directions,
+            set * DIRECTION_BYTES,
+            bytemuck::cast_slice(&directions),
+        );
         self.update_schedule
-            .begin_frame(gpu, parameters, &self.changes, frame);
+            .begin_frame(gpu, parameters, &self.changes, repeats, frame);
+    }
+
+    /// Whether probes may repeat their rays. Kept hits do so in their own way, and classic DDGI does not.
+    fn may_repeat(&self) -> bool {
+        self.source.is_none() && self.kept_hits.is_none()
     }
 
     /// Whether visibility bits, found by marching, tell which surfaces each probe sees: see [`VisibilityBits::new`].
