@@ -161,7 +161,7 @@ impl Changes {
         self.alert
     }
 
-    /// Confidence that lamps glide or flicker now, 0 to [`GREAT_ALERT`].
+    /// Confidence that lamps glide or flicker now: 0 to 1, like [`Self::alert`], which great changes raise as well.
     pub fn gliding(&self) -> f32 {
         self.gliding
     }

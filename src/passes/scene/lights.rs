@@ -85,7 +85,8 @@ impl GpuLights {
         self.seen.forget(encoder);
     }
 
-    /// Begins a frame of rays that learn which lamps are seen where: see [`SeenLamps::begin_frame`].
+    /// Begins a frame of rays that learn which lamps are seen where. `lamps_change_greatly`: lamps were switched;
+    /// `repeats`: rays of probes are repeated.
     pub fn begin_frame(
         &mut self,
         gpu: &Gpu,
