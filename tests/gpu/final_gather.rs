@@ -3,6 +3,7 @@
 
 use glam::IVec3;
 use grotto::{
+    gpu::Gpu,
     lights::Lights,
     measure::picture::Picture,
     parameters::{FinalGather, ProbeParameters},
@@ -11,7 +12,7 @@ use grotto::{
 };
 
 use crate::support::{
-    self,
+    self, Fault,
     frames::{Drawn, apart, mean},
 };
 
@@ -53,9 +54,13 @@ impl Room {
     }
 
     fn seen(text: &str, probes: ProbeParameters, size: [u32; 2]) -> Self {
+        Self::on(support::gpu(), text, probes, size)
+    }
+
+    fn on(gpu: Gpu, text: &str, probes: ProbeParameters, size: [u32; 2]) -> Self {
         let world = support::parsed(text);
         let layout = world.layouts[0].clone();
-        let mut drawn = Drawn::new(support::gpu(), world, &layout, probes, size);
+        let mut drawn = Drawn::new(gpu, world, &layout, probes, size);
         drawn.shot.view = View::Irradiance;
         drawn.shot.seed = 3;
         let voxels = drawn.frame.stage.read_back(&drawn.gpu).expect("reads back");
@@ -83,6 +88,15 @@ impl Room {
     fn listed(&self) -> u32 {
         let faces = self.drawn.frame.faces();
         faces.listed(&self.drawn.gpu).expect("reads back")
+    }
+
+    /// Rays that quadrants have averaged.
+    fn samples(&self) -> impl Iterator<Item = f32> {
+        let histories = self.drawn.frame.faces().histories();
+        let histories: Vec<GpuFaceHistory> =
+            (self.drawn.gpu).read_buffer(histories).expect("reads back");
+        let quadrants = histories.into_iter().flat_map(|face| face.quadrants);
+        quadrants.map(|quadrant| quadrant.samples)
     }
 
     /// Fills a box of voxels (world space, both ends inclusive) with material 1.
@@ -142,15 +156,7 @@ fn a_quadrant_averages_as_many_rays_as_it_may() {
             ..quick()
         });
         room.after(40);
-        let histories: Vec<GpuFaceHistory> = room
-            .drawn
-            .gpu
-            .read_buffer(room.drawn.frame.faces().histories())
-            .expect("reads back");
-        let samples = histories
-            .iter()
-            .flat_map(|face| face.quadrants.map(|quadrant| quadrant.samples));
-        samples.fold(0.0, f32::max)
+        room.samples().fold(0.0, f32::max)
     };
     assert_eq!(most(16), 16.0);
     assert!(most(8192) > 64.0);
@@ -305,6 +311,43 @@ fn an_edit_shows_at_once() {
 
 /// Emissive voxels are sampled from a list: a new one must be on that list, and must give no more and no less light
 /// than it emits.
+/// The alert of an edit makes nobody take noise for change: behind the wall all light stays as it is, and faces keep the rays
+/// that they have averaged.
+#[test]
+fn an_edit_out_of_sight_leaves_the_light_as_it_is() {
+    let other_rays = (
+        "probes/schedule.wesl",
+        "set_of(slot, first) << RAY_SET_SHIFT",
+        "set_of(slot, frame) << RAY_SET_SHIFT",
+    );
+    let forgetful = (
+        "surface_cache/resolve.wesl",
+        "return max(AFTER_CHANGE / max(step, 1e-6), LEAST_AFTER_CHANGE);",
+        "return LEAST_AFTER_CHANGE;",
+    );
+    // The largest difference of the light from before, and the mean of the rays that quadrants have averaged.
+    let after_edit = |faults: &[Fault<'_>]| {
+        let gpu = match faults {
+            [] => support::gpu(),
+            _ => support::with_faults(&support::gpu(), faults),
+        };
+        let mut room = Room::on(gpu, ROOM, quick(), SIZE);
+        let before = mean(&room.after(100));
+        room.fill(IVec3::new(-12, -4, -12), IVec3::new(-11, -3, -11));
+        let differs = (0..8).fold(0f64, |most, _| {
+            most.max((mean(&room.after(1)) / before - 1.0).abs())
+        });
+        let samples: Vec<f32> = room.samples().filter(|&rays| rays > 0.0).collect();
+        (differs, samples.iter().sum::<f32>() / samples.len() as f32)
+    };
+    let (differs, samples) = after_edit(&[]);
+    assert!(differs < 0.01 && samples > 160.0, "{differs} {samples}");
+    let (differs, _) = after_edit(&[other_rays]);
+    assert!(differs > 0.1, "{differs}");
+    let (_, samples) = after_edit(&[forgetful]);
+    assert!(samples < 128.0, "{samples}");
+}
+
 #[test]
 fn an_ember_that_is_placed_gives_its_light() {
     let embers = ROOM.replace(
