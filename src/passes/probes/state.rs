@@ -64,6 +64,11 @@ impl GpuProbeState {
         self.flags & STATE_FAR != 0
     }
 
+    /// Whether the rays that are stored for the probe are pairs: `shaders/probes/repeated_rays.wesl`.
+    pub fn holds_pairs(&self) -> bool {
+        self.flags & HOLDS_PAIRS != 0
+    }
+
     pub fn class(&self) -> ProbeClass {
         use ProbeClass::{Alive, Asleep, Dead, IndirectOnly};
         [Alive, IndirectOnly, Asleep, Dead][(self.flags & CLASS_BITS) as usize]

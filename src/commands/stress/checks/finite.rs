@@ -41,8 +41,8 @@ fn light(what: &str, values: &[f32]) -> Result<(), String> {
 /// Checks the stored light of probes and faces.
 pub fn buffers(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
     let (gpu, field) = (play.gpu, play.frame.field());
-    let rays: Vec<f16> = gpu.read_buffer(field.rays())?;
-    if let bad @ Err(_) = finite("the rays of probes", rays.into_iter().map(f16::to_f32)) {
+    let rays = field.new_rays(gpu)?;
+    if let bad @ Err(_) = finite("the rays of probes", rays.into_iter()) {
         return Ok(bad);
     }
     let variability: Vec<f32> = gpu.read_buffer(field.variability())?;

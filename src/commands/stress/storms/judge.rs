@@ -156,7 +156,7 @@ fn different_emitters(gpu: &Gpu, frame: &Frame, found: &Emitters) -> Result<u64,
 /// Number of values in the picture and in the results of probes that are not finite.
 pub fn not_finite(gpu: &Gpu, frame: &Frame) -> Result<u64, GpuError> {
     let picture = frame.read_radiance(gpu)?;
-    let rays: Vec<half::f16> = gpu.read_buffer(frame.field().rays())?;
+    let rays = frame.field().new_rays(gpu)?;
     let cubes: Vec<half::f16> = gpu.read_buffer(frame.field().ambient_cubes())?;
     let bad = picture
         .rgb

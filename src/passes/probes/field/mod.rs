@@ -359,7 +359,8 @@ impl ProbeField {
     }
 
     /// Radiance (linear RGB) and length (voxels; negative where the ray began in a solid voxel) of every ray of each
-    /// probe's last update, probe by probe: four half floats per ray, 0 before the first update. Under
+    /// probe's last update, probe by probe: four half floats per ray, 0 before the first update. Where rays were repeated,
+    /// pairs of radiance then and now: `shaders/probes/repeated_rays.wesl`. Under
     /// `probes.hits=kept` the kept hits of all sets follow: `shaders/probes/kept_hits.wesl`.
     pub fn rays(&self) -> &wgpu::Buffer {
         &self.rays

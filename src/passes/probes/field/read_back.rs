@@ -1,5 +1,7 @@
 //! What tests, tables and views read back from the probes.
 
+use half::f16;
+
 use super::{GpuProbeState, ProbeField, StateCounts};
 use crate::{
     gpu::{Gpu, GpuError},
@@ -23,6 +25,22 @@ impl ProbeField {
     pub fn irradiance(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, GpuError> {
         let stored: Vec<[u32; 2]> = gpu.read_buffer(&self.irradiance_maps)?;
         Ok(stored.into_iter().map(packed::light_of).collect())
+    }
+
+    /// Radiance and length of every ray of the probes whose rays are new. Pairs of then and now are left out: whatever their
+    /// bits are, they are finite.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn new_rays(&self, gpu: &Gpu) -> Result<Vec<f32>, GpuError> {
+        let rays: Vec<[f16; 4]> = gpu.read_buffer_range(&self.rays, 0, self.memory.rays)?;
+        let states: Vec<GpuProbeState> = gpu.read_buffer(&self.states)?;
+        let of_probes = rays.chunks(self.rays_per_probe as usize).zip(&states);
+        let new = of_probes.filter(|(_, state)| !state.holds_pairs());
+        Ok(new
+            .flat_map(|(rays, _)| rays.iter().flatten())
+            .map(|number| number.to_f32())
+            .collect())
     }
 
     /// How many probes are in each state, and how many were active in the last update.
