@@ -36,6 +36,9 @@ fn volume(counts: [u32; 3], spacing: f32) -> Volume {
     ))
 }
 
+/// `MOST_REPEATED` of `shaders/probes/repeated_rays.wesl`.
+const MOST_REPEATED: f32 = 0.7;
+
 /// How many frames older than its rays the set of their directions is: `set_of` in `shaders/probes/schedule.wesl`.
 fn set_offset(slot: u32, frame: u64) -> u64 {
     if frame < u64::from(SETS_AT_A_TIME) {
@@ -123,8 +126,12 @@ impl Rig {
             .begin_frame(&self.gpu, &self.parameters, SEED, self.frame);
         let slots = self.field.atlas().slots;
         self.sent.resize(slots as usize, Sent::default());
+        let states = self.field.states(&self.gpu).expect("reads back");
         let rays: Vec<[u32; 2]> = (0..slots)
-            .flat_map(|slot| self.rays_of(slot, &ray))
+            .flat_map(|slot| {
+                let varies = (states.get(slot as usize)).map_or(0.0, |state| state.variability);
+                self.rays_of(slot, varies <= MOST_REPEATED, &ray)
+            })
             .collect();
         self.gpu
             .queue
@@ -137,11 +144,16 @@ impl Rig {
     }
 
     /// The rays of a probe as pass `probes/trace` stores them: new ones, or those of its last update again.
-    fn rays_of(&mut self, slot: u32, ray: impl Fn(u32, DVec3) -> [f32; 4]) -> Vec<[u32; 2]> {
+    fn rays_of(
+        &mut self,
+        slot: u32,
+        may_repeat: bool,
+        ray: impl Fn(u32, DVec3) -> [f32; 4],
+    ) -> Vec<[u32; 2]> {
         let sent = &mut self.sent[slot as usize];
         let within = u64::from(self.field.changes.repeats().within());
         let settled = self.frame >= u64::from(self.parameters.warmup_frames).max(1);
-        let repeats = settled && self.frame - sent.first <= within;
+        let repeats = may_repeat && settled && self.frame - sent.first <= within;
         if !repeats {
             sent.first = self.frame;
         }
