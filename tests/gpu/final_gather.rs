@@ -309,8 +309,6 @@ fn an_edit_shows_at_once() {
     assert!(darkest(&soon) > 0.3 * darkest(&truth));
 }
 
-/// Emissive voxels are sampled from a list: a new one must be on that list, and must give no more and no less light
-/// than it emits.
 /// The alert of an edit makes nobody take noise for change: behind the wall all light stays as it is, and faces keep the rays
 /// that they have averaged.
 #[test]
@@ -348,6 +346,8 @@ fn an_edit_out_of_sight_leaves_the_light_as_it_is() {
     assert!(samples < 128.0, "{samples}");
 }
 
+/// Emissive voxels are sampled from a list: a new one must be on that list, and must give no more and no less light
+/// than it emits.
 #[test]
 fn an_ember_that_is_placed_gives_its_light() {
     let embers = ROOM.replace(
