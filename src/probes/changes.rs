@@ -57,10 +57,10 @@ pub fn change_of_bodies(way: f32) -> f32 {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     alert: f32,
-    /// The alert of lamps that glide alone.
-    gliding: f32,
     /// Frames since there was a change or an alert.
     still_frames: u32,
+    /// Frames since lamps or bodies have changed.
+    steady_frames: u32,
     edits: Vec<EditSphere>,
     /// Whether voxels were edited since the last frame.
     pending: Option<EditBox>,
@@ -112,16 +112,12 @@ impl Changes {
         } else {
             self.still_frames.saturating_add(1)
         };
-        let is_great_change = light_change >= GREAT_ALERT;
-        let glides = if is_great_change {
-            0.0
+        self.steady_frames = if light_change > 0.0 {
+            0
         } else {
-            light_change.max(0.0)
+            self.steady_frames.saturating_add(1)
         };
-        self.gliding = glides.max(self.gliding * ALERT_KEPT);
-        if self.gliding < LEAST_ALERT {
-            self.gliding = 0.0;
-        }
+        let is_great_change = light_change >= GREAT_ALERT;
         let is_great = self.shown_first.is_some() || is_great_change;
         self.repeats.begin_frame(is_great, frame);
         if let Some(first) = self.repeats.great_since() {
@@ -161,11 +157,6 @@ impl Changes {
         self.alert
     }
 
-    /// Confidence that lamps glide or flicker now: 0 to 1, like [`Self::alert`], which great changes raise as well.
-    pub fn gliding(&self) -> f32 {
-        self.gliding
-    }
-
     /// Whether light changes greatly now, as after a switched lamp or an edit.
     pub fn are_great(&self) -> bool {
         self.alert >= GREAT_ALERT
@@ -174,6 +165,11 @@ impl Changes {
     /// Frames since the last change or alert: 0 during one.
     pub fn still_frames(&self) -> u32 {
         self.still_frames
+    }
+
+    /// Frames since lamps or bodies have changed, whatever was edited: 0 while they change.
+    pub fn steady_frames(&self) -> u32 {
+        self.steady_frames
     }
 
     /// Confidence that light has not changed for a long time, 0 to 1.

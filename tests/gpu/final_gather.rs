@@ -1,7 +1,7 @@
 //! The final gather: faces that the camera sees trace rays for their own light. (tests/cli/measuring/stairs.rs
 //! measures how close the result is to the path tracer.)
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use grotto::{
     gpu::Gpu,
     lights::Lights,
@@ -320,7 +320,7 @@ fn an_edit_out_of_sight_leaves_the_light_as_it_is() {
     );
     let forgetful = (
         "surface_cache/resolve.wesl",
-        "return max(AFTER_CHANGE / max(step, 1e-6), LEAST_AFTER_CHANGE);",
+        "return max(AFTER_EDIT / max(step, 1e-6), LEAST_AFTER_CHANGE);",
         "return LEAST_AFTER_CHANGE;",
     );
     // The largest difference of the light from before, and the mean of the rays that quadrants have averaged.
@@ -344,6 +344,46 @@ fn an_edit_out_of_sight_leaves_the_light_as_it_is() {
     assert!(differs > 0.03, "{differs}");
     let (_, samples) = after_edit(&[forgetful]);
     assert!(samples < 128.0, "{samples}");
+}
+
+/// While a lamp glides, faces repeat rays: what has changed at what these hit is added to their light, so that it is not late.
+#[test]
+fn light_of_faces_follows_a_lamp_that_glides() {
+    let unheard = (
+        "surface_cache/resolve.wesl",
+        "return unpacked_radiance(now) - scale * unpacked_radiance(history.last_found);",
+        "return vec3f(0.0);",
+    );
+    const FRAMES: u32 = 40;
+    // From behind the pillar into the middle.
+    let glide = |room: &mut Room, frame: u32| {
+        room.drawn.lights.lamps[0].position_ws = DVec3::new(6.0, 6.0, 0.0).lerp(
+            DVec3::new(-2.0, 6.0, -6.0),
+            f64::from(frame) / f64::from(FRAMES),
+        );
+    };
+    let after_glide = |faults: &[Fault<'_>]| {
+        let gpu = match faults {
+            [] => support::gpu(),
+            _ => support::with_faults(&support::gpu(), faults),
+        };
+        let mut room = Room::on(gpu, ROOM, quick(), SIZE);
+        room.after(100);
+        (1..=FRAMES).for_each(|frame| {
+            glide(&mut room, frame);
+            room.drawn.draw(1);
+        });
+        room.drawn.radiance()
+    };
+    let mut settled = Room::new(quick());
+    glide(&mut settled, FRAMES);
+    let truth = settled.after(150);
+    let (found, late) = (after_glide(&[]), after_glide(&[unheard]));
+    let (differs, lags) = (apart(&found, &truth), apart(&late, &truth));
+    let energy = mean(&found) / mean(&truth);
+    assert!(differs < 0.05, "{differs}");
+    assert!((energy - 1.0).abs() < 0.02, "{energy}");
+    assert!(lags > 1.5 * differs, "{lags}, {differs} without the fault");
 }
 
 /// Emissive voxels are sampled from a list: a new one must be on that list, and must give no more and no less light

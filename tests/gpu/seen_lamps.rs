@@ -14,7 +14,7 @@ use grotto::{
 use crate::support::{gpu, with_faults};
 
 /// One choice and its shadow ray for each thread, from the same point.
-const SAMPLES: u32 = 1 << 16;
+const SAMPLES: u32 = 1 << 20;
 const KERNEL: &str = "
 import package::light::listed_lamps::list_at;
 import package::light::seen_lamps::one_seen_lamp;

@@ -36,11 +36,11 @@ const SETTLING_FRAMES: u32 = 24;
 /// While lamps glide, light of a face that is at most this many frames old is up to date: a pixel lists its face once in
 /// four frames.
 const FRESH_FRAMES: u32 = 4;
-/// Most rays whose mean is a quadrant's light: LEAST_SAMPLES until the probes have settled, then SAMPLES_WHILE_GLIDING over
-/// the alert of lamps that glide, but at least LEAST_SAMPLES. After great changes each quadrant finds how much of its history
-/// counts (`most_after_change` in `shaders/surface_cache/resolve.wesl`).
-const LEAST_SAMPLES: f32 = 64.0;
-const SAMPLES_WHILE_GLIDING: f32 = 16.0;
+/// Most rays whose mean is a quadrant's light until the probes have settled.
+const SAMPLES_WHILE_SETTLING: f32 = 64.0;
+/// Frames after the last change of lamps or bodies for which rays are repeated: its bounces go on. For as many frames after
+/// an edit they are not: few of a face's rays meet what has changed, and the probes have more.
+const REPEATED_FRAMES: u32 = 16;
 /// Distance from an edit (voxels) within which light changes at once.
 const EDIT_REACH: f32 = 3.0;
 
@@ -147,18 +147,17 @@ impl SurfaceCache {
         } = *next;
         let alert = changes.alert();
         let settled = Self::is_settled(parameters, age);
-        let most_samples = if settled {
-            (SAMPLES_WHILE_GLIDING / changes.gliding().max(f32::MIN_POSITIVE)).max(LEAST_SAMPLES)
-        } else {
-            LEAST_SAMPLES
-        };
-        let most_samples = most_samples.min(parameters.face_samples as f32);
+        let mut most_samples = parameters.face_samples as f32;
+        if !settled {
+            most_samples = most_samples.min(SAMPLES_WHILE_SETTLING);
+        }
         // Frames of the table are numbered from 1.
         let frame = age + 1;
         // Until the probes have settled, light is not still.
         let still_frames = if settled { changes.still_frames() } else { 0 };
         let changed_frame = frame.saturating_sub(still_frames);
-        let (low, high, edited_frame) = match changes.latest_edit() {
+        let latest_edit = changes.latest_edit();
+        let (low, high, edited_frame) = match latest_edit {
             Some((edit, shown_in)) => (
                 edit.low_gs - EDIT_REACH,
                 edit.high_gs + EDIT_REACH,
@@ -166,6 +165,8 @@ impl SurfaceCache {
             ),
             None => Default::default(),
         };
+        let is_edit_new = latest_edit.is_some_and(|(_, shown_in)| age < shown_in + REPEATED_FRAMES);
+        let lamps_change = settled && changes.steady_frames() < REPEATED_FRAMES;
         let info = GpuSurfaceCacheInfo {
             edited_low_gs: low.to_array(),
             frame,
@@ -187,6 +188,8 @@ impl SurfaceCache {
             } else {
                 0
             },
+            repeats: u32::from(lamps_change && !is_edit_new),
+            _pad: [0; 3],
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));

@@ -35,6 +35,9 @@ crate::shared! {
         pub edited_before: u32,
         /// Light of faces that is at most this many frames old is up to date, even if light changes.
         pub fresh_frames: u32,
+        /// 1: lamps or bodies move or have changed, so rays are repeated.
+        pub repeats: u32,
+        pub _pad: [u32; 3],
     }
 
     /// Words of an entry of the table.
@@ -100,6 +103,8 @@ crate::shared! {
         pub known: f32,
         /// Whether a pixel sees the face (1) or rays of other faces have requested it (0).
         pub is_seen: u32,
+        /// How many of the batches, the first ones, the face has sent before, in its last update.
+        pub repeated: u32,
     }
 
     /// Rays that a face sends together: `QUADRANT_RAYS` of each quadrant.
@@ -116,9 +121,11 @@ crate::shared! {
         pub light: [f32; 3],
         /// Rays whose mean `light` is.
         pub samples: f32,
-        /// The probes' estimate of `light`, as a mean over the same frames.
+        /// The probes' estimate of `light`: as a mean over the same frames, or where rays were repeated that of the last update.
         pub by_probes: [f32; 3],
-        pub _pad: u32,
+        /// Mean of the rays that the next update may repeat, over the change of the probes' estimate from `by_probes` to when
+        /// they were sent: see package::light::packed_radiance.
+        pub last_found: u32,
     }
 
     /// What the rays of a face have found so far.
@@ -132,6 +139,11 @@ crate::shared! {
         pub updated: u32,
         /// Variance of the radiance of a single ray, relative to the face's light.
         pub spread: f32,
+        /// Variance of how much the mean of repeated rays has changed, relative to the face's light.
+        pub change_spread: f32,
+        /// Batches of rays that the next update may repeat.
+        pub last_batches: u32,
+        pub _pad: [u32; 2],
     }
 
     /// A face that a ray has hit.
