@@ -58,7 +58,7 @@ use crate::{
         view::{Inspection, Shot},
     },
     probes::{
-        changes::{GREAT_ALERT, change_of_bodies},
+        changes::{BODY_JUMP, GREAT_ALERT, change_of_bodies},
         warmup_frames,
     },
     world::{
@@ -184,6 +184,9 @@ impl Frame {
         // Frames of the surface cache are numbered from 1.
         let still_since = self.resting.follow(&lights, self.frames + 1);
         let ranked = self.ranks.follow(&lights, &still_since, self.frames + 1);
+        if bodies_moved >= BODY_JUMP {
+            self.field.changes.bodies_jump(self.frames);
+        }
         self.field.changes.begin_frame(light_change, self.frames);
         let of_occlusion = OcclusionFrame {
             lights: &lights,

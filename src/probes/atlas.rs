@@ -46,8 +46,8 @@ crate::shared! {
     const VARIABILITY_MEANS: u64 = 6;
 
     /// Vectors that a probe's variability takes: one for each mean, one for its pulse, and a component for the drift of each
-    /// mean.
-    const VARIABILITY_VECTORS: u64 = VARIABILITY_MEANS + 1 + VARIABILITY_MEANS.div_ceil(4);
+    /// mean and for the last frame in which a body was near.
+    const VARIABILITY_VECTORS: u64 = VARIABILITY_MEANS + 1 + (VARIABILITY_MEANS + 1).div_ceil(4);
 
     /// Vectors of a packed cube, one for each axis: three halves low, three halves high, and a word
     /// that is 1.0 if the probe gives any light.

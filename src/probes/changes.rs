@@ -13,6 +13,9 @@ crate::shared! {
 
     /// From this alert on, light changes greatly, as when a lamp is switched; lamps that glide or flicker stay below.
     pub(crate) const GREAT_ALERT: f32 = 0.25;
+
+    /// A body that moves at least so far in a frame (voxels) jumps: probes near the place that it has left are not told.
+    pub(crate) const BODY_JUMP: f32 = 4.0;
 }
 
 /// Share of an alert that remains after one frame: bounces take several frames, and sleeping probes
@@ -69,6 +72,7 @@ pub struct Changes {
     latest: Option<(EditBox, u32)>,
     /// The first frame that showed the edits before those.
     before_latest: Option<u32>,
+    bodies_jumped: u32,
     repeats: Repeats,
 }
 
@@ -91,6 +95,16 @@ impl Changes {
         while self.edits.len() > EDITS {
             self.join_nearest();
         }
+    }
+
+    /// In this frame a body came, went or moved by [`BODY_JUMP`] or more.
+    pub fn bodies_jump(&mut self, frame: u32) {
+        self.bodies_jumped = frame;
+    }
+
+    /// The last frame in which bodies did so; 0 if they never did.
+    pub fn bodies_jumped(&self) -> u32 {
+        self.bodies_jumped
     }
 
     /// Begins a frame in which the lights differ by `light_change` from the frame before
@@ -139,6 +153,7 @@ impl Changes {
         self.edits.clear();
         self.latest = None;
         self.before_latest = None;
+        self.bodies_jumped = 0;
         self.repeats = Repeats::default();
     }
 

@@ -1,6 +1,7 @@
 //! Rigid bodies: rays against the CPU's marching, bodies against the same voxels in the grid, light against laws and
 //! the path tracers.
 
+mod distances;
 mod lamps;
 mod shafts;
 

@@ -24,7 +24,9 @@ crate::shared! {
         pub edit_count: u32,
         /// Certainty that light has not changed for long, 0 to 1.
         pub stillness: f32,
-        pub _pad: [u32; 2],
+        /// The last frame in which a body came, went or jumped.
+        pub bodies_jumped: u32,
+        pub _pad: u32,
         pub edits: [GpuEditSphere; EDITS],
     }
 
@@ -60,6 +62,7 @@ impl GpuChanges {
             deviations: parameters.change_deviations,
             variability_kept: VARIABILITY_KEPT,
             frame,
+            bodies_jumped: changes.bodies_jumped(),
             edit_count: changes.edits().len() as u32,
             edits,
             ..Self::default()

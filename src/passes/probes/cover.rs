@@ -1,4 +1,4 @@
-//! Pass `probes/cover`: which probes bodies cover. Needed when bodies have moved, and after pass `probes/classify`.
+//! Pass `probes/cover`: which probes bodies cover, and which may see them. Needed when bodies have moved, and after pass `probes/classify`.
 
 use super::ProbeField;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
@@ -23,7 +23,7 @@ impl ProbeCover {
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, field: &ProbeField, scene: &Offer<'_>) -> Result<Self, GpuError> {
         let kernel = Kernel::new(gpu, &Self::spec())?;
-        let all = scene.with(field.state_resources());
+        let all = scene.with(field.cover_resources());
         let groups = field.atlas().slots.div_ceil(kernel.workgroup_size[0]);
         Ok(Self {
             bindings: kernel.bind(gpu, &all.resources),

@@ -176,6 +176,7 @@ impl GpuBodies {
                 },
                 body: body.clone(),
                 solid: model.solid,
+                supports: model.supports.clone(),
             });
             poses.lit_faces += model.lit_faces as u32;
             poses.most_lit_faces = poses.most_lit_faces.max(model.lit_faces as u32);

@@ -2,7 +2,7 @@
 
 use glam::{IVec3, UVec3};
 
-use super::hierarchy::Bounds;
+use super::{body_supports::Supports, hierarchy::Bounds};
 use crate::world::bodies::BodyModel;
 
 /// Edge of a block in voxels.
@@ -147,6 +147,7 @@ pub struct GpuModel {
     pub lit_faces: usize,
     /// Around the solid voxels (model space).
     pub solid: Bounds,
+    pub supports: Supports,
     /// Blocks along each axis.
     pub blocks: UVec3,
 }
@@ -161,6 +162,7 @@ impl GpuModel {
             vectors,
             lit_faces: lit.count(),
             solid: solid(model),
+            supports: Supports::of(model),
             blocks: blocks_of(model.size),
         }
     }

@@ -2,7 +2,10 @@
 
 use glam::{Mat3, UVec3, Vec3};
 
-use super::hierarchy::{Bounds, Node};
+use super::{
+    body_supports::Supports,
+    hierarchy::{Bounds, Node},
+};
 use crate::world::bodies::{Body, Pose};
 
 crate::shared! {
@@ -58,6 +61,7 @@ pub struct Placed {
     pub body: Body,
     /// Around the solid voxels (model space).
     pub solid: Bounds,
+    pub supports: Supports,
 }
 
 impl Placed {
@@ -76,15 +80,12 @@ impl Placed {
     /// The box around the body in world space.
     pub fn bounds(&self, pose: &Pose) -> Bounds {
         let turn = Mat3::from_quat(pose.rotation.normalize());
-        let middle =
-            pose.position + turn * ((self.solid.low + self.solid.high) / 2.0 - self.body.pivot);
-        let half = (self.solid.high - self.solid.low) / 2.0;
-        let reach =
-            turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
-        let reach = reach + MARGIN + MARGIN_SHARE * middle.abs();
+        let Bounds { low, high } = self.supports.bounds(turn, self.body.pivot);
+        let away = pose.position.abs() + self.body.pivot.length();
+        let margin = MARGIN + MARGIN_SHARE * away;
         Bounds {
-            low: middle - reach,
-            high: middle + reach,
+            low: pose.position + low - margin,
+            high: pose.position + high + margin,
         }
     }
 

@@ -4,6 +4,7 @@ mod bodies;
 mod body_models;
 mod body_records;
 mod body_room;
+mod body_supports;
 pub mod distances;
 mod emitters;
 mod hierarchy;

@@ -64,6 +64,17 @@ impl ProbeField {
         ]
     }
 
+    /// What pass `probes/cover` reads and writes of each probe.
+    pub fn cover_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
+        let [update_schedule, _] = self.update_schedule.resources();
+        [
+            update_schedule,
+            ("probe_info", self.info.as_entire_binding()),
+            ("probe_places_out", self.places.as_entire_binding()),
+            ("probe_variability", self.variability.as_entire_binding()),
+        ]
+    }
+
     /// What pass `probes/schedule` writes besides [`Self::resources`].
     pub fn schedule_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
         let [of_faces, of_pixels] = self.update_schedule.requests();
