@@ -78,7 +78,7 @@ fn probes_forget_what_they_saw_of_a_body_that_has_left() {
     let found = apart(&picture(gpu.clone(), true), &wanted);
     let fault = (
         "probes/light_history.wesl",
-        "    return updates_since(max(near, changes.bodies_jumped), pulse);",
+        "    return updates_since(max(near, changes.bodies_jumped), pulse) - 2.0;",
         "    return UNCHANGED;",
     );
     let stale = apart(
