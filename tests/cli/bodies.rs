@@ -35,6 +35,7 @@ const ROOM: &str = "(
     ]),
     materials: {\"plaster\": (a: Flat(0.7, 0.7, 0.7))},
     sky: (zenith: (0, 0, 0)),
+    layouts: [(name: \"few\", counts: (2, 2, 2), spacing: 12)],
 )";
 
 /// The record of a run in a room with these bodies, which begins before the pillar and looks at its foot.
@@ -47,6 +48,7 @@ fn record(folder: &Path, bodies: &str, end_ms: u64, inputs: &[(u64, Value)]) -> 
     )
     .expect("writable");
     let mut header = header(&world, [0.5, -1.375, 0.5]);
+    header["layout"] = json!("few");
     header["camera"]["yaw_deg"] = json!(0.0);
     header["camera"]["pitch_deg"] = json!(-20.0);
     let at = |(ms, inputs): &(u64, Value)| json!({"t": ms * MS + 3, "do": inputs});

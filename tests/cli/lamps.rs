@@ -23,6 +23,7 @@ const ROOM: &str = "(
     shape: Subtraction([Box(half: (12, 8, 12)), Box(half: (5, 3, 5))]),
     materials: {\"plaster\": (a: Flat(0.7, 0.7, 0.7))},
     sky: (zenith: (0, 0, 0)),
+    layouts: [(name: \"few\", counts: (2, 2, 2), spacing: 10)],
 )";
 
 /// The figures of a run in the dark room, looking down to the floor.
@@ -31,6 +32,7 @@ fn played_at(fps: &str, inputs: &[(u64, Value)]) -> Value {
     let world = folder.path().join("room.ron");
     fs::write(&world, ROOM).expect("writable");
     let mut header = header(&world, [0.5, -1.375, 0.5]);
+    header["layout"] = json!("few");
     header["camera"]["yaw_deg"] = json!(0.0);
     let mut moments: Vec<Value> = inputs
         .iter()
