@@ -107,7 +107,7 @@ fn a_pillar_is_lifted_pushed_and_set_again_and_all_of_it_undone_at_any_frame_rat
     let z = at[2].as_f64().expect("a number");
     assert!((-5.0..-3.5).contains(&z), "{slow}");
     assert_eq!((&at[0], &at[1]), (&json!(0.0), &json!(-3.0)));
-    let fast = pushed("500");
+    let fast = pushed("250");
     for key in ["bodies", "eye", "steps", "voxels_crc32"] {
         assert_eq!(slow[key], fast[key], "{key}");
     }

@@ -188,7 +188,7 @@ fn each_wall(drawn: &mut Drawn, mut measure: impl FnMut(&mut Drawn) -> f64) -> f
 #[test]
 fn walls_absorb_the_power_of_the_lamp() {
     for albedo in [0.5, 0.6] {
-        let absorbed = Absorbed::of(support::gpu(), albedo, [40, 16]);
+        let absorbed = Absorbed::of(support::gpu(), albedo, [20, 12]);
         println!(
             "albedo {albedo}: {:.4}, {:.4}",
             absorbed.all, absorbed.bounced

@@ -260,7 +260,7 @@ fn the_field_shadows_direct_light_as_rays_do_from_afar() {
             drawn.shot.view = View::Direct;
             drawn.shot.shadows = shadows;
             drawn.shot.soft_rays = 16;
-            drawn.draw(40);
+            drawn.draw(24);
             drawn.radiance()
         };
         let rays = direct(0, Shadows::Rays);

@@ -78,7 +78,7 @@ fn it_lights_as_a_lattice_as_fine() {
 fn an_edit_divides_cells_and_keeps_the_light() {
     let layout = octree(3, 0.6);
     let mut room = room(&layout);
-    room.draw(40);
+    room.draw(30);
     let (before, light) = (room.frame.field().volume().probes(), mean(&room.radiance()));
     let mut voxels = room.frame.stage.read_back(&room.gpu).expect("reads back");
     let edit = voxels.fill_box(IVec3::new(7, 7, 19), IVec3::new(12, 12, 24), 1);
@@ -90,7 +90,7 @@ fn an_edit_divides_cells_and_keeps_the_light() {
     assert!((kept / light - 1.0).abs() < 0.2, "{kept} {light}");
     room.draw(1);
     assert_eq!(room.frame.field().fresh(), 0, "new for one frame");
-    room.draw(60);
+    room.draw(50);
     // A tree of the edited world from the start.
     let mut anew = Drawn {
         frame: grotto::frame::Frame::new(
@@ -108,7 +108,7 @@ fn an_edit_divides_cells_and_keeps_the_light() {
         shot: room.shot.clone(),
     };
     anew.gpu = room.gpu.clone();
-    anew.draw(60);
+    anew.draw(50);
     assert_eq!(
         anew.frame.field().volume().probes(),
         room.frame.field().volume().probes()

@@ -25,7 +25,7 @@ fn pictures(gpu: Gpu) -> Vec<Picture> {
     let mut world = yard(&YARD.replace(", soft_radius: 2.5", ""));
     world.materials = vec![flat(0.6, 0.0)];
     let mut state = 11;
-    world.bodies = scattered(12, Vec3::new(60.0, 34.0, 60.0), &mut state);
+    world.bodies = scattered(6, Vec3::new(60.0, 34.0, 60.0), &mut state);
     for body in &mut world.bodies.bodies {
         body.rest.position += Vec3::new(-30.0, -14.0, -30.0);
         body.motion = vec![
@@ -41,17 +41,22 @@ fn pictures(gpu: Gpu) -> Vec<Picture> {
         ];
     }
     let layout = world.layouts[0].clone();
-    let mut drawn = Drawn::new(gpu, world, &layout, ProbeParameters::default(), SIZE);
+    // Probes have no part in direct light.
+    let probes = ProbeParameters {
+        rays: 8,
+        ..ProbeParameters::default()
+    };
+    let mut drawn = Drawn::new(gpu, world, &layout, probes, SIZE);
     drawn.shot.view = View::Direct;
     let mut all = Vec::new();
     for moment in 0..3 {
         let time_s = f64::from(moment) * 0.4;
         drawn.shot.time_s = time_s;
         drawn.lights = Lights::at(&drawn.world, &drawn.world.lamp_presets[0], time_s);
-        drawn.draw(4);
+        drawn.draw(3);
         all.push(drawn.radiance());
     }
-    drawn.draw(8);
+    drawn.draw(6);
     all.push(drawn.radiance());
     let mut voxels = drawn.frame.stage.read_back(&drawn.gpu).expect("reads back");
     let (low, high) = (IVec3::new(20, 30, 24), IVec3::new(44, 31, 40));

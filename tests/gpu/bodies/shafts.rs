@@ -32,7 +32,7 @@ pub const YARD: &str = "(
     sun: (towards: (0.35, 1, 0.3), irradiance: (9, 7.8, 6.3)),
     sky: (zenith: (0, 0, 0)),
     cameras: [(name: \"corner\", position: (26, 10, -26), look_at: (-8, -14, 6), fov_deg: 80)],
-    layouts: [(name: \"lattice\", counts: (5, 4, 5), spacing: 12)],
+    layouts: [(name: \"lattice\", counts: (3, 2, 3), spacing: 20)],
 )";
 const FILE: &str = "scene/bodies.wesl";
 const FOUND: &str = "return fact(fact_of_cell(";
@@ -71,14 +71,19 @@ fn pictures(gpu: Gpu) -> Vec<Picture> {
         }];
     }
     let layout = world.layouts[0].clone();
-    let mut drawn = Drawn::new(gpu, world, &layout, ProbeParameters::default(), SIZE);
+    // Probes have no part in direct light.
+    let probes = ProbeParameters {
+        rays: 8,
+        ..ProbeParameters::default()
+    };
+    let mut drawn = Drawn::new(gpu, world, &layout, probes, SIZE);
     drawn.shot.view = View::Direct;
     (0..3)
         .map(|moment| {
             let time_s = f64::from(moment) * 0.4;
             drawn.shot.time_s = time_s;
             drawn.lights = Lights::at(&drawn.world, &drawn.world.lamp_presets[0], time_s);
-            drawn.draw(4);
+            drawn.draw(3);
             drawn.radiance()
         })
         .collect()
