@@ -97,7 +97,7 @@ impl Changes {
         }
     }
 
-    /// In this frame a body came, went or moved by [`BODY_JUMP`] or more.
+    /// In this frame a body came, went or moved by `BODY_JUMP` or more.
     pub fn bodies_jump(&mut self, frame: u32) {
         self.bodies_jumped = frame;
     }

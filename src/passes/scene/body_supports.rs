@@ -10,8 +10,8 @@ use crate::world::bodies::BodyModel;
 const DIRECTIONS: usize = 27;
 
 /// How far the solid voxels of a model reach along 26 directions: a discrete oriented polytope around them (Klosowski et
-/// al. 1998, *Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs*). Of a ball it leaves a box one tenth
-/// too large however it is turned, where the turned box around the ball may be 73 % too large on each axis.
+/// al. 1998, *Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs*). Around a ball it gives a box at most
+/// 13 % too large on each axis however it is turned, where the turned box around the ball may be 73 % too large.
 #[derive(Clone, Debug)]
 pub struct Supports {
     /// For each direction the largest product with a corner of a solid voxel (model space).
@@ -37,8 +37,8 @@ impl Supports {
         Self { farthest }
     }
 
-    /// At least how far the model reaches along a direction: never less than its farthest corner. The direction is a sum of
-    /// three of the polytope's, none of them taken less than zero times.
+    /// A bound of how far the model reaches along a direction: the direction is a sum of multiples, none of them negative, of
+    /// three of the polytope's directions, and a sum reaches no farther than its parts together.
     fn along(&self, direction: Vec3) -> f32 {
         let signs = direction.signum();
         let size = direction.abs();
