@@ -50,7 +50,7 @@ fn at_rest_pictures_converge_to_the_reference_of_the_shown_size() {
         let mut drawn = upscaled(gpu.clone(), size, scale);
         let truth = box_filtered(&drawn);
         let steps = apart(&plain(&drawn), &truth);
-        drawn.draw(400);
+        drawn.draw(320);
         let shown = drawn.radiance();
         assert_eq!([shown.width, shown.height], size);
         let error = apart(&shown, &truth);
@@ -64,7 +64,7 @@ fn at_rest_pictures_converge_to_the_reference_of_the_shown_size() {
             drawn.frame.rendered_size(),
             Antialias::Temporal,
         );
-        small.draw(160);
+        small.draw(80);
         let stretched = stretched(&small.radiance(), size);
         let error = apart(&stretched, &truth);
         assert!(error > 0.5 * steps, "{error} of {steps} at {scale}");
