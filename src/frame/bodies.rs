@@ -48,7 +48,7 @@ impl Frame {
             }
         }
         let own = [
-            ProbeCover::spec(),
+            ProbeCover::spec(&offered),
             BodyLight::spec(&offered),
             BodyLamps::spec(&offered),
             BodyShafts::spec(&offered),

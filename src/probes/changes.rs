@@ -14,7 +14,8 @@ crate::shared! {
     /// From this alert on, light changes greatly, as when a lamp is switched; lamps that glide or flicker stay below.
     pub(crate) const GREAT_ALERT: f32 = 0.25;
 
-    /// A body that moves at least so far in a frame (voxels) jumps: probes near the place that it has left are not told.
+    /// A body that moves at least so far in a frame (voxels) jumps. Nobody knows which probes saw it where it was, so all of
+    /// them measure their distances anew.
     pub(crate) const BODY_JUMP: f32 = 4.0;
 }
 

@@ -181,7 +181,7 @@ pub fn refuse_results(out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// [`FIRST`].
+/// The scene that shows [`FIRST`].
 fn first_scene() -> Scene {
     Scene {
         name: "first".to_owned(),

@@ -19,7 +19,7 @@ pub struct Supports {
 }
 
 impl Supports {
-    /// Of a model without solid voxels: those of its first corner.
+    /// A model without solid voxels counts as its first corner.
     pub fn of(model: &BodyModel) -> Self {
         let mut farthest = [f32::NEG_INFINITY; DIRECTIONS];
         for voxel in model.solid() {

@@ -7,6 +7,7 @@ mod dynamics;
 mod judge;
 mod motion;
 mod parts;
+mod stairs;
 mod tables;
 
 use std::{

@@ -7,34 +7,34 @@ use grotto::{
     parameters::{FinalGather, ProbeParameters, Visibility},
     world::{
         World,
-        bodies::{BodyMotion, Ease},
+        bodies::{BodyMotion, Cycle},
     },
 };
 
 use super::{body, model};
 use crate::support::{
-    self,
+    self, Fault,
     frames::{Drawn, apart},
     scenes::flat,
 };
 
 const ROOM: &str = "(
-    title: \"A room with a plate that hides one half from the other.\",
-    size: (48, 24, 32),
+    title: \"A high room with plates that hide parts of its floor from each other.\",
+    size: (48, 80, 32),
     origin: (0, 0, 0),
-    shape: Translate(by: (24, 12, 16), of: Subtraction([Box(half: (24, 12, 16)), Box(half: (22, 10, 14))])),
+    shape: Translate(by: (24, 40, 16), of: Subtraction([Box(half: (24, 40, 16)), Box(half: (22, 38, 14))])),
     lamps: [(name: \"lamps\", lamps: [(position: (6, 18, 16), power: 3000)])],
     sky: (zenith: (0, 0, 0)),
-    cameras: [(name: \"room\", position: (30, 12, 27), look_at: (24, 8, 4), fov_deg: 90)],
+    cameras: [(name: \"floor\", position: (30, 12, 27), look_at: (24, 8, 4), fov_deg: 90)],
     layouts: [(name: \"lattice\", counts: (6, 3, 4), spacing: 8, centre: (24, 12, 16))],
 )";
 const SIZE: [u32; 2] = [48, 32];
 /// Frames in which distances settle: 64 updates at 128 rays.
 const SETTLING: u32 = 120;
-/// When the plate has turned to the wall.
-const AWAY_S: f64 = 1.0;
+/// When the plates are up.
+const UP_S: f64 = 1.0;
 
-/// The plate parts the room at first, and stands at a wall after a second.
+/// Plates part the room at first. In a second they rise between planes of probes, farther than any of them measures.
 fn room() -> World {
     let mut world = support::parsed(ROOM);
     world.materials = vec![flat(0.6, 0.0)];
@@ -42,20 +42,34 @@ fn room() -> World {
         .bodies
         .models
         .push(model(UVec3::new(2, 18, 26), |_| 1));
-    let mut plate = body(0, Vec3::ZERO, Vec3::new(15.0, 3.0, 3.0), Quat::IDENTITY);
-    plate.motion = vec![BodyMotion::TurnBetween {
-        axis: Vec3::Y,
-        degrees: 90.0,
-        start_s: 0.0,
-        end_s: AWAY_S as f32,
-        ease: Ease::Linear,
-    }];
-    world.bodies.bodies.push(plate);
+    for x in [15.0, 23.0, 31.0] {
+        let mut plate = body(0, Vec3::ZERO, Vec3::new(x, 3.0, 3.0), Quat::IDENTITY);
+        plate.motion = vec![BodyMotion::Lift {
+            by: Vec3::new(0.0, 50.0, 0.0),
+            cycle: Cycle {
+                period_s: 4.0,
+                rest_s: 1.0,
+                phase_s: 1.0,
+            },
+        }];
+        world.bodies.bodies.push(plate);
+    }
     world
 }
 
-/// The picture after the plate has jumped away; or that of a world in which it was never elsewhere.
-fn picture(gpu: Gpu, jumps: bool) -> Picture {
+/// How the plates come to their end.
+#[derive(Clone, Copy)]
+enum Way {
+    /// They are there from the start.
+    None,
+    /// They jump there from one frame to the next.
+    Jump,
+    /// They rise by less than a voxel in a frame.
+    Rise,
+}
+
+/// The picture long after the plates have come to their end.
+fn picture(gpu: Gpu, way: Way) -> Picture {
     let world = room();
     let layout = world.layouts[0].clone();
     let probes = ProbeParameters {
@@ -64,27 +78,49 @@ fn picture(gpu: Gpu, jumps: bool) -> Picture {
         ..ProbeParameters::default()
     };
     let mut drawn = Drawn::new(gpu, world, &layout, probes, SIZE);
-    drawn.shot.time_s = if jumps { 0.0 } else { AWAY_S };
+    let (start_s, frames) = match way {
+        Way::None => (UP_S, 1),
+        Way::Jump => (0.0, 1),
+        Way::Rise => (0.0, 90),
+    };
+    drawn.shot.time_s = start_s;
     drawn.draw(SETTLING);
-    drawn.shot.time_s = AWAY_S;
+    for frame in 1..=frames {
+        drawn.shot.time_s = start_s + (UP_S - start_s) * f64::from(frame) / f64::from(frames);
+        drawn.draw(1);
+    }
     drawn.draw(SETTLING);
     drawn.radiance()
 }
 
-#[test]
-fn probes_forget_what_they_saw_of_a_body_that_has_left() {
+/// After the plates have gone this way the picture is that of a world in which they were never elsewhere, and with the fault it
+/// is not.
+fn forgets(way: Way, fault: Fault) {
     let gpu = support::gpu();
-    let wanted = picture(gpu.clone(), false);
-    let found = apart(&picture(gpu.clone(), true), &wanted);
+    let wanted = picture(gpu.clone(), Way::None);
+    let found = apart(&picture(gpu.clone(), way), &wanted);
+    let faulty = support::with_faults(&gpu, &[fault]);
+    let stale = apart(&picture(faulty, way), &wanted);
+    println!("{found:.4}, and {stale:.4} where distances count as settled");
+    assert!(found < 0.004 && stale > 0.007, "{found} {stale}");
+}
+
+#[test]
+fn probes_forget_what_they_saw_of_a_body_that_has_jumped() {
     let fault = (
         "probes/light_history.wesl",
-        "    return updates_since(max(near, changes.bodies_jumped), pulse) - 2.0;",
-        "    return UNCHANGED;",
+        "max(near, changes.bodies_jumped)",
+        "near",
     );
-    let stale = apart(
-        &picture(support::with_faults(&gpu, &[fault]), true),
-        &wanted,
+    forgets(Way::Jump, fault);
+}
+
+#[test]
+fn probes_forget_what_they_saw_of_a_body_that_has_risen() {
+    let fault = (
+        "probes/cover.wesl",
+        "near_frame = frame;",
+        "near_frame = 0.0;",
     );
-    println!("{found:.4}, and {stale:.4} where distances count as settled for ever");
-    assert!(found < 0.003 && stale > 0.005, "{found} {stale}");
+    forgets(Way::Rise, fault);
 }

@@ -64,12 +64,9 @@ impl ProbeField {
         ]
     }
 
-    /// What pass `probes/cover` reads and writes of each probe.
-    pub fn cover_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
-        let [update_schedule, _] = self.update_schedule.resources();
+    /// What pass `probes/cover` writes besides [`Self::resources`].
+    pub fn cover_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
         [
-            update_schedule,
-            ("probe_info", self.info.as_entire_binding()),
             ("probe_places_out", self.places.as_entire_binding()),
             ("probe_variability", self.variability.as_entire_binding()),
         ]
