@@ -4,7 +4,7 @@
 use glam::{IVec3, Vec3};
 use grotto::{
     frame::{Frame, Stage},
-    gpu::{Gpu, Recorder},
+    gpu::{Gpu, Kernel, KernelSpec, Recorder},
     lights::Lights,
     measure::{
         changes::{ChangeMeter, mean_lit},
@@ -303,4 +303,96 @@ fn a_camera_beyond_all_worlds_shows_a_picture() {
     // The camera comes back.
     hall.settle(Vec3::new(-30.0, 0.0, 1.0), 45);
     assert!(mean_lit(&hall.picture()) > 1e-3);
+}
+
+/// For each point and each choice, how much of the point's light comes from each level; choice 0 takes every level.
+const SHARES_OF_LEVELS: &str = "
+import package::math::hash::{hash, unit};
+import package::probes::field::probe_info;
+import package::probes::volume::{next_level, EVERY_LEVEL, NO_SHARE};
+@group(3) @binding(0) var<storage, read_write> found: array<vec4f>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let point_ws = vec3f(f32(id.y) * 0.9 - 3.0, 0.1, 0.2);
+    var choice = select(unit(hash(id.x)), EVERY_LEVEL, id.x == 0u);
+    var shares = vec4f(0.0);
+    var left = 1.0;
+    var level = 0u;
+    while left > NO_SHARE && level < probe_info.level_count {
+        let next = next_level(level, probe_info.level_count, point_ws, &choice);
+        shares[next.level] += left * next.share;
+        left -= left * next.share;
+        level = next.level + 1u;
+    }
+    found[id.y * CHOICES + id.x] = shares;
+}
+const CHOICES: u32 = 4096u;
+";
+
+/// The shares of the levels that `gpu` finds: for each point those of every level, and the mean over random choices.
+fn shares_of_levels(gpu: &Gpu, hall: &Hall) -> Vec<[[f32; 4]; 2]> {
+    const CHOICES: u32 = 4096;
+    const POINTS: u32 = 64;
+    let spec = KernelSpec {
+        shader: "generated/shares_of_levels",
+        generated: &[("shares_of_levels", SHARES_OF_LEVELS)],
+        ..Default::default()
+    };
+    let kernel = Kernel::new(gpu, &spec).unwrap_or_else(|error| panic!("{error}"));
+    let bytes = u64::from(CHOICES * POINTS) * 16;
+    let found = gpu.storage_buffer("found", bytes).expect("fits");
+    let mut resources = hall.frame.field().resources().to_vec();
+    resources.push(("found", found.as_entire_binding()));
+    let bindings = kernel.bind(gpu, &resources);
+    let mut recorder = Recorder::new(gpu, None);
+    recorder.compute("shares_of_levels", |pass| {
+        kernel.dispatch_threads(pass, &bindings, [CHOICES, POINTS, 1])
+    });
+    recorder.submit(gpu).expect("submits");
+    let found: Vec<[f32; 4]> = gpu.read_buffer(&found).expect("reads back");
+    let of_point = |choices: &[[f32; 4]]| {
+        for shares in &choices[1..] {
+            let whole = shares.iter().filter(|share| **share == 1.0).count();
+            let none = shares.iter().filter(|share| **share == 0.0).count();
+            assert_eq!((whole, none), (1, 3), "one level gives all: {shares:?}");
+        }
+        let mean = |level: usize| {
+            let sum: f32 = choices[1..].iter().map(|shares| shares[level]).sum();
+            sum / (CHOICES - 1) as f32
+        };
+        [choices[0], [0, 1, 2, 3].map(mean)]
+    };
+    found.chunks(CHOICES as usize).map(of_point).collect()
+}
+
+fn departure([every, mean]: &[[f32; 4]; 2]) -> f32 {
+    let differences = every.iter().zip(mean).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, f32::max)
+}
+
+/// Rays take the light of one of the levels that share a point, with the probability of its share.
+#[test]
+fn levels_are_chosen_as_often_as_their_shares_say() {
+    let mut hall = Hall::new(16, [8, 5, 8], 4);
+    hall.step(Vec3::ZERO);
+    let shares = shares_of_levels(&hall.gpu, &hall);
+    let shared = |[every, _]: &&[[f32; 4]; 2]| every.iter().all(|share| *share < 0.9);
+    assert!(shares.iter().filter(shared).count() > 5, "{shares:?}");
+    for level in 0..4 {
+        let gives = |[every, _]: &[[f32; 4]; 2]| every[level] > 0.5;
+        assert!(shares.iter().any(gives), "level {level}: {shares:?}");
+    }
+    for of_point in &shares {
+        let sum: f32 = of_point[0].iter().sum();
+        assert!((sum - 1.0).abs() < 2e-4, "{of_point:?}");
+        // Four standard deviations of the mean of 4095 choices.
+        assert!(departure(of_point) < 0.032, "{of_point:?}");
+    }
+    let unfair = [(
+        "probes/volume.wesl",
+        "*choice < share {",
+        "*choice < 0.8 * share {",
+    )];
+    let shares = shares_of_levels(&support::with_faults(&hall.gpu, &unfair), &hall);
+    assert!(shares.iter().any(|of_point| departure(of_point) > 0.032));
 }

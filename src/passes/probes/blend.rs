@@ -18,6 +18,7 @@ impl ProbeBlend {
     pub fn new(gpu: &Gpu, field: &ProbeField, scene: &[(&str, f64)]) -> Result<Self, GpuError> {
         let atlas = field.atlas();
         let stands = field.source().is_none();
+        let parts = if gpu.summary.is_software() { 1 } else { 4 };
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -26,6 +27,7 @@ impl ProbeBlend {
                     ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
                     ("DISTANCE_TEXELS", f64::from(atlas.distance_texels.max(1))),
                     ("DISTANCES", f64::from(u8::from(field.keeps_distances()))),
+                    ("PARTS", f64::from(parts)),
                     ("PROBES_STAND", f64::from(u8::from(stands))),
                     (
                         "REJECT_LONGER",
