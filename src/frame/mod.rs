@@ -21,13 +21,13 @@ mod count;
 mod early;
 mod error;
 mod inspect;
+mod lamp_kinds;
 mod lost;
 mod memory;
 mod offers;
 mod order;
 mod passes;
 mod pictures;
-mod spheres;
 mod stage;
 mod traced;
 mod values;
@@ -99,10 +99,7 @@ impl Frame {
         size: [u32; 2],
     ) -> Result<Self, FrameError> {
         let view = Shot::buffer(gpu);
-        let mut lights = GpuLights::new(gpu, Some(stage.voxels.size))?;
-        if !stage.has_spheres {
-            lights = lights.without_spheres();
-        }
+        let lights = GpuLights::new(gpu, Some(stage.voxels.size))?.with_kinds(stage.lamp_kinds);
         let field = ProbeField::new(gpu, stage.volume(gpu, layout)?, probes)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let scene = scene(&stage, &view, &lights);

@@ -5,14 +5,14 @@ use std::{mem, thread};
 use super::FrameError;
 use crate::{
     gpu::{Gpu, GpuError, Offer, Recorder, Timing, made},
-    lights::Emitters,
+    lights::{Emitters, LampKinds},
     passes::scene::{
         GpuBodies, GpuEmitters, GpuLights, GpuMaterials, GpuVoxels,
         distances::Distances,
         voxelise::{Voxelise, VoxeliseReport},
     },
     probes::Volume,
-    world::{Lamp, LayoutSpec, World, materials::MaterialSet, voxels::Voxels},
+    world::{LayoutSpec, World, materials::MaterialSet, voxels::Voxels},
 };
 
 /// A world on the GPU, without a camera: its voxels and materials.
@@ -23,9 +23,9 @@ pub struct Stage {
     pub emitters: GpuEmitters,
     /// The cost of building the voxels; `None` for voxels from the CPU.
     pub built: Option<BuildReport>,
-    /// Whether a lamp is a sphere, of any preset or placed by the player, on or off. More can come while a frame shows
-    /// them: [`Frame::allow_spheres`](super::Frame::allow_spheres).
-    pub has_spheres: bool,
+    /// The kinds of lamps that the kernels of a frame know: at first those of any preset, and those that a player has placed. More
+    /// can come while a frame shows them: [`Frame::allow_lamps`](super::Frame::allow_lamps).
+    pub lamp_kinds: LampKinds,
 }
 
 /// Buffers that larger ones have replaced.
@@ -89,7 +89,7 @@ impl Stage {
             materials,
             emitters: GpuEmitters::upload(gpu, emitters)?,
             built: Some(built),
-            has_spheres: has_spheres(world),
+            lamp_kinds: LampKinds::of_world(world),
         })
     }
 
@@ -115,7 +115,7 @@ impl Stage {
             materials,
             emitters: GpuEmitters::upload(gpu, Emitters::find(voxels, &world.materials))?,
             built: None,
-            has_spheres: has_spheres(world),
+            lamp_kinds: LampKinds::of_world(world),
         })
     }
 
@@ -185,12 +185,6 @@ pub fn scene<'a>(stage: &'a Stage, view: &'a wgpu::Buffer, lights: &'a GpuLights
         resources: all,
         constants,
     }
-}
-
-fn has_spheres(world: &World) -> bool {
-    let mut lamps = world.lamp_presets.iter().flat_map(|preset| &preset.lamps);
-    let mut placed = world.restored.lamps.iter();
-    lamps.any(Lamp::is_sphere) || placed.any(|lamp| lamp.block.is_soft())
 }
 
 fn bake(gpu: &Gpu, world: &World) -> Result<GpuMaterials, GpuError> {

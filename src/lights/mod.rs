@@ -7,6 +7,7 @@
 pub mod change;
 pub mod emitters;
 pub mod gain;
+mod kinds;
 pub mod lamp;
 pub mod lists;
 pub mod motion;
@@ -18,6 +19,7 @@ pub mod tracked;
 
 pub use emitters::Emitters;
 pub use gain::CommonGain;
+pub use kinds::LampKinds;
 pub use lamp::{LampRay, LampShape, LampState, evaluate};
 pub use lists::LampRanks;
 pub use rest::RestingLamps;

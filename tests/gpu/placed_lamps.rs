@@ -2,7 +2,7 @@
 
 use glam::IVec3;
 use grotto::{
-    lights::{Lights, table::KNOWN_LAMPS},
+    lights::{LampKinds, Lights, table::KNOWN_LAMPS},
     parameters::ProbeParameters,
     world::{
         PlacedLamp, View,
@@ -94,11 +94,10 @@ fn place(drawn: &mut Drawn, lamps: &[PlacedLamp]) {
     for lamp in lamps {
         placed::put(&mut drawn.world.restored.lamps, lamp.voxel, Some(*lamp));
     }
-    if lamps.iter().any(|lamp| lamp.block.is_soft()) {
-        let allowed = drawn.frame.allow_spheres(&drawn.gpu);
-        allowed.expect("the passes fit");
-    }
     drawn.lights = Lights::at(&drawn.world, &drawn.world.lamp_presets[0], 0.0);
+    let kinds = LampKinds::of(&drawn.lights);
+    let allowed = drawn.frame.allow_lamps(&drawn.gpu, kinds);
+    allowed.expect("the passes fit");
 }
 
 #[test]
@@ -138,11 +137,11 @@ fn a_sphere_is_placed_into_a_world_of_points_and_has_its_soft_shadows() {
     drawn.shot.view = View::Direct;
     place(&mut drawn, &[lamp([6, 0, 4], LampForm::Point)]);
     drawn.draw(4);
-    assert!(!drawn.frame.stage.has_spheres);
+    assert!(!drawn.frame.stage.lamp_kinds.spheres);
     place(&mut drawn, &[]);
     drawn.draw(1);
     place(&mut drawn, &[sphere]);
-    assert!(drawn.frame.stage.has_spheres);
+    assert!(drawn.frame.stage.lamp_kinds.spheres);
     let seen = drawn.path_traced(View::Direct, 256);
     drawn.draw(12);
     let different = apart(&drawn.radiance(), &seen);
@@ -223,7 +222,9 @@ fn a_hundred_lamps_placed_at_once_light_the_next_frame() {
     let mut drawn = room("");
     drawn.shot.view = View::Direct;
     drawn.draw(4);
+    assert!(!drawn.frame.stage.lamp_kinds.lists);
     place(&mut drawn, &lamps);
+    assert!(drawn.frame.stage.lamp_kinds.lists);
     let count = drawn.lights.lamps.len();
     assert!(count == 100 && count > KNOWN_LAMPS as usize, "{count}");
     let mut expected = room(&lamps.iter().map(of_file).collect::<String>());

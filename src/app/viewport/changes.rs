@@ -1,13 +1,11 @@
 //! What was changed about the voxels of a world, while the world is built again, and for saves.
 
-use glam::IVec3;
-
 use super::Viewport;
 use crate::{
     app::texts::toasts,
     frame::FrameError,
     world::{
-        LampPreset, PlacedLamp, World, placed,
+        World,
         voxels::{Overlay, Voxels},
     },
 };
@@ -25,38 +23,6 @@ impl Viewport {
     pub fn overlay(&mut self) -> Result<Overlay, FrameError> {
         self.voxels()?;
         Ok(Self::all_changes(&self.world, self.voxels.as_ref()))
-    }
-
-    /// The lamps that the player has placed, in the order of placing: lights of the next frame, if they are on.
-    pub fn placed_lamps(&self) -> &[PlacedLamp] {
-        &self.world.restored.lamps
-    }
-
-    /// Places, changes or removes the lamp of a voxel (world space). It stays when the world is built again.
-    ///
-    /// # Errors
-    /// [`FrameError`] when the lamp is the first sphere of the world and the adapter cannot hold the passes for it; then
-    /// nothing changes.
-    pub fn put_lamp(&mut self, voxel: IVec3, lamp: Option<PlacedLamp>) -> Result<(), FrameError> {
-        if lamp.is_some_and(|lamp| lamp.block.is_soft()) {
-            self.frame.allow_spheres(&self.gpu)?;
-        }
-        placed::put(&mut self.world.restored.lamps, voxel, lamp);
-        Ok(())
-    }
-
-    /// The lamps of the chosen preset, up to the number that the parameters allow.
-    pub(super) fn lamps(&self) -> LampPreset {
-        let parameters = &self.choice.parameters.lights;
-        let presets = &self.world.lamp_presets;
-        let chosen = presets
-            .iter()
-            .find(|preset| preset.name == parameters.preset);
-        let mut lamps = chosen
-            .unwrap_or_else(|| presets.first().expect("a world has a lamp preset"))
-            .clone();
-        lamps.lamps.truncate(parameters.max_lamps as usize);
-        lamps
     }
 
     fn all_changes(world: &World, voxels: Option<&Voxels>) -> Overlay {

@@ -5,6 +5,7 @@ mod bodies;
 mod changes;
 mod effort;
 mod fitting;
+mod lamps;
 mod record;
 #[cfg(test)]
 pub mod sample;
@@ -18,7 +19,7 @@ use super::{
     body::free::FreeBodies, clock::ClockReading, quality::Effort, reference_view::ReferenceView,
 };
 use crate::{
-    frame::{Frame, FrameError, Stage, scaled},
+    frame::{Frame, FrameError, scaled},
     gpu::{Compiling, Gpu, GpuError, ShaderLibrary},
     parameters::{Parameters, Remake},
     passes::view::Inspection,
@@ -121,7 +122,7 @@ impl Viewport {
     /// [`FrameError`] when the adapter cannot hold it.
     pub fn new(gpu: Gpu, path: &Path, world: World, choice: Choice) -> Result<Self, FrameError> {
         let choice = fitting(choice, &world);
-        let stage = Stage::build(&gpu, &world)?;
+        let stage = lamps::stage(&gpu, &world, &choice)?;
         let layout = layout(&world, &choice.layout);
         let mut frame = Frame::new(&gpu, stage, layout, &choice.parameters.probes, choice.size)?;
         frame.antialias(&gpu, &choice.parameters.picture)?;
@@ -189,6 +190,7 @@ impl Viewport {
             self.rebuild(world, next)?;
             return Ok(true);
         }
+        self.allow_lamps_of(&next)?;
         if next.layout != self.choice.layout {
             remake = Remake::Probes;
         }
@@ -238,7 +240,7 @@ impl Viewport {
         if stage_changed {
             let mut world = self.world.clone();
             world.restored.overlay = self.overlay()?;
-            let stage = Stage::build(&gpu, &world)?;
+            let stage = lamps::stage(&gpu, &world, &self.choice)?;
             let layout = layout(&world, &self.choice.layout);
             let parameters = &self.choice.parameters;
             let size = self.frame.size();

@@ -6,7 +6,7 @@ use super::seen_lamps::SeenLamps;
 use crate::{
     gpu::{Gpu, GpuError},
     lights::{
-        Lights, lists,
+        LampKinds, Lights, lists,
         table::{GpuLampSlot, LISTED, LISTS_OFFSET, LightsOfFrame},
     },
 };
@@ -17,7 +17,7 @@ pub struct GpuLights {
     /// Cells that have lists of lamps, and log2 of the voxels along a cell.
     cells: UVec3,
     shift: u32,
-    has_spheres: bool,
+    kinds: LampKinds,
     seen: SeenLamps,
 }
 
@@ -41,40 +41,43 @@ impl GpuLights {
             buffer,
             cells,
             shift,
-            has_spheres: true,
+            kinds: LampKinds::ALL,
             seen: SeenLamps::new(gpu, size.unwrap_or(UVec3::ONE))?,
         })
     }
 
-    /// For a world in which no lamp is a sphere: kernels leave out what spheres need.
+    /// The same for kernels that know these kinds of lamps alone.
     #[must_use]
-    pub fn without_spheres(self) -> Self {
-        Self {
-            has_spheres: false,
-            ..self
-        }
+    pub fn with_kinds(self, kinds: LampKinds) -> Self {
+        Self { kinds, ..self }
     }
 
-    /// Whether kernels that are made for these lights know spheres.
-    pub fn has_spheres(&self) -> bool {
-        self.has_spheres
+    /// The kinds of lamps that kernels know which are made for these lights.
+    pub fn kinds(&self) -> LampKinds {
+        self.kinds
     }
 
-    /// Says whether kernels know spheres; those that exist must be made again.
-    pub fn set_spheres(&mut self, has_spheres: bool) {
-        self.has_spheres = has_spheres;
+    /// Says which kinds of lamps kernels know; those that exist must be made again.
+    pub fn set_kinds(&mut self, kinds: LampKinds) {
+        self.kinds = kinds;
     }
 
-    /// The constant of kernels that are made for these lights.
-    pub fn constants(&self) -> [(&'static str, f64); 1] {
-        [("SPHERES", f64::from(u8::from(self.has_spheres)))]
+    /// The constants of kernels that are made for these lights.
+    pub fn constants(&self) -> [(&'static str, f64); 2] {
+        let LampKinds { spheres, lists } = self.kinds;
+        [
+            ("SPHERES", f64::from(u8::from(spheres))),
+            ("LISTS", f64::from(u8::from(lists))),
+        ]
     }
 
     /// Sets the lights of the next frames.
     pub fn set(&self, gpu: &Gpu, lights: &Lights, of_frame: &LightsOfFrame) {
+        let needed = LampKinds::of(lights);
         debug_assert!(
-            self.has_spheres || !lights.has_spheres(),
-            "kernels were made for lamps that are no spheres"
+            self.kinds.and(needed) == self.kinds,
+            "kernels were made for other kinds of lamps: {:?}",
+            self.kinds
         );
         let bytes = lights.to_bytes(of_frame, self.cells, self.shift);
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);

@@ -21,7 +21,7 @@ use super::{
 use crate::{
     frame::{Frame, Stage},
     gpu::{Gpu, PassTimes, Recorder, Timing},
-    lights::Lights,
+    lights::{LampKinds, Lights},
     passes::view::Shot,
     world::{View, voxels::Voxels},
 };
@@ -73,7 +73,7 @@ impl<'a> Rig<'a> {
         (seed, time_s): (u32, f64),
         stop: &'a AtomicBool,
     ) -> Result<Self, Failure> {
-        let stage = Stage::build(gpu, &scene.world)?;
+        let stage = stage_for(gpu, scene, spec)?;
         let voxels = stage.read_back(gpu)?;
         let probes = &spec.parameters.probes;
         Ok(Self {
@@ -97,6 +97,8 @@ impl<'a> Rig<'a> {
         if self.frame.size() != size {
             self.frame.resize(self.gpu, size)?;
         }
+        self.frame
+            .know_lamps(self.gpu, kinds_of(self.scene, spec))?;
         let smoothing = spec.smoothing();
         self.frame.antialias(self.gpu, smoothing)?;
         let probes = &spec.parameters.probes;
@@ -209,7 +211,7 @@ impl<'a> Rig<'a> {
         if condition != Condition::Edits {
             return self.frames(spec, condition, length, None);
         }
-        let stage = Stage::build(self.gpu, &self.scene.world)?;
+        let stage = stage_for(self.gpu, self.scene, spec)?;
         let probes = &spec.parameters.probes;
         let mut own = Frame::new(self.gpu, stage, &spec.layout, probes, spec.size)?;
         std::mem::swap(&mut own, &mut self.frame);
@@ -296,4 +298,15 @@ impl<'a> Rig<'a> {
                 .collect(),
         })
     }
+}
+
+/// The world of a scene for the lamps of a spec: kernels know no others.
+fn stage_for(gpu: &Gpu, scene: &BenchScene, spec: &RowSpec) -> Result<Stage, Failure> {
+    let mut stage = Stage::build(gpu, &scene.world)?;
+    stage.lamp_kinds = kinds_of(scene, spec);
+    Ok(stage)
+}
+
+fn kinds_of(scene: &BenchScene, spec: &RowSpec) -> LampKinds {
+    LampKinds::of_lamps(&scene.world, &spec.lamps.lamps, &scene.world.restored.lamps)
 }
