@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use grotto::{
     frame::{Frame, Stage, TraceRequest, trace},
     gpu::{Gpu, Recorder},
-    lights::Lights,
+    lights::{LampKinds, Lights},
     measure::picture::Picture,
     parameters::ProbeParameters,
     passes::view::Shot,
@@ -62,6 +62,9 @@ impl Drawn {
 
     /// Draws `frames` more frames.
     pub fn draw(&mut self, frames: u32) {
+        let kinds = LampKinds::of(&self.lights);
+        let allowed = self.frame.allow_lamps(&self.gpu, kinds);
+        allowed.expect("the passes fit");
         for _ in 0..frames {
             self.shot.frame = self.frame.frames();
             let mut recorder = Recorder::new(&self.gpu, None);
