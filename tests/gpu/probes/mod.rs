@@ -243,7 +243,6 @@ impl Rig {
 const GATHER: &str = "
 import package::probes::gather::gather;
 import package::probes::requests::NOBODY;
-import package::probes::volume::EVERY_LEVEL;
 struct Place { point: vec4f, normal: vec4f }
 @group(3) @binding(0) var<storage, read> points: array<Place>;
 @group(3) @binding(1) var<storage, read_write> gathered: array<vec4f>;
@@ -251,7 +250,7 @@ struct Place { point: vec4f, normal: vec4f }
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= arrayLength(&points) { return; }
     let place = points[id.x];
-    gathered[id.x] = vec4f(gather(place.point.xyz, place.normal.xyz, NOBODY, EVERY_LEVEL), 0.0);
+    gathered[id.x] = vec4f(gather(place.point.xyz, place.normal.xyz, NOBODY), 0.0);
 }
 ";
 

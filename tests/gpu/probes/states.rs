@@ -194,12 +194,11 @@ impl Slab {
 const LOOK: &str = "
 import package::probes::requests::{PIXEL, RAY};
 import package::probes::gather::gather;
-import package::probes::volume::EVERY_LEVEL;
 @group(3) @binding(0) var<storage, read_write> place: array<vec4f>;
 @compute @workgroup_size(1)
 fn main() {
     let requester = select(PIXEL, RAY, place[1].w > 0.0);
-    place[0] = vec4f(gather(place[0].xyz, place[1].xyz, requester, EVERY_LEVEL), 0.0);
+    place[0] = vec4f(gather(place[0].xyz, place[1].xyz, requester), 0.0);
 }
 ";
 
