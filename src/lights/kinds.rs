@@ -55,3 +55,59 @@ impl LampKinds {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use glam::IVec3;
+
+    use super::*;
+    use crate::world::{self, LampPreset, file::Overrides, placed::tests::lamp};
+
+    fn worlds(name: &str) -> World {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds");
+        world::file::load(&folder.join(name), &Overrides::default()).expect("it loads")
+    }
+
+    /// A world with the sun and, in its second preset, so many lamps that there is room for `room` more without lists.
+    fn nearly_full(room: usize) -> World {
+        let point = worlds("cornell.ron").lamp_presets[0].lamps[0].clone();
+        let mut world = worlds("minimal.ron");
+        assert!(world.sun.is_some());
+        world.lamp_presets.push(LampPreset {
+            name: "many".into(),
+            lamps: vec![point; KNOWN_LAMPS as usize - 1 - room],
+        });
+        world
+    }
+
+    #[test]
+    fn lists_are_needed_from_the_first_lamp_on_that_faces_do_not_know() {
+        for (room, placed, lists) in [(0, 0, false), (0, 1, true), (2, 2, false), (2, 3, true)] {
+            let mut world = nearly_full(room);
+            let lamps = (0..placed).map(|x| lamp(IVec3::new(x, 12, 3)));
+            world.restored.lamps = lamps.collect();
+            let kinds = LampKinds::of_world(&world);
+            assert_eq!(kinds.lists, lists, "{placed} lamps for {room}");
+            let lights = Lights::at(&world, &world.lamp_presets[1], 0.0);
+            assert_eq!(LampKinds::of(&lights).lists, lists);
+            // Under the first preset alone, there is room.
+            let preset = &world.lamp_presets[0].lamps;
+            assert!(!LampKinds::of_lamps(&world, preset, &world.restored.lamps).lists);
+        }
+    }
+
+    #[test]
+    fn a_sphere_in_any_preset_or_hung_up_switched_off_is_a_sphere() {
+        let mut world = worlds("soft_shadows.ron");
+        assert!(LampKinds::of_world(&world).spheres);
+        world.lamp_presets.clear();
+        assert!(!LampKinds::of_world(&world).spheres);
+        let mut sphere = lamp(IVec3::ZERO);
+        sphere.block.soft_radius = 1.0;
+        sphere.is_on = false;
+        world.restored.lamps.push(sphere);
+        assert!(LampKinds::of_world(&world).spheres);
+    }
+}

@@ -360,9 +360,9 @@ mod tests {
         *,
     };
     use crate::{
-        gpu::{DeviceErrors, GpuError},
-        lights::Lights,
-        world::{PlacedLamp, placed::tests::lamp},
+        gpu::{DeviceErrors, GpuError, Recorder},
+        lights::{Lights, table::KNOWN_LAMPS},
+        world::{LampPreset, PlacedLamp, placed::tests::lamp},
     };
 
     #[test]
@@ -485,6 +485,44 @@ mod tests {
         assert_eq!((viewport.placed_lamps().len(), lit(&viewport)), (2, 1));
         viewport.put_lamp(off.voxel, None).expect("it fits");
         assert_eq!(viewport.placed_lamps(), [at(31)]);
+    }
+
+    fn shows_a_frame(viewport: &mut Viewport) {
+        let camera = viewport.world.cameras[0].clone();
+        let mut recorder = Recorder::new(&viewport.gpu, None);
+        let recorded = viewport.record(&mut recorder, &camera, 0.0, 0);
+        recorded.expect("it records");
+        recorder.submit(&viewport.gpu).expect("submits");
+    }
+
+    /// Debug builds panic where lamps are recorded that kernels do not know.
+    #[test]
+    fn kernels_know_lists_once_a_preset_or_the_player_has_so_many_lamps() {
+        let lists = |viewport: &Viewport| viewport.frame.stage.lamp_kinds.lists;
+        let mut viewport = shown();
+        shows_a_frame(&mut viewport);
+        let at = |number: i32| lamp(IVec3::new(number % 30, 12, number / 30));
+        for number in 0..KNOWN_LAMPS as i32 {
+            // The sun is one of the lamps.
+            assert!(!lists(&viewport), "{number}");
+            let lamp = at(number);
+            viewport.put_lamp(lamp.voxel, Some(lamp)).expect("it fits");
+        }
+        assert!(lists(&viewport));
+        shows_a_frame(&mut viewport);
+
+        let mut viewport = shown();
+        let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/cornell.ron");
+        let cornell = world::file::load(&cornell, &Overrides::default()).expect("it loads");
+        viewport.world.lamp_presets.push(LampPreset {
+            name: "many".into(),
+            lamps: vec![cornell.lamp_presets[0].lamps[0].clone(); KNOWN_LAMPS as usize],
+        });
+        let mut choice = viewport.choice.clone();
+        choice.parameters.lights.preset = "many".into();
+        viewport.apply(choice).expect("it fits");
+        assert!(lists(&viewport));
+        shows_a_frame(&mut viewport);
     }
 
     #[test]
