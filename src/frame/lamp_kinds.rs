@@ -10,7 +10,7 @@ impl Frame {
     /// # Errors
     /// [`FrameError`] when the adapter cannot hold the passes; the frame is then unchanged.
     pub fn allow_lamps(&mut self, gpu: &Gpu, kinds: LampKinds) -> Result<(), FrameError> {
-        self.know_lamps(gpu, self.lights.kinds().and(kinds))
+        self.know_lamps(gpu, self.lights.kinds().with(kinds))
     }
 
     /// Makes every pass again, for these kinds of lamps alone, unless that is how they are.

@@ -1,7 +1,7 @@
 //! Which kinds of lamps kernels know: what a world does not have costs neither registers nor time.
 
 use super::{Lights, table::KNOWN_LAMPS};
-use crate::world::{Lamp, PlacedLamp, World};
+use crate::world::{Lamp, World};
 
 /// Kinds of lamps beside a few points, spots and suns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,14 +30,14 @@ impl LampKinds {
     /// What `world` needs under any of its presets, at any time and whichever of its lamps are on.
     pub fn of_world(world: &World) -> Self {
         let presets = world.lamp_presets.iter();
-        presets.fold(
-            Self::of_lamps(world, &[], &world.restored.lamps),
-            |kinds, preset| kinds.and(Self::of_lamps(world, &preset.lamps, &world.restored.lamps)),
-        )
+        presets.fold(Self::of_lamps(world, &[]), |kinds, preset| {
+            kinds.with(Self::of_lamps(world, &preset.lamps))
+        })
     }
 
-    /// What `world` needs with these lamps in place of its own, and with these of a player.
-    pub fn of_lamps(world: &World, lamps: &[Lamp], placed: &[PlacedLamp]) -> Self {
+    /// What `world` needs with these lamps in place of its presets', at any time and whichever of the player's are on.
+    pub fn of_lamps(world: &World, lamps: &[Lamp]) -> Self {
+        let placed = &world.restored.lamps;
         let count = lamps.len() + usize::from(world.sun.is_some()) + placed.len();
         Self {
             spheres: lamps.iter().any(Lamp::is_sphere)
@@ -48,7 +48,7 @@ impl LampKinds {
 
     /// What either needs.
     #[must_use]
-    pub fn and(self, other: Self) -> Self {
+    pub fn with(self, other: Self) -> Self {
         Self {
             spheres: self.spheres || other.spheres,
             lists: self.lists || other.lists,
@@ -94,7 +94,7 @@ mod tests {
             assert_eq!(LampKinds::of(&lights).lists, lists);
             // Under the first preset alone, there is room.
             let preset = &world.lamp_presets[0].lamps;
-            assert!(!LampKinds::of_lamps(&world, preset, &world.restored.lamps).lists);
+            assert!(!LampKinds::of_lamps(&world, preset).lists);
         }
     }
 

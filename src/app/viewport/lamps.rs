@@ -7,7 +7,7 @@ use crate::{
     frame::{FrameError, Stage},
     gpu::Gpu,
     lights::LampKinds,
-    world::{LampPreset, PlacedLamp, World, placed},
+    world::{Lamp, LampPreset, PlacedLamp, World, placed},
 };
 
 impl Viewport {
@@ -22,11 +22,13 @@ impl Viewport {
     /// [`FrameError`] when the world needs another [kind of lamps](LampKinds) now and the adapter cannot hold the passes for it;
     /// then nothing changes.
     pub fn put_lamp(&mut self, voxel: IVec3, lamp: Option<PlacedLamp>) -> Result<(), FrameError> {
-        let mut lamps = self.world.restored.lamps.clone();
-        placed::put(&mut lamps, voxel, lamp);
-        let kinds = LampKinds::of_lamps(&self.world, &self.lamps().lamps, &lamps);
-        self.frame.allow_lamps(&self.gpu, kinds)?;
-        self.world.restored.lamps = lamps;
+        let before = placed::at(&self.world.restored.lamps, voxel).copied();
+        placed::put(&mut self.world.restored.lamps, voxel, lamp);
+        let kinds = kinds(&self.world, &self.choice);
+        if let Err(error) = self.frame.allow_lamps(&self.gpu, kinds) {
+            placed::put(&mut self.world.restored.lamps, voxel, before);
+            return Err(error);
+        }
         Ok(())
     }
 
@@ -41,7 +43,11 @@ impl Viewport {
 
     /// The lamps of the chosen preset, up to the number that the parameters allow.
     pub(super) fn lamps(&self) -> LampPreset {
-        lamps(&self.world, &self.choice)
+        let (name, lamps) = chosen(&self.world, &self.choice);
+        LampPreset {
+            name: name.to_owned(),
+            lamps: lamps.to_vec(),
+        }
     }
 }
 
@@ -56,18 +62,17 @@ pub(super) fn stage(gpu: &Gpu, world: &World, choice: &Choice) -> Result<Stage, 
 }
 
 fn kinds(world: &World, choice: &Choice) -> LampKinds {
-    LampKinds::of_lamps(world, &lamps(world, choice).lamps, &world.restored.lamps)
+    LampKinds::of_lamps(world, chosen(world, choice).1)
 }
 
-fn lamps(world: &World, choice: &Choice) -> LampPreset {
+/// The name of the chosen preset, and its lamps up to the number that the parameters allow.
+fn chosen<'a>(world: &'a World, choice: &Choice) -> (&'a str, &'a [Lamp]) {
     let parameters = &choice.parameters.lights;
     let presets = &world.lamp_presets;
-    let chosen = presets
+    let preset = presets
         .iter()
-        .find(|preset| preset.name == parameters.preset);
-    let mut lamps = chosen
-        .unwrap_or_else(|| presets.first().expect("a world has a lamp preset"))
-        .clone();
-    lamps.lamps.truncate(parameters.max_lamps as usize);
-    lamps
+        .find(|preset| preset.name == parameters.preset)
+        .unwrap_or_else(|| presets.first().expect("a world has a lamp preset"));
+    let count = preset.lamps.len().min(parameters.max_lamps as usize);
+    (&preset.name, &preset.lamps[..count])
 }

@@ -75,7 +75,7 @@ impl GpuLights {
     pub fn set(&self, gpu: &Gpu, lights: &Lights, of_frame: &LightsOfFrame) {
         let needed = LampKinds::of(lights);
         debug_assert!(
-            self.kinds.and(needed) == self.kinds,
+            self.kinds.with(needed) == self.kinds,
             "kernels were made for other kinds of lamps: {:?}",
             self.kinds
         );

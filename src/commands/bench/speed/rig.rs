@@ -308,5 +308,5 @@ fn stage_for(gpu: &Gpu, scene: &BenchScene, spec: &RowSpec) -> Result<Stage, Fai
 }
 
 fn kinds_of(scene: &BenchScene, spec: &RowSpec) -> LampKinds {
-    LampKinds::of_lamps(&scene.world, &spec.lamps.lamps, &scene.world.restored.lamps)
+    LampKinds::of_lamps(&scene.world, &spec.lamps.lamps)
 }
