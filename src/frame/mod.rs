@@ -58,7 +58,7 @@ use crate::{
         view::{Inspection, Shot},
     },
     probes::{
-        changes::{BODY_JUMP, GREAT_ALERT, change_of_bodies},
+        changes::{BODY_JUMP, change_of_bodies},
         warmup_frames,
     },
     world::{
@@ -205,9 +205,8 @@ impl Frame {
         let lamps_have_changed = ranked.is_new || of_frame.still_since.contains(&(self.frames + 1));
         self.lights.set(gpu, &lights, &of_frame);
         let changes_greatly = self.field.changes.are_great();
-        let lamps_change_greatly = light_change >= GREAT_ALERT;
         let repeats = self.field.changes.repeats().great_since().is_some();
-        (self.lights).begin_frame(gpu, &mut recorder.encoder, lamps_change_greatly, repeats);
+        (self.lights).begin_frame(gpu, &mut recorder.encoder, &lights, repeats);
         self.lights_before = Some(lights);
         self.field
             .begin_frame(gpu, probes, u64::from(shot.seed), u64::from(self.frames));

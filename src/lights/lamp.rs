@@ -108,11 +108,21 @@ impl LampState {
         }
     }
 
-    /// A lamp that a player has placed, as when it is on.
+    /// A lamp that a player has placed; dark while it is off.
     pub fn of_placed(lamp: &PlacedLamp, world: &World, time_s: f64) -> Self {
         // Its flicker belongs to its place: other lamps that come and go do not change it.
         let seed = motion::lamp_seed(world.seed, hash_voxel(lamp.voxel));
-        Self::at(&lamp.lamp(world.voxel_m), time_s, seed)
+        let state = Self::at(&lamp.lamp(world.voxel_m), time_s, seed);
+        if lamp.is_on { state } else { state.dark() }
+    }
+
+    /// The same lamp while it is off.
+    #[must_use]
+    pub fn dark(self) -> Self {
+        Self {
+            intensity: DVec3::ZERO,
+            ..self
+        }
     }
 
     /// The sun as a directional lamp.

@@ -6,6 +6,7 @@
 
 pub mod change;
 pub mod emitters;
+mod fresh;
 pub mod gain;
 mod kinds;
 pub mod lamp;
@@ -18,6 +19,7 @@ pub mod table;
 pub mod tracked;
 
 pub use emitters::Emitters;
+pub use fresh::FreshLamps;
 pub use gain::CommonGain;
 pub use kinds::LampKinds;
 pub use lamp::{LampRay, LampShape, LampState, evaluate};
@@ -31,7 +33,8 @@ use crate::world::{LampPreset, Sky, World};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lights {
     /// The lamps of the preset, in the order of the file, then the sun if the world has one, then those that a player
-    /// has placed and that are on: placing one moves no other.
+    /// has placed: placing one moves no other. Those that are switched off are there, too, and dark, so a switch moves none
+    /// either: what faces and cells see of lamps is known by their numbers.
     pub lamps: Vec<LampState>,
     pub sky: Sky,
 }
@@ -46,7 +49,7 @@ impl Lights {
     pub fn at(world: &World, preset: &LampPreset, time_s: f64) -> Self {
         let mut lamps = evaluate(preset, time_s, world.seed);
         lamps.extend(world.sun.as_ref().map(LampState::from_sun));
-        let placed = world.restored.lamps.iter().filter(|lamp| lamp.is_on);
+        let placed = world.restored.lamps.iter();
         lamps.extend(placed.map(|lamp| LampState::of_placed(lamp, world, time_s)));
         Self {
             lamps,

@@ -59,7 +59,8 @@ impl Settled {
     }
 }
 
-fn is_same_place(lamp: &LampState, before: &LampState) -> bool {
+/// Whether a lamp is where it was, whatever its power.
+pub(super) fn is_same_place(lamp: &LampState, before: &LampState) -> bool {
     let placed = LampState {
         intensity: lamp.intensity,
         ..*before

@@ -82,7 +82,7 @@ struct Outcome {
 }
 
 /// `first` and `second`: the words of the two thirds that are read.
-fn choose(gpu: &Gpu, first: [u32; 2], second: [u32; 2], knows_nothing: bool) -> Outcome {
+fn choose(gpu: &Gpu, first: [u32; 2], second: [u32; 2], fresh: u32) -> Outcome {
     let voxels = GpuVoxels::upload(gpu, &voxels(), IVec3::ZERO).expect("fits");
     let lights = GpuLights::new(gpu, None).expect("fits");
     let all = Lights {
@@ -105,7 +105,8 @@ fn choose(gpu: &Gpu, first: [u32; 2], second: [u32; 2], knows_nothing: bool) -> 
         read_first: 2,
         read_second: 4,
         written: 0,
-        knows_nothing: u32::from(knows_nothing),
+        _pad: 0,
+        fresh: [fresh, 0],
     };
     let words = [[0; 2], first, second];
     let bytes = [bytemuck::bytes_of(&header), bytemuck::bytes_of(&words)].concat();
@@ -163,23 +164,25 @@ fn expected() -> f64 {
 }
 
 const EVEN: u32 = 0b01_0101_0101;
+const EVERY: u32 = 0b11_1111_1111;
 
 #[test]
 fn no_light_is_lost_whatever_is_known() {
     let gpu = gpu();
-    for (first, second, knows_nothing) in [
+    for (first, second, fresh) in [
         // Nothing, also because nobody has looked at all lamps.
-        ([0, 0], [0, 0], false),
-        ([EVEN, 0], [0, 0], false),
+        ([0, 0], [0, 0], 0),
+        ([EVEN, 0], [0, 0], 0),
         // All that there is to see.
-        ([EVEN, LOOKED], [0, 0], false),
-        ([0b0101, 0], [EVEN & !0b0101, LOOKED], false),
+        ([EVEN, LOOKED], [0, 0], 0),
+        ([0b0101, 0], [EVEN & !0b0101, LOOKED], 0),
         // Only two of five, and those that nobody sees.
-        ([0b0101, LOOKED], [0, 0], false),
-        ([0b10_1010_1010, LOOKED], [0b1, LOOKED], false),
-        ([0b0101, LOOKED], [0, 0], true),
+        ([0b0101, LOOKED], [0, 0], 0),
+        ([0b10_1010_1010, LOOKED], [0b1, LOOKED], 0),
+        ([0b0101, LOOKED], [0, 0], EVERY),
+        ([0b0101, LOOKED], [0, 0], 0b1_1000),
     ] {
-        let outcome = choose(&gpu, first, second, knows_nothing);
+        let outcome = choose(&gpu, first, second, fresh);
         let error = outcome.mean / expected() - 1.0;
         assert!(error.abs() < 0.03, "{first:?} {second:?}: {error}");
         // What rays find is what there is, and is kept for later turns.
@@ -190,8 +193,8 @@ fn no_light_is_lost_whatever_is_known() {
 #[test]
 fn what_is_known_spares_noise() {
     let gpu = gpu();
-    let plain = choose(&gpu, [EVEN, LOOKED], [0, 0], true);
-    let known = choose(&gpu, [EVEN, LOOKED], [0, 0], false);
+    let plain = choose(&gpu, [EVEN, LOOKED], [0, 0], EVERY);
+    let known = choose(&gpu, [EVEN, LOOKED], [0, 0], 0);
     // One workgroup in eight looks at all lamps; the others take no ray to a lamp that is hidden.
     assert!(
         known.variance < 0.25 * plain.variance,
@@ -207,6 +210,20 @@ fn what_is_known_spares_noise() {
 }
 
 #[test]
+fn fresh_lamps_are_looked_for_without_noise() {
+    let gpu = gpu();
+    // Nobody has seen any of them yet.
+    let unknown = choose(&gpu, [0, LOOKED], [0, 0], 0);
+    let looked_for = choose(&gpu, [0, LOOKED], [0, 0], EVEN);
+    assert!(
+        looked_for.variance < 0.05 * unknown.variance,
+        "{} of {}",
+        looked_for.variance,
+        unknown.variance
+    );
+}
+
+#[test]
 fn a_lamp_that_nobody_knew_counts_for_all_who_did_not_look() {
     let gpu = gpu();
     let faulty = with_faults(
@@ -217,7 +234,7 @@ fn a_lamp_that_nobody_knew_counts_for_all_who_did_not_look() {
             "",
         )],
     );
-    let outcome = choose(&faulty, [0b0101, LOOKED], [0, 0], false);
+    let outcome = choose(&faulty, [0b0101, LOOKED], [0, 0], 0);
     let error = outcome.mean / expected() - 1.0;
     assert!(error < -0.3, "{error}");
 }

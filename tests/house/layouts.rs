@@ -116,7 +116,8 @@ fn lamps_seen_are_a_header_and_words() {
         read_first,
         read_second,
         written,
-        knows_nothing
+        _pad,
+        fresh
     });
     let words = size_of::<GpuSeenLampsHeader>();
     header.members.insert("words".to_owned(), words);

@@ -110,7 +110,7 @@ pub fn responses(
     let switched = named.unwrap_or(0);
     if switched < lights.lamps.len() {
         let mut dark = lights.clone();
-        dark.lamps.remove(switched);
+        dark.lamps[switched] = dark.lamps[switched].dark();
         all.lamp_on = watch.lights(&dark, lights)?;
         all.lamp_off = watch.lights(lights, &dark)?;
     }

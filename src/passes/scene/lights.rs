@@ -88,17 +88,15 @@ impl GpuLights {
         self.seen.forget(encoder);
     }
 
-    /// Begins a frame of rays that learn which lamps are seen where. `lamps_change_greatly`: lamps were switched;
-    /// `repeats`: rays of probes are repeated.
+    /// Begins a frame of rays that learn which of `lights` are seen where. `repeats`: rays of probes are repeated.
     pub fn begin_frame(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        lamps_change_greatly: bool,
+        lights: &Lights,
         repeats: bool,
     ) {
-        self.seen
-            .begin_frame(gpu, encoder, lamps_change_greatly, repeats);
+        self.seen.begin_frame(gpu, encoder, lights, repeats);
     }
 
     /// Cells that have lists.

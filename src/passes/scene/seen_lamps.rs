@@ -3,7 +3,10 @@
 use bytemuck::{Pod, Zeroable};
 use glam::UVec3;
 
-use crate::gpu::{Gpu, GpuError};
+use crate::{
+    gpu::{Gpu, GpuError},
+    lights::{FreshLamps, Lights},
+};
 
 crate::shared! {
     in lights;
@@ -14,7 +17,7 @@ crate::shared! {
 
 /// Frames after which rays write the next third.
 const TURN_FRAMES: u64 = 16;
-/// Frames that rays look at all lamps after a great change of light: what they see then fills two thirds.
+/// Frames for which a lamp that has moved, come or gone on counts as seen everywhere: what rays find then fills two thirds.
 const LEARNING_FRAMES: u64 = 2 * TURN_FRAMES;
 /// Smallest cells (log2 of their voxels), and most cells.
 const LEAST_SHIFT: u32 = 3;
@@ -31,7 +34,8 @@ pub struct GpuSeenLampsHeader {
     pub read_first: u32,
     pub read_second: u32,
     pub written: u32,
-    pub knows_nothing: u32,
+    pub _pad: u32,
+    pub fresh: [u32; 2],
 }
 
 /// A buffer for rays of probes and one for those of faces, for both are traced at the same time.
@@ -41,8 +45,7 @@ pub struct SeenLamps {
     cells: UVec3,
     shift: u32,
     frames: u64,
-    /// Until this frame rays look at all lamps.
-    learning_until: u64,
+    fresh: FreshLamps,
 }
 
 impl SeenLamps {
@@ -65,9 +68,9 @@ impl SeenLamps {
             cells,
             shift,
             frames: 0,
-            learning_until: 0,
+            fresh: FreshLamps::default(),
         };
-        made.write_header(gpu);
+        made.write_header(gpu, [0; 2]);
         Ok(made)
     }
 
@@ -78,22 +81,20 @@ impl SeenLamps {
             encoder.clear_buffer(buffer, start, None);
         }
         self.frames = 0;
-        self.learning_until = 0;
+        self.fresh.forget();
     }
 
-    /// Begins a frame. `lamps_change_greatly`: lamps were switched; what an edit uncovers is found by the rays that look at
-    /// all lamps. `repeats`: rays are repeated, so they must choose as before, among the same lamps.
+    /// Begins a frame with these lights. What an edit uncovers is found by the rays that look at all lamps. `repeats`: rays
+    /// are repeated, so they must choose as before, among the same lamps and those that have come since.
     pub fn begin_frame(
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        lamps_change_greatly: bool,
+        lights: &Lights,
         repeats: bool,
     ) {
-        if lamps_change_greatly {
-            self.learning_until = self.frames + LEARNING_FRAMES;
-        }
-        let written = self.write_header(gpu).written;
+        let fresh = self.fresh.follow(lights, self.frames, LEARNING_FRAMES);
+        let written = self.write_header(gpu, fresh).written;
         if repeats {
             return;
         }
@@ -106,7 +107,7 @@ impl SeenLamps {
         self.frames += 1;
     }
 
-    fn write_header(&self, gpu: &Gpu) -> GpuSeenLampsHeader {
+    fn write_header(&self, gpu: &Gpu, fresh: [u32; 2]) -> GpuSeenLampsHeader {
         let [written, read_first, read_second] =
             thirds_in_turn(self.frames).map(|third| (third * third_bytes(self.cells) / 4) as u32);
         let header = GpuSeenLampsHeader {
@@ -115,7 +116,8 @@ impl SeenLamps {
             read_first,
             read_second,
             written,
-            knows_nothing: u32::from(self.frames < self.learning_until),
+            _pad: 0,
+            fresh,
         };
         for buffer in [&self.of_probes, &self.of_faces] {
             gpu.queue
