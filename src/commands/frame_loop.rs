@@ -7,7 +7,7 @@ use std::sync::{
 
 use super::Failure;
 use crate::{
-    frame::{Frame, Smoothing, Stage},
+    frame::{Frame, Smoothing, Stage, TraceRequest, trace},
     gpu::{Gpu, Recorder},
     lights::Lights,
     measure::picture::Picture,
@@ -196,6 +196,31 @@ impl<'a> FrameLoop<'a> {
         self.frame.show(self.gpu, &mut recorder, &shot);
         recorder.submit(self.gpu)?;
         self.radiance()
+    }
+
+    /// Path-traces what the next frame shows under these lights, from the pixels' centres, with `paths` per pixel. Every call
+    /// takes the same random numbers.
+    ///
+    /// # Errors
+    /// When the adapter fails, and when the user stops the run.
+    pub fn reference(&self, lights: &Lights, paths: u32) -> Result<Picture, Failure> {
+        let request = TraceRequest {
+            camera: &self.shot.camera,
+            size: self.shot.size,
+            view: self.shot.view,
+            spp: paths,
+            seed: 0,
+            time_s: self.shot.time_s,
+            textures: self.shot.textures,
+            antialias: false,
+        };
+        let never = Arc::default();
+        let stop = self.stop.as_ref().unwrap_or(&never);
+        let traced = trace(self.gpu, self.stage(), lights, &request, &|_, _| {}, stop)?;
+        if traced.spp < paths {
+            return Err(Failure::interrupted("stopped"));
+        }
+        Ok(traced.picture)
     }
 
     /// The last frame as a display shows it.

@@ -22,36 +22,54 @@ const HOLD: usize = 8;
 /// A change of less than this share of the light is too small to follow.
 const LEAST_CHANGE: f64 = 0.005;
 
+/// References before and after a change of the scene. They say where light rises and where it falls.
+#[derive(Clone, Copy, Debug)]
+pub struct Change<'a> {
+    pub before: &'a Picture,
+    pub after: &'a Picture,
+}
+
 /// How a series of pictures goes from `before` to its settled value, the mean of its last quarter.
 /// `None` if the light hardly changes (by less than half a percent), or no picture follows.
 ///
-/// Progress is the part of the change that has happened, summed over pixels and channels: with settled
-/// value e and start b, Σ sign(e − b)·(value − b) / Σ |e − b|. It is linear in the pictures, so that
-/// noise which averages out over pixels averages out of it. A share of 90 % is reached when progress is
-/// within 10 % of 1 and stays there for eight frames.
+/// Progress is the part of the change that has happened, summed over pixels and channels: with settled value e, start b, and
+/// s the sign of the references' change, Σ s·(value − b) / Σ s·(e − b). It is linear in the pictures, so that noise which
+/// averages out over pixels averages out of it. The sign of e − b itself would not do: where light does not change, it is that
+/// of the start's noise, which stays in the pictures for as long as their histories do and would count as a slow change.
+/// A share of 90 % is reached when progress is within 10 % of 1 and stays there for eight frames.
 ///
 /// # Errors
 /// [`MetricError`] for pictures of different sizes, or not finite. The pictures are linear light.
-pub fn response(before: &Picture, after: &[Picture]) -> Result<Option<Response>, MetricError> {
+pub fn response(
+    change: Change<'_>,
+    before: &Picture,
+    after: &[Picture],
+) -> Result<Option<Response>, MetricError> {
+    comparable(change.before, before)?;
+    comparable(change.after, before)?;
     for picture in after {
         comparable(picture, before)?;
     }
+    let signs: Vec<f64> = flat(change.after)
+        .zip(flat(change.before))
+        .map(|(after, before)| sign(after - before))
+        .collect();
     let settled = mean(&after[after.len() - after.len().div_ceil(4)..]);
     let start: Vec<f64> = flat(before).collect();
     let light: f64 = settled.iter().chain(&start).map(|value| value.abs()).sum();
-    let change: f64 = settled.iter().zip(&start).map(|(e, b)| (e - b).abs()).sum();
-    if change <= LEAST_CHANGE * light {
+    let done = |values: &mut dyn Iterator<Item = f64>| -> f64 {
+        let changes = values.zip(&start).map(|(value, b)| value - b);
+        changes
+            .zip(&signs)
+            .map(|(change, sign)| change * sign)
+            .sum()
+    };
+    let all = done(&mut settled.iter().copied());
+    if all <= LEAST_CHANGE * light {
         return Ok(None);
     }
-    let progress: Vec<f64> = after
-        .iter()
-        .map(|picture| {
-            let values = flat(picture).zip(settled.iter().zip(&start));
-            let done: f64 = values
-                .map(|(value, (e, b))| (value - b) * (e - b).signum())
-                .sum();
-            done / change
-        })
+    let progress: Vec<f64> = (after.iter())
+        .map(|picture| done(&mut flat(picture)) / all)
         .collect();
     Ok(Some(Response {
         to_90: reached(&progress, 0.9),
@@ -67,6 +85,11 @@ fn reached(progress: &[f64], share: f64) -> Option<u32> {
         .windows(HOLD.min(progress.len().max(1)))
         .position(|window| window.iter().all(within))?;
     Some(frame as u32 + 1)
+}
+
+/// 0 of 0.
+fn sign(value: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value.signum() }
 }
 
 fn flat(picture: &Picture) -> impl Iterator<Item = f64> {
@@ -97,9 +120,17 @@ mod tests {
         }
     }
 
+    /// Where the pixels of `at` rise and fall.
+    fn rises_and_falls(of: [&Picture; 2]) -> Change<'_> {
+        Change {
+            before: of[0],
+            after: of[1],
+        }
+    }
+
     fn of(progress: impl IntoIterator<Item = f64>) -> Option<Response> {
         let after: Vec<Picture> = progress.into_iter().map(at).collect();
-        response(&at(0.0), &after).expect("comparable")
+        response(rises_and_falls([&at(0.0), &at(1.0)]), &at(0.0), &after).expect("comparable")
     }
 
     #[test]
@@ -139,26 +170,57 @@ mod tests {
         assert_eq!(of([]), None);
     }
 
+    /// In [−0.5, 0.5).
+    fn noise(seed: u32) -> f64 {
+        let hash = seed
+            .wrapping_mul(2_654_435_761)
+            .rotate_left(15)
+            .wrapping_mul(2_246_822_519);
+        f64::from(hash >> 8) / f64::from(1 << 24) - 0.5
+    }
+
+    fn picture(light: impl Fn(u32) -> f64) -> Picture {
+        Picture {
+            width: 20,
+            height: 20,
+            rgb: (0..400).map(|i| [light(i) as f32; 3]).collect(),
+        }
+    }
+
+    #[test]
+    fn noise_that_histories_replace_slowly_is_no_change() {
+        // The first tenth of the pixels becomes brighter at once; in all of them old noise becomes new noise.
+        let at = |kept: f64| {
+            picture(move |i| {
+                let lit = if i < 80 && kept < 1.0 { 0.5 } else { 0.0 };
+                let (old, new) = (noise(400 + i), noise(800 + i));
+                1.0 + lit + 0.08 * (kept * old + (1.0 - kept) * new)
+            })
+        };
+        let after: Vec<Picture> = (1..400).map(|n| at(0.98f64.powi(n))).collect();
+        let lit = picture(|i| 1.0 + 0.08 * noise(1600 + i) + if i < 80 { 0.5 } else { 0.0 });
+        let dark = picture(|i| 1.0 + 0.08 * noise(1200 + i));
+        let known = response(rises_and_falls([&dark, &lit]), &at(1.0), &after);
+        let known = known.expect("comparable").expect("a change");
+        assert!(known.to_90.is_some_and(|n| n < 4), "{known:?}");
+        // Its own pictures, noise and all, in place of references.
+        let last = after.last().expect("there are some").clone();
+        let own = response(rises_and_falls([&at(1.0), &last]), &at(1.0), &after);
+        let own = own.expect("comparable").expect("a change");
+        assert!(own.to_90.is_some_and(|n| n > 40), "{own:?}");
+    }
+
     #[test]
     fn independent_noise_hardly_moves_the_count() {
-        let noise = |seed: u32| {
-            let hash = seed
-                .wrapping_mul(2_654_435_761)
-                .rotate_left(15)
-                .wrapping_mul(2_246_822_519);
-            f64::from(hash >> 8) / f64::from(1 << 24) - 0.5
-        };
         let noisy = |n: u32| {
             let done = 1.0 - 0.9f64.powi(n as i32);
-            let pixels = (0..400).map(|i| [(done + 0.05 * noise(n * 400 + i)) as f32; 3]);
-            Picture {
-                width: 20,
-                height: 20,
-                rgb: pixels.collect(),
-            }
+            picture(|i| done + 0.05 * noise(n * 400 + i))
         };
         let after: Vec<Picture> = (1..300).map(noisy).collect();
-        let response = response(&Picture::new(20, 20), &after).expect("comparable");
+        let dark = Picture::new(20, 20);
+        let lit = picture(|_| 1.0);
+        let response = response(rises_and_falls([&dark, &lit]), &dark, &after);
+        let response = response.expect("comparable");
         let response = response.expect("a change");
         assert!(
             response.to_90.is_some_and(|n| n.abs_diff(22) <= 1),
@@ -172,7 +234,16 @@ mod tests {
 
     #[test]
     fn a_picture_that_is_not_finite_is_refused() {
-        let refused = response(&at(0.0), &[at(0.5), at(f64::NAN)]);
+        let (dark, lit) = (at(0.0), at(1.0));
+        let change = rises_and_falls([&dark, &lit]);
+        let refused = response(change, &dark, &[at(0.5), at(f64::NAN)]);
+        assert!(matches!(refused, Err(MetricError::NotFinite { .. })));
+        let nowhere = at(f64::NAN);
+        let refused = response(
+            rises_and_falls([&dark, &nowhere]),
+            &dark,
+            std::slice::from_ref(&lit),
+        );
         assert!(matches!(refused, Err(MetricError::NotFinite { .. })));
     }
 }

@@ -12,7 +12,7 @@ use crate::{
     lights::Lights,
     measure::{
         picture::Picture,
-        response::{Response, response},
+        response::{Change, Response, response},
         stability::{Stability, StabilityMeter},
     },
     world::{Camera, View},
@@ -31,6 +31,8 @@ pub const WATCHED_FRAMES: u32 = 256;
 /// Longest edge of the pictures that a response is measured in: indirect light is smooth, and probes do not
 /// depend on the picture.
 const RESPONSE_EDGE: u32 = 160;
+/// Paths per pixel of the references that say where light rises and falls.
+const RESPONSE_PATHS: u32 = 256;
 
 /// Measures the next pictures in the current view of the frame loop. The probes must have settled.
 pub fn stability(
@@ -157,13 +159,19 @@ impl Watch<'_, '_> {
         self.frame_loop
             .advance(before, self.settling + 1, self.after)?;
         let start = self.frame_loop.radiance()?;
+        let reference = self.frame_loop.reference(before, RESPONSE_PATHS)?;
         edit(self.frame_loop)?;
+        let references = [reference, self.frame_loop.reference(then, RESPONSE_PATHS)?];
         let mut pictures: Vec<Picture> = Vec::new();
         for _ in 0..self.watched {
             self.frame_loop.advance(then, 1, self.after)?;
             pictures.push(self.frame_loop.radiance()?);
         }
-        response(&start, &pictures).map_err(Failure::fault)
+        let change = Change {
+            before: &references[0],
+            after: &references[1],
+        };
+        response(change, &start, &pictures).map_err(Failure::fault)
     }
 }
 
