@@ -73,6 +73,8 @@ pub struct Changes {
     latest: Option<(EditBox, u32)>,
     /// The first frame that showed the edits before those.
     before_latest: Option<u32>,
+    /// The last frame that was the first to show a great change of light.
+    great: Option<u32>,
     bodies_jumped: u32,
     repeats: Repeats,
 }
@@ -134,6 +136,9 @@ impl Changes {
         };
         let is_great_change = light_change >= GREAT_ALERT;
         let is_great = self.shown_first.is_some() || is_great_change;
+        if is_great {
+            self.great = Some(frame);
+        }
         self.repeats.begin_frame(is_great, frame);
         if let Some(first) = self.repeats.great_since() {
             for edit in self.edits.iter_mut().filter(|edit| edit.frame >= first) {
@@ -154,6 +159,7 @@ impl Changes {
         self.edits.clear();
         self.latest = None;
         self.before_latest = None;
+        self.great = None;
         self.bodies_jumped = 0;
         self.repeats = Repeats::default();
     }
@@ -176,6 +182,11 @@ impl Changes {
     /// Whether light changes greatly now, as after a switched lamp or an edit.
     pub fn are_great(&self) -> bool {
         self.alert >= GREAT_ALERT
+    }
+
+    /// Frames since the last great change: 0 in the frame that shows it, `None` if there was none.
+    pub fn frames_since_great(&self, frame: u32) -> Option<u32> {
+        self.great.map(|great| frame.saturating_sub(great))
     }
 
     /// Frames since the last change or alert: 0 during one.

@@ -3,6 +3,7 @@
 
 use glam::{DVec3, IVec3, Vec3};
 use grotto::{
+    gpu::Gpu,
     lights::{LampState, Lights},
     measure::picture::Picture,
     parameters::{FinalGather, ProbeParameters},
@@ -12,6 +13,7 @@ use grotto::{
 use crate::support::{
     self,
     frames::{Drawn, apart, mean},
+    with_faults,
 };
 
 /// A room with pillars, a bench and a shelf, under lamps of every kind. Its floor's upper faces lie at y = 0.
@@ -47,6 +49,10 @@ const ROOM: &str = "(
 const SIZE: [u32; 2] = [96, 72];
 
 pub fn room(preset: usize, final_gather: FinalGather) -> Drawn {
+    room_on(support::gpu(), preset, final_gather)
+}
+
+fn room_on(gpu: Gpu, preset: usize, final_gather: FinalGather) -> Drawn {
     let world = support::parsed(ROOM);
     let layout = world.layouts[0].clone();
     let probes = ProbeParameters {
@@ -57,7 +63,7 @@ pub fn room(preset: usize, final_gather: FinalGather) -> Drawn {
         face_pixels: 0.5,
         ..Default::default()
     };
-    let mut drawn = Drawn::new(support::gpu(), world, &layout, probes, SIZE);
+    let mut drawn = Drawn::new(gpu, world, &layout, probes, SIZE);
     let preset = &drawn.world.lamp_presets[preset];
     drawn.lights = Lights::at(&drawn.world, preset, 0.0);
     drawn.shot.view = View::Direct;
@@ -130,6 +136,56 @@ fn a_lamp_that_moves_takes_its_shadows_along_in_every_frame() {
     }
     let different = apart(&drawn.radiance(), &by_rays(&drawn, None));
     assert!(different < 1e-4, "at rest: {different}");
+}
+
+/// The room under lamps that glide for 90 frames, and the largest difference from shadow rays on the way. A board is built
+/// below them halfway.
+fn apart_while_lamps_glide(mut drawn: Drawn) -> f64 {
+    drawn.draw(3);
+    let mut voxels = drawn.frame.stage.read_back(&drawn.gpu).expect("reads back");
+    let mut edited = None;
+    let mut most = 0.0f64;
+    for frame in 0..90 {
+        let (sin, cos) = (f64::from(frame) * 0.05).sin_cos();
+        for (number, lamp) in drawn.lights.lamps.iter_mut().enumerate() {
+            let turn = if number % 2 == 0 { 1.0 } else { -1.0 };
+            lamp.position_ws += DVec3::new(0.15 * cos, -0.01, 0.15 * turn * sin);
+        }
+        if frame == 45 {
+            let origin = drawn.world.origin;
+            let [low, high] = [IVec3::new(-6, 4, -6), IVec3::new(-1, 4, 4)].map(|at| at - origin);
+            let edit = voxels.fill_box(low, high, 1);
+            let applied = drawn.frame.apply(&drawn.gpu, &voxels, &edit);
+            applied.expect("it fits");
+            edited = Some(&voxels);
+        }
+        drawn.draw(1);
+        if frame % 9 == 0 {
+            most = most.max(apart(&drawn.radiance(), &by_rays(&drawn, edited)));
+        }
+    }
+    most
+}
+
+#[test]
+fn what_faces_see_of_the_places_near_a_lamp_holds_while_it_glides() {
+    let most = apart_while_lamps_glide(room(0, FinalGather::On));
+    assert!(most < 1e-4, "{most}");
+}
+
+#[test]
+fn what_held_for_places_that_a_lamp_has_left_is_found() {
+    let fault = (
+        "surface_cache/lamp_questions.wesl",
+        "if has_slot(known.held, number) && !is_new {",
+        "if has_slot(known.held, number) {",
+    );
+    let most = apart_while_lamps_glide(room_on(
+        with_faults(&support::gpu(), &[fault]),
+        0,
+        FinalGather::On,
+    ));
+    assert!(most > 1e-3, "{most}");
 }
 
 #[test]

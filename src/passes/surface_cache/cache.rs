@@ -183,10 +183,11 @@ impl SurfaceCache {
             stillness: changes.stillness(),
             changed_frame,
             edited_before: changes.edit_before().map_or(0, |shown_in| shown_in + 1),
-            fresh_frames: if settled && !changes.are_great() {
-                FRESH_FRAMES
-            } else {
-                0
+            fresh_frames: match changes.frames_since_great(age) {
+                _ if !settled => 0,
+                // What a face found before a great change tells nothing of the light after it.
+                Some(since) => FRESH_FRAMES.min(since),
+                None => FRESH_FRAMES,
             },
             repeats: u32::from(lamps_change && !is_edit_new),
             _pad: [0; 3],
