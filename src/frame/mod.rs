@@ -49,7 +49,7 @@ use values::{Drawn, Update, Wanted};
 
 use crate::{
     gpu::{Gpu, Recorder},
-    lights::{CommonGain, LampAnchors, LampRanks, Lights, RestingLamps, table::LightsOfFrame},
+    lights::{CommonGain, LampRanks, Lights, RestingLamps, table::LightsOfFrame},
     parameters::ProbeParameters,
     passes::{
         probes::{OcclusionFrame, ProbeField},
@@ -76,7 +76,6 @@ pub struct Frame {
     lights: GpuLights,
     gain: CommonGain,
     resting: RestingLamps,
-    anchors: LampAnchors,
     ranks: LampRanks,
     /// Lights of the last frame, at their reference intensities.
     lights_before: Option<Lights>,
@@ -120,7 +119,6 @@ impl Frame {
             lights,
             gain: CommonGain::default(),
             resting: RestingLamps::default(),
-            anchors: LampAnchors::default(),
             ranks: LampRanks::default(),
             lights_before: None,
             field,
@@ -175,7 +173,6 @@ impl Frame {
         {
             self.frames = 0;
             self.resting.forget();
-            self.anchors.forget();
             self.ranks.forget();
             self.field.changes.forget_edits();
             self.faces.forget(&mut recorder.encoder);
@@ -200,9 +197,8 @@ impl Frame {
         let of_frame = LightsOfFrame {
             gain,
             still_since,
-            anchors: self.anchors.follow(&lights, self.frames + 1),
             brightest: ranked.brightest,
-            list_frame: self.frames + 1,
+            list_frame: ranked.made_in,
             keeps_slots: ranked.keeps_slots,
         };
         self.order.begin_frame(&shot.camera, self.frames);
@@ -329,7 +325,6 @@ impl Frame {
         // New probes have no history that a change could make out of date.
         self.gain = CommonGain::default();
         self.resting.forget();
-        self.anchors.forget();
         self.ranks.forget();
         self.lights_before = None;
         self.antialiasing.restart();

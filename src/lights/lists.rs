@@ -43,6 +43,7 @@ pub fn bytes(cells: UVec3) -> u64 {
 pub struct LampRanks {
     brightest: Vec<f32>,
     known: bool,
+    made_in: u32,
 }
 
 /// What [`LampRanks`] says about a frame.
@@ -54,6 +55,8 @@ pub struct Ranked {
     pub is_new: bool,
     /// Lists of earlier frames exist, whose slots stay.
     pub keeps_slots: bool,
+    /// The frame in which the lists were last made: no lamp has moved since.
+    pub made_in: u32,
 }
 
 impl LampRanks {
@@ -80,10 +83,15 @@ impl LampRanks {
         let has_moved = still_since.contains(&frame);
         let keeps_slots = self.known;
         self.known = has_lists;
+        let is_new = has_lists && (has_moved || has_risen || !is_same || !keeps_slots);
+        if is_new {
+            self.made_in = frame;
+        }
         Ranked {
             brightest: self.brightest.clone(),
-            is_new: has_lists && (has_moved || has_risen || !is_same || !keeps_slots),
+            is_new,
             keeps_slots,
+            made_in: self.made_in,
         }
     }
 }

@@ -4,7 +4,6 @@
 //! the CPU in f64, [`table`] uploads its result, and the CPU path tracer reads the same values. Lamps
 //! are summed: adding one never darkens anything.
 
-pub mod anchors;
 pub mod change;
 pub mod emitters;
 mod fresh;
@@ -19,7 +18,6 @@ pub mod sphere;
 pub mod table;
 pub mod tracked;
 
-pub use anchors::LampAnchors;
 pub use emitters::Emitters;
 pub use fresh::FreshLamps;
 pub use gain::CommonGain;

@@ -25,9 +25,6 @@ crate::shared! {
     /// `GpuLampSlot::lamp` of a slot without a lamp.
     pub const NO_LAMP as NO_LAMP: u32 = u32::MAX;
 
-    /// A lamp is at most this far from its anchor along each axis (voxels).
-    pub const ANCHOR_REACH as ANCHOR_REACH: f32 = 2.0;
-
     /// What a lamp is: `GpuLamp::kind`.
     const LAMP_POINT: u32 = 0;
     const LAMP_DIRECTIONAL: u32 = 1;
@@ -56,13 +53,6 @@ crate::shared! {
         pub brightest: f32,
         /// `brightest` of all lamps before this one.
         pub brightest_before: f32,
-    }
-
-    /// A place near a lamp: see [`super::anchors`].
-    pub struct GpuLampAnchor as LampAnchor {
-        pub place_ws: [f32; 3],
-        /// The lamp has been within `ANCHOR_REACH` of it since this frame; `NEVER`: it has no such place.
-        pub since: u32,
     }
 
     /// A place in the list of a cell.
@@ -98,7 +88,7 @@ pub struct GpuLightsHeader {
     pub list_shift: u32,
     /// `brightest` of all lamps.
     pub all_brightest: f32,
-    /// The frame in which the lists are made, if they are made in this frame.
+    /// The frame in which the lists were last made.
     pub list_frame: u32,
     /// 1: lamps that stay in a list keep their slots.
     pub keeps_slots: u32,
@@ -110,21 +100,11 @@ pub struct GpuLightsHeader {
     pub _pad: u32,
 }
 
-/// A frame that never comes.
-pub const NEVER: u32 = u32::MAX / 2;
+/// The frame since which a lamp rests that never does.
+const NEVER_STILL: u32 = u32::MAX / 2;
 
-impl GpuLampAnchor {
-    /// That of a lamp without one.
-    pub const NONE: Self = Self {
-        place_ws: [0.0; 3],
-        since: NEVER,
-    };
-}
-
-/// Byte of the anchors in the buffer: behind the header and the lamps.
-pub const ANCHORS_OFFSET: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_of::<GpuLamp>();
-/// Byte of the lists in the buffer: behind the anchors.
-pub const LISTS_OFFSET: usize = ANCHORS_OFFSET + CAPACITY * size_of::<GpuLampAnchor>();
+/// Byte of the lists in the buffer: behind the header and the lamps.
+pub const LISTS_OFFSET: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_of::<GpuLamp>();
 
 /// What the GPU is told about the lights of a frame, besides the lights.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,11 +113,9 @@ pub struct LightsOfFrame {
     pub gain: Vec3,
     /// What [`super::RestingLamps`] says of each lamp; lamps without a number never rest.
     pub still_since: Vec<u32>,
-    /// What [`super::LampAnchors`] says of each lamp; lamps without one have none.
-    pub anchors: Vec<GpuLampAnchor>,
     /// What [`super::LampRanks`] says of each lamp; lamps without a number count with their intensity of now.
     pub brightest: Vec<f32>,
-    /// The frame in which the lists are made, and whether lamps that stay in a list keep their slots.
+    /// The frame in which the lists were last made, and whether lamps that stay in a list keep their slots.
     pub list_frame: u32,
     pub keeps_slots: bool,
 }
@@ -147,7 +125,6 @@ impl Default for LightsOfFrame {
         Self {
             gain: Vec3::ONE,
             still_since: Vec::new(),
-            anchors: Vec::new(),
             brightest: Vec::new(),
             list_frame: 0,
             keeps_slots: false,
@@ -164,7 +141,7 @@ impl Lights {
             self.lamps.len() <= CAPACITY,
             "a checked world has at most {MAX_LAMPS} lamps, a sun, and {MOST_PLACED} placed lamps"
         );
-        let since = (of_frame.still_since.iter().copied()).chain(iter::repeat(NEVER));
+        let since = (of_frame.still_since.iter().copied()).chain(iter::repeat(NEVER_STILL));
         let since: Vec<u32> = since.take(self.lamps.len()).collect();
         let settled = Settled::of(&since);
         let brightest = (of_frame.brightest.iter().copied().map(Some)).chain(iter::repeat(None));

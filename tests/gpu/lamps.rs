@@ -11,7 +11,7 @@ use grotto::{
 };
 
 use crate::support::{
-    self,
+    self, Fault,
     frames::{Drawn, apart, mean},
     with_faults,
 };
@@ -138,54 +138,106 @@ fn a_lamp_that_moves_takes_its_shadows_along_in_every_frame() {
     assert!(different < 1e-4, "at rest: {different}");
 }
 
-/// The room under lamps that glide for 90 frames, and the largest difference from shadow rays on the way. A board is built
-/// below them halfway.
-fn apart_while_lamps_glide(mut drawn: Drawn) -> f64 {
-    drawn.draw(3);
-    let mut voxels = drawn.frame.stage.read_back(&drawn.gpu).expect("reads back");
-    let mut edited = None;
-    let mut most = 0.0f64;
-    for frame in 0..90 {
-        let (sin, cos) = (f64::from(frame) * 0.05).sin_cos();
-        for (number, lamp) in drawn.lights.lamps.iter_mut().enumerate() {
-            let turn = if number % 2 == 0 { 1.0 } else { -1.0 };
-            lamp.position_ws += DVec3::new(0.15 * cos, -0.01, 0.15 * turn * sin);
-        }
-        if frame == 45 {
-            let origin = drawn.world.origin;
-            let [low, high] = [IVec3::new(-6, 4, -6), IVec3::new(-1, 4, 4)].map(|at| at - origin);
-            let edit = voxels.fill_box(low, high, 1);
-            let applied = drawn.frame.apply(&drawn.gpu, &voxels, &edit);
-            applied.expect("it fits");
-            edited = Some(&voxels);
+/// Pixels pass over lamps that their faces do not see, without loading them.
+const PASSES_OVER: Fault = (
+    "view/primary_lighting.wesl",
+    "return all & ~certainly_hidden(known, has_others(list));",
+    "return all;",
+);
+
+/// The room under `count` lamps, each of them in its place plus `way`.
+fn under_many(gpu: Gpu, count: usize) -> Drawn {
+    let mut drawn = room_on(gpu, 0, FinalGather::On);
+    let first = drawn.lights.lamps[0];
+    let place = |number: usize| {
+        let spread = |step: f64| (number as f64 * step).fract() - 0.5;
+        DVec3::new(
+            30.0 * spread(0.618),
+            5.0 + 8.0 * spread(0.324),
+            30.0 * spread(0.755),
+        )
+    };
+    let lamp = |number| LampState {
+        position_ws: place(number),
+        intensity: first.intensity / count as f64 * (1.0 + (number % 3) as f64),
+        ..first
+    };
+    drawn.lights.lamps = (0..count).map(lamp).collect();
+    drawn
+}
+
+/// Pictures at rest, while every second lamp moves, while all flicker, and after an edit.
+fn pictures_under_many(gpu: Gpu, count: usize) -> Vec<Picture> {
+    let mut drawn = under_many(gpu, count);
+    drawn.draw(8);
+    let mut pictures = vec![drawn.radiance()];
+    for step in 0..4 {
+        for lamp in drawn.lights.lamps.iter_mut().step_by(2) {
+            lamp.position_ws += DVec3::new(0.4, 0.0, -0.3);
         }
         drawn.draw(1);
-        if frame % 9 == 0 {
-            most = most.max(apart(&drawn.radiance(), &by_rays(&drawn, edited)));
+        pictures.push(drawn.radiance());
+        if step == 1 {
+            drawn.draw(9);
         }
     }
-    most
+    drawn.draw(9);
+    for lamp in &mut drawn.lights.lamps {
+        lamp.intensity *= 0.9;
+    }
+    drawn.draw(1);
+    pictures.push(drawn.radiance());
+    let mut voxels = drawn.frame.stage.read_back(&drawn.gpu).expect("reads back");
+    let origin = drawn.world.origin;
+    let [low, high] = [IVec3::new(2, 1, -2), IVec3::new(4, 9, 2)].map(|at| at - origin);
+    let edit = voxels.fill_box(low, high, 0);
+    let applied = drawn.frame.apply(&drawn.gpu, &voxels, &edit);
+    applied.expect("it fits");
+    drawn.draw(1);
+    pictures.push(drawn.radiance());
+    pictures
+}
+
+/// Without lists of lamps and with them.
+#[test]
+fn lamps_that_are_passed_over_light_no_pixel() {
+    for count in [20, 80] {
+        let passed_over = pictures_under_many(support::gpu(), count);
+        let looked_at = pictures_under_many(with_faults(&support::gpu(), &[PASSES_OVER]), count);
+        for (number, (left, right)) in passed_over.iter().zip(&looked_at).enumerate() {
+            assert!(mean(left) > 0.02);
+            let different = apart(left, right);
+            assert!(
+                different < 1e-5,
+                "{count} lamps, picture {number}: {different}"
+            );
+        }
+    }
 }
 
 #[test]
-fn what_faces_see_of_the_places_near_a_lamp_holds_while_it_glides() {
-    let most = apart_while_lamps_glide(room(0, FinalGather::On));
-    assert!(most < 1e-4, "{most}");
-}
-
-#[test]
-fn what_held_for_places_that_a_lamp_has_left_is_found() {
-    let fault = (
-        "surface_cache/lamp_questions.wesl",
-        "if has_slot(known.held, number) && !is_new {",
-        "if has_slot(known.held, number) {",
+fn a_lamp_that_is_passed_over_though_it_has_moved_is_found() {
+    let file = "surface_cache/lamp_visibility.wesl";
+    let whenever = (file, " || known.examined < known_since {", " {");
+    let of_all = (
+        file,
+        "has_lists || known.examined == face_info.frame;",
+        "true;",
     );
-    let most = apart_while_lamps_glide(room_on(
-        with_faults(&support::gpu(), &[fault]),
-        0,
-        FinalGather::On,
-    ));
-    assert!(most > 1e-3, "{most}");
+    for count in [20, 80] {
+        // What faces that were not asked know of lamps that have moved.
+        let unasked = (
+            "surface_cache/lamps.wesl",
+            "LEAST_PIXELS: f32 = 8.0",
+            "LEAST_PIXELS: f32 = 8e9",
+        );
+        let sound = pictures_under_many(with_faults(&support::gpu(), &[unasked]), count);
+        let faults = [unasked, whenever, of_all];
+        let wrong = pictures_under_many(with_faults(&support::gpu(), &faults), count);
+        let different: Vec<f64> = sound.iter().zip(&wrong).map(|(a, b)| apart(a, b)).collect();
+        let most = different.iter().copied().fold(0.0, f64::max);
+        assert!(most > 1e-3, "{count} lamps: {different:?}");
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use grotto::{
     gpu::ShaderLibrary,
     lights::{
         emitters::GpuFacing,
-        table::{ANCHORS_OFFSET, GpuLampSlot, GpuLightsHeader, GpuSky, LISTS_OFFSET},
+        table::{GpuLampSlot, GpuLightsHeader, GpuSky, LISTS_OFFSET},
     },
     passes::scene::GpuSeenLampsHeader,
     shared::{self, Layout},
@@ -101,7 +101,6 @@ fn lights_are_a_header_lamps_and_lists() {
     header
         .members
         .insert("lamps".to_owned(), size_of::<GpuLightsHeader>());
-    header.members.insert("anchors".to_owned(), ANCHORS_OFFSET);
     header.members.insert("lists".to_owned(), LISTS_OFFSET);
     // With one slot: how many there are depends on the world.
     header.stride = (LISTS_OFFSET + size_of::<GpuLampSlot>()).next_multiple_of(16);

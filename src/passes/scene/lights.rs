@@ -1,7 +1,5 @@
 //! Lamps, sun and sky on the GPU.
 
-use std::iter;
-
 use glam::UVec3;
 
 use super::seen_lamps::SeenLamps;
@@ -9,7 +7,7 @@ use crate::{
     gpu::{Gpu, GpuError},
     lights::{
         LampKinds, Lights, lists,
-        table::{ANCHORS_OFFSET, GpuLampAnchor, GpuLampSlot, LISTED, LISTS_OFFSET, LightsOfFrame},
+        table::{GpuLampSlot, LISTED, LISTS_OFFSET, LightsOfFrame},
     },
 };
 
@@ -83,13 +81,6 @@ impl GpuLights {
         );
         let bytes = lights.to_bytes(of_frame, self.cells, self.shift);
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
-        let known = of_frame.anchors.iter().copied();
-        let anchors: Vec<GpuLampAnchor> = (known.chain(iter::repeat(GpuLampAnchor::NONE)))
-            .take(lights.lamps.len())
-            .collect();
-        let bytes = bytemuck::cast_slice(&anchors);
-        gpu.queue
-            .write_buffer(&self.buffer, ANCHORS_OFFSET as u64, bytes);
     }
 
     /// Forgets which lamps are seen where, as if no frame had been drawn.

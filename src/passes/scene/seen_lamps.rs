@@ -11,7 +11,7 @@ use crate::{
 crate::shared! {
     in lights;
 
-    /// A bit of the second word of a cell: a ray has looked at all lamps.
+    /// A bit of the first word of a cell: a ray has looked at all lamps.
     pub const LOOKED_AT_ALL as LOOKED_AT_ALL: u32 = 1 << 31;
 }
 
