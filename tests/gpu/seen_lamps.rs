@@ -195,7 +195,7 @@ fn what_is_known_spares_noise() {
     let gpu = gpu();
     let plain = choose(&gpu, [EVEN | LOOKED, 0], [0, 0], EVERY);
     let known = choose(&gpu, [EVEN | LOOKED, 0], [0, 0], 0);
-    // One workgroup in eight looks at all lamps; the others take no ray to a lamp that is hidden.
+    // One workgroup in sixteen looks at all lamps; the others take no ray to a lamp that is hidden.
     assert!(
         known.variance < 0.25 * plain.variance,
         "{} of {}",
