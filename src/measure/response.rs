@@ -21,6 +21,8 @@ pub struct Response {
 const HOLD: usize = 8;
 /// A change of less than this share of the light is too small to follow.
 const LEAST_CHANGE: f64 = 0.005;
+/// Where the references change by so much, their noise counted, light must follow.
+const CERTAIN_CHANGE: f64 = 0.02;
 
 /// References before and after a change of the scene. They say where light rises and where it falls.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +32,8 @@ pub struct Change<'a> {
 }
 
 /// How a series of pictures goes from `before` to its settled value, the mean of its last quarter.
-/// `None` if the light hardly changes (by less than half a percent), or no picture follows.
+/// `None` if the light hardly changes (by less than half a percent), or no picture follows. Where the references change by 2 %
+/// and the light does not, no share of the change is ever reached.
 ///
 /// Progress is the part of the change that has happened, summed over pixels and channels: with settled value e, start b, and
 /// s the sign of the references' change, Σ s·(value − b) / Σ s·(e − b). It is linear in the pictures, so that noise which
@@ -66,7 +69,12 @@ pub fn response(
     };
     let all = done(&mut settled.iter().copied());
     if all <= LEAST_CHANGE * light {
-        return Ok(None);
+        let must_follow = !after.is_empty() && share_of_change(change) > CERTAIN_CHANGE;
+        return Ok(must_follow.then_some(Response {
+            to_90: None,
+            to_99: None,
+            watched: after.len() as u32,
+        }));
     }
     let progress: Vec<f64> = (after.iter())
         .map(|picture| done(&mut flat(picture)) / all)
@@ -85,6 +93,14 @@ fn reached(progress: &[f64], share: f64) -> Option<u32> {
         .windows(HOLD.min(progress.len().max(1)))
         .position(|window| window.iter().all(within))?;
     Some(frame as u32 + 1)
+}
+
+/// By what share of their light two references differ.
+fn share_of_change(change: Change<'_>) -> f64 {
+    let pairs = || flat(change.after).zip(flat(change.before));
+    let light: f64 = pairs().map(|(after, before)| after + before).sum();
+    let difference: f64 = pairs().map(|(after, before)| (after - before).abs()).sum();
+    difference / light.max(f64::MIN_POSITIVE)
 }
 
 /// 0 of 0.
@@ -165,9 +181,21 @@ mod tests {
 
     #[test]
     fn no_change_and_no_frames_have_no_response() {
-        assert_eq!(of([0.0; 30]), None);
-        assert_eq!(of([0.001; 30]), None);
+        let (dark, hardly) = (at(0.0), at(0.001));
+        let change = rises_and_falls([&dark, &hardly]);
+        for light in [&dark, &hardly] {
+            let found = response(change, &dark, &vec![light.clone(); 30]);
+            assert_eq!(found.expect("comparable"), None);
+        }
         assert_eq!(of([]), None);
+    }
+
+    #[test]
+    fn light_that_does_not_follow_or_goes_the_other_way_never_arrives() {
+        for found in [of([0.0; 30]), of([-1.0; 30])] {
+            let never = found.expect("the references change");
+            assert_eq!((never.to_90, never.to_99), (None, None));
+        }
     }
 
     /// In [−0.5, 0.5).
