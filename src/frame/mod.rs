@@ -176,6 +176,8 @@ impl Frame {
             self.ranks.forget();
             self.field.changes.forget_edits();
             self.faces.forget(&mut recorder.encoder);
+        }
+        if self.frames == 0 {
             self.lights.forget(&mut recorder.encoder);
         }
         // Frames of the surface cache are numbered from 1.
