@@ -53,30 +53,7 @@ fn power(lamp: &LampState) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec3};
-
-    use super::*;
-    use crate::{lights::LampShape, world::Sky};
-
-    /// Places along x, and powers.
-    fn lights(lamps: &[(f64, f64)]) -> Lights {
-        let lamp = |&(x, power): &(f64, f64)| LampState {
-            shape: LampShape::Point,
-            position_ws: DVec3::X * x,
-            direction_ws: DVec3::ZERO,
-            intensity: DVec3::splat(power),
-            radius: 0.1,
-            soft_radius: 0.0,
-        };
-        Lights {
-            lamps: lamps.iter().map(lamp).collect(),
-            sky: Sky {
-                zenith: Vec3::ZERO,
-                horizon: Vec3::ZERO,
-                ground: Vec3::ZERO,
-            },
-        }
-    }
+    use super::{super::rest::tests::lights, *};
 
     fn on(powers: &[f64]) -> Lights {
         let lamps: Vec<(f64, f64)> = powers.iter().map(|&power| (0.0, power)).collect();

@@ -69,13 +69,14 @@ pub(super) fn is_same_place(lamp: &LampState, before: &LampState) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
     use crate::{lights::LampShape, world::Sky};
 
-    fn lights(lamps: &[(f64, f64)]) -> Lights {
+    /// Point lamps: places along x, and powers.
+    pub fn lights(lamps: &[(f64, f64)]) -> Lights {
         let lamp = |&(x, power): &(f64, f64)| LampState {
             shape: LampShape::Point,
             position_ws: DVec3::X * x,

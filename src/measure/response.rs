@@ -136,7 +136,7 @@ mod tests {
         }
     }
 
-    /// Where the pixels of `at` rise and fall.
+    /// Between references before and after.
     fn rises_and_falls(of: [&Picture; 2]) -> Change<'_> {
         Change {
             before: of[0],

@@ -363,4 +363,20 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn frames_are_counted_since_the_last_great_change() {
+        let mut changes = Changes::default();
+        changes.begin_frame(0.2, 0);
+        assert_eq!(changes.frames_since_great(0), None, "a lamp that glides");
+        changes.begin_frame(1.0, 1);
+        assert_eq!(changes.frames_since_great(1), Some(0));
+        changes.begin_frame(0.2, 2);
+        assert_eq!(changes.frames_since_great(2), Some(1));
+        changes.edit(IVec3::ZERO, IVec3::ONE, IVec3::ZERO, 5);
+        changes.begin_frame(0.0, 5);
+        assert_eq!(changes.frames_since_great(7), Some(2), "an edit");
+        changes.forget_edits();
+        assert_eq!(changes.frames_since_great(8), None);
+    }
 }

@@ -145,7 +145,7 @@ const PASSES_OVER: Fault = (
     "return all;",
 );
 
-/// The room under `count` lamps, each of them in its place plus `way`.
+/// The room under `count` lamps, spread over it.
 fn under_many(gpu: Gpu, count: usize) -> Drawn {
     let mut drawn = room_on(gpu, 0, FinalGather::On);
     let first = drawn.lights.lamps[0];
