@@ -236,6 +236,7 @@ impl Frame {
             asks_faces: self.order.asks_faces(
                 self.frames,
                 lamps_have_changed || self.field.changes.shown_first().is_some(),
+                bodies_moved > 0.0,
             ),
             moves_bodies: bodies_moved > 0.0,
             finds_shafts: bodies_moved > 0.0 || lamps_have_changed || self.frames == 0,

@@ -12,6 +12,8 @@ use crate::world::Camera;
 /// Once camera, lamps and voxels have been still for this many frames, all visible faces know which lamps they see: each
 /// pixel has had many turns to list its face.
 const ASKED_FRAMES: u32 = 64;
+/// While bodies move, faces come into view beside them: they are asked in one of so many frames.
+const BESIDE_BODIES: u32 = 4;
 
 /// What the last frames showed.
 #[derive(Default)]
@@ -41,13 +43,14 @@ impl FrameOrder {
         self.is_still && is_calm
     }
 
-    /// Whether faces may not know which lamps they see. `changes`: a lamp has moved, is new or is listed anew, or a voxel
-    /// was edited.
-    pub fn asks_faces(&mut self, frame: u32, changes: bool) -> bool {
+    /// Whether to ask faces which lamps they see, because some may not know. `changes`: a lamp has moved, is new or is listed
+    /// anew, or a voxel was edited. `bodies_move`: bodies may uncover faces.
+    pub fn asks_faces(&mut self, frame: u32, changes: bool, bodies_move: bool) -> bool {
         if changes {
             self.changed = frame;
         }
-        frame - self.changed < ASKED_FRAMES
+        let may_be_new = bodies_move && frame.is_multiple_of(BESIDE_BODIES);
+        may_be_new || frame - self.changed < ASKED_FRAMES
     }
 }
 
@@ -90,7 +93,7 @@ mod tests {
         let mut order = FrameOrder::default();
         let mut asks = |camera: &Camera, frame, changes| {
             order.begin_frame(camera, frame);
-            order.asks_faces(frame, changes)
+            order.asks_faces(frame, changes, false)
         };
         let still = camera();
         for frame in 0..ASKED_FRAMES {
@@ -105,5 +108,19 @@ mod tests {
         assert!(asks(&moved, 200, false), "the camera turns");
         assert!(!asks(&moved, 300, false));
         assert!(asks(&moved, 0, false), "the probes start again");
+    }
+
+    #[test]
+    fn faces_that_bodies_uncover_are_asked_in_turn() {
+        let mut order = FrameOrder::default();
+        order.begin_frame(&camera(), 0);
+        let asked = |order: &mut FrameOrder, bodies_move| {
+            let later = ASKED_FRAMES..ASKED_FRAMES + 40;
+            later
+                .filter(|&frame| order.asks_faces(frame, false, bodies_move))
+                .count()
+        };
+        assert_eq!(asked(&mut order, false), 0);
+        assert_eq!(asked(&mut order, true), 10);
     }
 }

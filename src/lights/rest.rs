@@ -41,6 +41,8 @@ pub struct Settled {
     pub unsettled: [u32; 2],
     /// All others have stood still since this frame.
     pub since: u32,
+    /// And all of them since this one.
+    pub moved_last: u32,
 }
 
 impl Settled {
@@ -48,7 +50,10 @@ impl Settled {
     pub fn of(still_since: &[u32]) -> Self {
         let newest = still_since.iter().copied().max().unwrap_or(0);
         let is_unsettled = |since: u32| since > 0 && since + LATELY_FRAMES > newest;
-        let mut settled = Self::default();
+        let mut settled = Self {
+            moved_last: newest,
+            ..Self::default()
+        };
         for (lamp, &since) in still_since.iter().enumerate() {
             match settled.unsettled.get_mut(lamp / 32) {
                 Some(word) if is_unsettled(since) => *word |= 1 << (lamp % 32),

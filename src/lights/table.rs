@@ -97,7 +97,8 @@ pub struct GpuLightsHeader {
     /// See [`Settled`].
     pub unsettled: [u32; 2],
     pub settled_since: u32,
-    pub _pad: u32,
+    /// The last frame in which a lamp moved.
+    pub moved_last: u32,
 }
 
 /// The frame since which a lamp rests that never does.
@@ -176,7 +177,7 @@ impl Lights {
             soft_lamps: self.lamps.iter().filter(|lamp| lamp.is_soft()).count() as u32,
             unsettled: settled.unsettled,
             settled_since: settled.since,
-            _pad: 0,
+            moved_last: settled.moved_last,
         };
         [
             bytemuck::bytes_of(&header),

@@ -111,6 +111,32 @@ fn kept_visibility_of_lamps_is_what_shadow_rays_say() {
     );
 }
 
+/// Shadow rays of lamps that a face sees in part march through the span of their way in which solid voxels lie.
+#[test]
+fn spans_that_miss_what_is_in_the_way_are_found() {
+    let file = "surface_cache/lamp_visibility.wesl";
+    let faults = [
+        (
+            "let first = packed & WHOLE_WAY;",
+            "let first = (packed & WHOLE_WAY) + 500u;",
+        ),
+        (
+            "let last = (packed >> SPAN_BITS) & WHOLE_WAY;",
+            "let last = ((packed >> SPAN_BITS) & WHOLE_WAY) * 3u / 4u;",
+        ),
+        ("if (packed >> (2u * SPAN_BITS)) != number {", "if false {"),
+    ];
+    // Lamps share places only where there are more of them than places.
+    let pictures = |faults: &[Fault]| pictures_under_many(with_faults(&support::gpu(), faults), 40);
+    let sound = pictures(&[]);
+    for (number, (right, wrong)) in faults.into_iter().enumerate() {
+        let wrong = pictures(&[(file, right, wrong)]);
+        let different = sound.iter().zip(&wrong).map(|(a, b)| apart(a, b));
+        let most = different.fold(0.0, f64::max);
+        assert!(most > 1e-3, "fault {number}: {most}");
+    }
+}
+
 #[test]
 fn a_lamp_that_moves_takes_its_shadows_along_in_every_frame() {
     let mut drawn = room(0, FinalGather::On);

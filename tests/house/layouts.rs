@@ -96,7 +96,8 @@ fn lights_are_a_header_lamps_and_lists() {
         keeps_slots,
         soft_lamps,
         unsettled,
-        settled_since
+        settled_since,
+        moved_last
     });
     header
         .members

@@ -18,6 +18,9 @@ use crate::{
 /// Name of the constant of kernels that says whether there may be bodies.
 pub const BODIES: &str = "BODIES";
 
+/// The bindings of what passes `probes/body_light`, `surface_cache/body_lamps` and `surface_cache/body_shafts` find out.
+const FACTS: [&str; 3] = ["body_lit_facts", "body_near_facts", "body_shaft_facts"];
+
 /// Bodies that come or go change light as a way of this many voxels does.
 const APPEARING: f32 = 8.0;
 
@@ -28,8 +31,9 @@ pub struct GpuBodies {
     /// The bodies as the frame before showed them, without hierarchy and models.
     before: wgpu::Buffer,
     /// What passes find out about the bodies: the light of their faces; of the cells around each, which lamps they see; of
-    /// the cells of the world and of bodies, which lamps other bodies may hide.
-    facts: wgpu::Buffer,
+    /// the cells of the world and of bodies, which lamps other bodies may hide. A buffer for each pass, so that none waits
+    /// for another.
+    facts: [wgpu::Buffer; 3],
     cells: Cells,
     room: Room,
     poses: Arc<Mutex<Poses>>,
@@ -98,10 +102,16 @@ impl GpuBodies {
         room: Room,
         cells: Cells,
     ) -> Result<Self, GpuError> {
-        let [all, of_facts] = [room.bytes(cells), bytes(room.facts(cells))];
-        let (buffer, before, facts) = gpu.making("the bodies", all + of_facts, || {
+        let (all, of_facts) = (room.bytes(cells), room.facts(cells).map(bytes));
+        let needed = all + of_facts.iter().sum::<u64>();
+        let (buffer, before, facts) = gpu.making("the bodies", needed, || {
             let buffer = gpu.storage_buffer("bodies", all)?;
-            let facts = gpu.storage_buffer("body_facts", of_facts)?;
+            let [lit, near, shaded] = of_facts;
+            let facts = [
+                gpu.storage_buffer(FACTS[0], lit)?,
+                gpu.storage_buffer(FACTS[1], near)?,
+                gpu.storage_buffer(FACTS[2], shaded)?,
+            ];
             let records = room.bodies.max(1) * size_of::<GpuBody>();
             let before = gpu.storage_buffer("bodies_before", records as u64)?;
             Ok::<_, GpuError>((buffer, before, facts))
@@ -143,7 +153,7 @@ impl GpuBodies {
 
     /// Writes all bodies and their models, and forgets all facts.
     fn fill(&self, gpu: &Gpu, bodies: &Bodies, models: &[GpuModel]) {
-        let first_model = self.room.first_fact() + self.room.facts(self.cells);
+        let first_model = self.room.first_model(self.cells);
         let mut vectors = Vec::<[u32; 4]>::new();
         let mut masks_at = Vec::new();
         for model in models {
@@ -154,7 +164,9 @@ impl GpuBodies {
         gpu.queue
             .write_buffer(&self.buffer, at, bytemuck::cast_slice(&vectors));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.clear_buffer(&self.facts, 0, None);
+        for facts in &self.facts {
+            encoder.clear_buffer(facts, 0, None);
+        }
         gpu.queue.submit([encoder.finish()]);
         let mut poses = self.poses();
         poses.placed.clear();
@@ -262,11 +274,14 @@ impl GpuBodies {
     }
 
     /// What the shaders bind by name.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 5] {
+        let [lit, near, shaded] = &self.facts;
         [
             ("bodies", self.buffer.as_entire_binding()),
             ("bodies_before", self.before.as_entire_binding()),
-            ("body_facts", self.facts.as_entire_binding()),
+            (FACTS[0], lit.as_entire_binding()),
+            (FACTS[1], near.as_entire_binding()),
+            (FACTS[2], shaded.as_entire_binding()),
         ]
     }
 
@@ -295,13 +310,17 @@ impl GpuBodies {
 
     /// Hands what passes have found out to those that follow.
     pub fn publish_facts(&self, encoder: &mut wgpu::CommandEncoder) {
-        let at = bytes(self.room.first_fact());
-        encoder.copy_buffer_to_buffer(&self.facts, 0, &self.buffer, at, self.facts.size());
+        let mut at = bytes(self.room.first_fact());
+        for facts in &self.facts {
+            encoder.copy_buffer_to_buffer(facts, 0, &self.buffer, at, facts.size());
+            at += facts.size();
+        }
     }
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.buffer.size() + self.before.size() + self.facts.size()
+        let facts = self.facts.iter().map(wgpu::Buffer::size);
+        self.buffer.size() + self.before.size() + facts.sum::<u64>()
     }
 
     fn poses(&self) -> MutexGuard<'_, Poses> {
@@ -324,11 +343,12 @@ impl GpuBodies {
             .collect();
         let first_body = HEAD_VECTORS + nodes.len() * (size_of::<GpuBodyNode>() / 16);
         let first_fact = self.room.first_fact();
+        let [first_near, first_cell] = [self.room.first_near_fact(), self.room.first_cell_fact()];
         let [x, y, z] = self.cells.count.to_array();
         let head = [
             [count, first_body, first_fact, placed.len()].map(|number| number as u32),
             [x, y, z, self.cells.shift],
-            [self.room.first_cell_fact() as u32, lit_faces, 0, 0],
+            [first_cell as u32, lit_faces, first_near as u32, 0],
         ];
         let mut bytes = bytemuck::cast_slice(&head).to_vec();
         bytes.extend_from_slice(bytemuck::cast_slice(&nodes));

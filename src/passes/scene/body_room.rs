@@ -136,24 +136,27 @@ impl Room {
 
     /// Number of the first fact about the cells around bodies; those about stored light come before.
     pub fn first_near_fact(&self) -> usize {
-        self.lit_faces.next_multiple_of(2)
+        self.lit_faces.next_multiple_of(2).max(2)
     }
 
     /// Number of the first fact about the cells of the world; those about bodies follow.
     pub fn first_cell_fact(&self) -> usize {
-        self.first_near_fact() + self.near_cells * NEAR_FACTS
+        self.first_near_fact() + (self.near_cells * NEAR_FACTS).max(2)
     }
 
-    /// Vectors of all facts, of eight bytes each; one where there are no bodies.
-    pub fn facts(&self, cells: Cells) -> usize {
+    /// Vectors of the facts of each kind, of eight bytes each; one where there are none.
+    pub fn facts(&self, cells: Cells) -> [usize; 3] {
         let cells = cells.count.element_product() as usize * self.bodies.min(1);
-        (self.first_cell_fact() + cells + self.bodies)
-            .div_ceil(2)
-            .max(1)
+        let near = self.near_cells * NEAR_FACTS;
+        [self.lit_faces, near, cells + self.bodies].map(|facts| facts.div_ceil(2).max(1))
+    }
+
+    pub fn first_model(&self, cells: Cells) -> usize {
+        self.first_fact() + self.facts(cells).iter().sum::<usize>()
     }
 
     pub fn bytes(&self, cells: Cells) -> u64 {
-        bytes(self.first_fact() + self.facts(cells) + self.models)
+        bytes(self.first_model(cells) + self.models)
     }
 }
 

@@ -162,12 +162,14 @@ impl GpuVoxels {
     }
 
     /// The bindings of `shaders/scene/voxels.wesl` and `shaders/scene/bodies.wesl`.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 7] {
-        let [bodies, before, facts] = self.bodies.resources();
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 9] {
+        let [bodies, before, lit, near, shaded] = self.bodies.resources();
         [
             bodies,
             before,
-            facts,
+            lit,
+            near,
+            shaded,
             ("grid_info", self.info.as_entire_binding()),
             ("grid", self.grid.as_entire_binding()),
             ("masks", self.masks.as_entire_binding()),

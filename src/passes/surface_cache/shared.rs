@@ -41,7 +41,7 @@ crate::shared! {
     }
 
     /// Words of an entry of the table.
-    pub(super) const ENTRY_WORDS: u32 = 32;
+    pub(super) const ENTRY_WORDS: u32 = 48;
 
     /// Rays of a quadrant of a face in a batch. The rays of a batch are stored quadrant by quadrant.
     pub(super) const QUADRANT_RAYS: u32 = 8;
@@ -56,8 +56,8 @@ crate::shared! {
     pub(super) const FACES_A_GROUP: u32 = 16;
 
     /// Faces per workgroup of pass `surface_cache/lamps`, and the crews of four threads that each face has.
-    pub(super) const LAMP_FACES_A_GROUP: u32 = 4;
-    pub(super) const LAMP_CREWS: u32 = 4;
+    pub(super) const LAMP_FACES_A_GROUP: u32 = 2;
+    pub(super) const LAMP_CREWS: u32 = 8;
 
     /// Counts of the listed faces, and what follows from the counts for the next frame.
     pub(super) struct GpuFaceCounts as FaceCounts {

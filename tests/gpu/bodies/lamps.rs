@@ -16,7 +16,7 @@ use super::{
 use crate::support::{self, Fault, frames::Drawn, scenes::flat};
 
 const CELLS: &str = "surface_cache/lamp_visibility.wesl";
-const FOUND: &str = "return KnownLamps(head.y, facts_from(first + 2u), vec3f(cell << vec3u(shift)) + half, half - 0.5);";
+const FOUND: &str = "return KnownLamps(head.y, facts_from(first + 2u), vec3f(cell << vec3u(shift)) + half, half - 0.5, 0u);";
 const LAMPS: &str = "surface_cache/body_lamps.wesl";
 
 /// Direct light while bodies turn on their ways and a lamp orbits; then it and they rest, and a wall is built between.
