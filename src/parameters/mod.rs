@@ -124,6 +124,8 @@ parameters! {
         size: Option<UVec3> = None, Kind::Size { max: 4096 }, World;
         #[doc = "Seed of noise, scatter and flicker, instead of the file's."]
         seed: Option<u32> = None, Kind::Seed, World;
+        #[doc = "Whether the world has the bodies of its file. Off shows what they cost."]
+        bodies: bool = true, Kind::Flag, World;
     }
 
     #[doc = "Overrides of every material of the world, for closed forms."]

@@ -36,6 +36,7 @@ fn info_lists_every_key_also_without_a_gpu() {
         "textures.enabled",
         "world.size",
         "world.seed",
+        "world.bodies",
     ] {
         assert!(rows.iter().any(|row| row["key"] == needed), "{needed}");
     }

@@ -58,6 +58,8 @@ pub struct Overrides {
     pub albedo: Option<Vec3>,
     /// Emitted radiance of every material.
     pub emission: Option<Vec3>,
+    /// The file's bodies are left out.
+    pub without_bodies: bool,
 }
 
 impl From<&Parameters> for Overrides {
@@ -67,6 +69,7 @@ impl From<&Parameters> for Overrides {
             seed: parameters.world.seed,
             albedo: parameters.materials.albedo,
             emission: parameters.materials.emission,
+            without_bodies: !parameters.world.bodies,
         }
     }
 }

@@ -12,6 +12,7 @@ use super::place::Tried;
 use super::printable::shown;
 use super::schema;
 use super::values::{Read, or};
+use crate::world::bodies::Bodies;
 use crate::world::generate::FeatureBins;
 use crate::world::materials::hash::hash;
 use crate::world::noise::{Basis, Fractal, NoiseBank, NoiseField};
@@ -86,7 +87,10 @@ pub(super) fn resolve(
         ));
     }
     let rules = reader.rules(&file.rules)?;
-    let bodies = reader.bodies(&file.bodies, &rules)?;
+    let mut bodies = reader.bodies(&file.bodies, &rules)?;
+    if overrides.without_bodies {
+        bodies = Bodies::default();
+    }
     let lamp_presets = reader.lamp_presets(&file.lamps, &shape)?;
     let cameras = reader.cameras(&file.cameras, &shape)?;
     let layouts = reader.layouts(&file.layouts)?;

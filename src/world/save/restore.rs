@@ -42,6 +42,7 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<World, Report> {
         seed: overrides.seed.or(own.seed),
         albedo: overrides.albedo.or(own.albedo),
         emission: overrides.emission.or(own.emission),
+        without_bodies: overrides.without_bodies || own.without_bodies,
     };
     let mut world = file::load(&world_file, &overrides)?;
     let is_changed = file::fingerprint(&world_file)? != save.head.world_crc32;

@@ -7,6 +7,7 @@ mod mistakes;
 mod models;
 
 use glam::{IVec3, UVec3, Vec3};
+use grotto::world::bodies::Bodies;
 use grotto::world::file::{self, Overrides, Problem};
 use grotto::world::sdf::SmoothUnion;
 use grotto::world::{Colour, ResponseSpec, Sdf, World};
@@ -131,6 +132,13 @@ fn overrides_take_the_place_of_what_the_file_says() {
         assert_eq!(material.b, Colour::Flat(Vec3::splat(0.9)));
         assert_eq!(material.emission, Vec3::ONE);
     }
+    assert!(!world.bodies.bodies.is_empty());
+    let without = Overrides {
+        without_bodies: true,
+        ..Overrides::default()
+    };
+    let world = file::parse(FULL, "test.ron", None, &without).expect("sound");
+    assert_eq!(world.bodies, Bodies::default());
     let too_large = Overrides {
         size: Some(UVec3::splat(8192)),
         ..Overrides::default()
