@@ -109,8 +109,8 @@ fn forgets(way: Way, fault: Fault) {
 fn probes_forget_what_they_saw_of_a_body_that_has_jumped() {
     let fault = (
         "probes/light_history.wesl",
-        "max(near, changes.bodies_jumped)",
-        "near",
+        "max(u32(probe.near_bodies), changes.bodies_jumped)",
+        "u32(probe.near_bodies)",
     );
     forgets(Way::Jump, fault);
 }
