@@ -3,6 +3,7 @@
 
 mod distances;
 mod lamps;
+mod light;
 mod shafts;
 
 use std::{f32::consts::PI, sync::atomic::AtomicBool};

@@ -5,8 +5,12 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 crate::shared! {
     in probes;
 
-    /// Most faces of bodies that find their light in a frame. Where there are more, bodies take turns.
-    const MOST_FACES as MOST_BODY_FACES: u32 = 65536;
+    /// Most faces of bodies that send rays in a frame. Where there are more, bodies take turns.
+    const MOST_FACES as MOST_BODY_FACES: u32 = 8192;
+
+    /// Rays of a face in a frame, and faces of a workgroup.
+    const RAYS as BODY_RAYS: u32 = 16;
+    const FACES_A_GROUP as BODY_FACES_A_GROUP: u32 = 4;
 }
 
 pub struct BodyLight {
@@ -19,6 +23,7 @@ impl BodyLight {
     pub fn spec<'a>(offered: &'a [(&'a str, f64)]) -> KernelSpec<'a> {
         KernelSpec {
             shader: "probes/body_light",
+            overrides: &[("COHERENT", 0.0)],
             offered,
             ..Default::default()
         }
@@ -42,7 +47,7 @@ impl BodyLight {
             return;
         }
         let turns = faces.div_ceil(MOST_FACES);
-        let columns = most.div_ceil(self.kernel.workgroup_size[0]);
+        let columns = most.div_ceil(FACES_A_GROUP);
         recorder.run(
             &self.kernel,
             &self.bindings,

@@ -44,7 +44,8 @@ crate::shared! {
         pub repeats_within: u32,
         /// New rays of probes have the directions of so many frames.
         pub sets_at_a_time: u32,
-        pub _pad: u32,
+        /// Frames since light last changed greatly, or since the probes were made.
+        pub steady_frames: u32,
     }
 }
 
@@ -206,7 +207,9 @@ impl UpdateSchedule {
             } else {
                 0
             },
-            ..Default::default()
+            steady_frames: changes
+                .frames_since_great(frame as u32)
+                .unwrap_or(frame as u32),
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&update_schedule));
