@@ -6,6 +6,7 @@ mod history;
 mod lattice;
 mod maps;
 mod placement;
+mod repeats;
 mod states;
 mod visibility_bits;
 mod visible_light;
@@ -82,11 +83,17 @@ impl Rig {
     /// Without voxels exact visibility would see nothing, so Chebyshev's bound takes its place. Every probe
     /// is active in every update.
     fn new(volume: Volume, parameters: ProbeParameters) -> Self {
+        Self::on(&gpu(), volume, parameters)
+    }
+
+    /// The same on this device.
+    fn on(gpu: &Gpu, volume: Volume, parameters: ProbeParameters) -> Self {
         let visibility = match parameters.visibility {
             Visibility::Exact | Visibility::Auto => Visibility::Chebyshev,
             other => other,
         };
-        Self::seeing(
+        Self::seeing_on(
+            gpu,
             volume,
             ProbeParameters {
                 visibility,
@@ -99,11 +106,21 @@ impl Rig {
 
     /// Keeps exact visibility: the test runs the visibility pass.
     fn seeing(volume: Volume, parameters: ProbeParameters, voxels: &Voxels, origin: IVec3) -> Self {
+        Self::seeing_on(&gpu(), volume, parameters, voxels, origin)
+    }
+
+    fn seeing_on(
+        gpu: &Gpu,
+        volume: Volume,
+        parameters: ProbeParameters,
+        voxels: &Voxels,
+        origin: IVec3,
+    ) -> Self {
         let parameters = ProbeParameters {
             states: ProbeStates::Off,
             ..parameters
         };
-        let gpu = gpu();
+        let gpu = gpu.clone();
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
         let blend = ProbeBlend::new(&gpu, &field, &[]).expect("compiles");
