@@ -55,9 +55,8 @@ crate::shared! {
     const LOG2_MIN: f64 = -12.473_931_188_332_413;
     const LOG2_MAX: f64 = 4.026_068_811_667_588;
 
-    /// Saturation about the luminance, and power on the encoded values: the look.
+    /// Saturation about the luminance: the look.
     const LOOK_SATURATION: f64 = 1.25;
-    const LOOK_POWER: f64 = 1.15;
 
     /// Luminance weights of linear Rec. 709.
     const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
@@ -75,16 +74,18 @@ crate::shared! {
     /// The inverse.
     use INSET.inverse() => OUTSET: DMat3;
 
-    /// Where middle grey lies on the log2 scale, and the slope there; powers of toe and shoulder.
-    const PIVOT: f64 = 10.0 / 16.5;
-    const SLOPE: f64 = 2.0;
-    const TOE: f64 = 3.0;
-    const SHOULDER: f64 = 3.25;
-
-    /// Bends of the curve below and above the pivot, with which it meets its corners.
-    use bend(PIVOT, TOE) => TOE_BEND: f64;
-    use bend(1.0 - PIVOT, SHOULDER) => SHOULDER_BEND: f64;
+    /// Pieces of each of the [`curves`].
+    const CURVE_PIECES: u32 = 1024;
 }
+
+/// Power on the encoded values: the rest of the look.
+const LOOK_POWER: f64 = 1.15;
+
+/// Where middle grey lies on the log2 scale, and the slope there; powers of toe and shoulder.
+const PIVOT: f64 = 10.0 / 16.5;
+const SLOPE: f64 = 2.0;
+const TOE: f64 = 3.0;
+const SHOULDER: f64 = 3.25;
 
 fn guarded(light: f64) -> f64 {
     if light.is_nan() {
@@ -103,11 +104,36 @@ pub fn luminance([r, g, b]: [f32; 3]) -> f64 {
 fn agx(light: DVec3) -> DVec3 {
     let log2 = (INSET * light).map(|value| value.max(1e-10).log2());
     let encoded = ((log2 - LOG2_MIN) / (LOG2_MAX - LOG2_MIN)).clamp(DVec3::ZERO, DVec3::ONE);
-    let curved = encoded.map(sigmoid).map(|value| value.powf(LOOK_POWER));
+    let curved = encoded.map(contrast);
     let grey = DVec3::splat(curved.dot(LUMINANCE));
     let looked = grey.lerp(curved, LOOK_SATURATION);
     let display = (INSET.inverse() * looked).clamp(DVec3::ZERO, DVec3::ONE);
-    display.map(|value| value.powf(2.2))
+    display.map(linear_display)
+}
+
+/// The curves of single channels, which all are powers of something, as the GPU reads them: first that from the log2 scale to the
+/// look, then that from there to the sRGB encoding. Each begins at 0, ends at 1, and is straight in `CURVE_PIECES` pieces; of
+/// each piece the value at its beginning, and by how much it grows. Off by less than 1e-5.
+pub fn curves() -> Vec<[f32; 2]> {
+    let encoding = |x| srgb_from_linear(linear_display(x));
+    let pieces = |curve: &dyn Fn(f64) -> f64| -> Vec<[f32; 2]> {
+        let at = |piece: u32| curve(f64::from(piece) / f64::from(CURVE_PIECES));
+        let piece = |piece| [at(piece), at(piece + 1) - at(piece)];
+        (0..CURVE_PIECES)
+            .map(|number| piece(number).map(|value| value as f32))
+            .collect()
+    };
+    [pieces(&contrast), pieces(&encoding)].concat()
+}
+
+/// From the log2 scale in [0, 1].
+fn contrast(x: f64) -> f64 {
+    sigmoid(x).powf(LOOK_POWER)
+}
+
+/// What is looked at to linear display light.
+fn linear_display(x: f64) -> f64 {
+    x.powf(2.2)
 }
 
 /// From (0, 0) through (PIVOT, ½) with slope SLOPE to (1, 1):
@@ -159,6 +185,23 @@ mod tests {
         assert_eq!(sigmoid(PIVOT), 0.5);
         let slope = (sigmoid(PIVOT + 1e-6) - sigmoid(PIVOT - 1e-6)) / 2e-6;
         assert!((slope - SLOPE).abs() < 1e-4, "{slope}");
+    }
+
+    #[test]
+    fn straight_pieces_are_as_good_as_the_curves() {
+        let curves = curves();
+        let encoding = |x| srgb_from_linear(linear_display(x));
+        let all: [&dyn Fn(f64) -> f64; 2] = [&contrast, &encoding];
+        for (number, curve) in all.into_iter().enumerate() {
+            for step in 0..=20_000 {
+                let x = f64::from(step) / 20_000.0;
+                let place = x * f64::from(CURVE_PIECES);
+                let piece = (place as usize).min(CURVE_PIECES as usize - 1);
+                let [first, growth] = curves[number * CURVE_PIECES as usize + piece].map(f64::from);
+                let found = first + growth * (place - piece as f64);
+                assert!((found - curve(x)).abs() < 1e-5, "{number} at {x}");
+            }
+        }
     }
 
     #[test]

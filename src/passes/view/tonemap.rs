@@ -4,7 +4,7 @@ use clap::ValueEnum as _;
 
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder},
-    measure::picture::Picture,
+    measure::{picture::Picture, tonemap::curves},
     world::View,
 };
 
@@ -46,8 +46,10 @@ impl Tonemap {
         )?;
         let display = gpu.texture("display", [size[0], size[1], 1], FORMAT)?;
         let display_view = display.create_view(&Default::default());
+        let tone_curves = gpu.storage_buffer_of("tone_curves", &curves())?;
         let bind = |lit| {
             let mut all = resources.to_vec();
+            all.push(("tone_curves", tone_curves.as_entire_binding()));
             all.push(("lit", wgpu::BindingResource::TextureView(lit)));
             all.push((
                 "display_out",
