@@ -142,6 +142,9 @@ pub fn adapters() -> Vec<AdapterReport> {
 /// Storage buffers that pass `surface_cache/trace` binds: no pass needs more.
 const STORAGE_BUFFERS: u32 = 18;
 
+/// Threads that a workgroup of any pass may have, where the adapter allows it.
+const MOST_THREADS: u32 = 1024;
+
 fn is_usable(adapter: &wgpu::Adapter) -> bool {
     adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
 }
@@ -196,6 +199,14 @@ impl Gpu {
     ) -> Result<Self, GpuError> {
         let adapter = choose(&instance, name, surface)?;
         let limits = wgpu::Limits {
+            max_compute_invocations_per_workgroup: adapter
+                .limits()
+                .max_compute_invocations_per_workgroup
+                .min(MOST_THREADS),
+            max_compute_workgroup_size_x: adapter
+                .limits()
+                .max_compute_workgroup_size_x
+                .min(MOST_THREADS),
             max_buffer_size: adapter.limits().max_buffer_size,
             max_storage_buffer_binding_size: adapter.limits().max_storage_buffer_binding_size,
             max_texture_dimension_2d: adapter.limits().max_texture_dimension_2d,
@@ -234,6 +245,17 @@ impl Gpu {
             features,
             checks,
         })
+    }
+
+    /// Threads of a workgroup of which one alone works on something large: the more, the sooner it is done. `most` of them where
+    /// the adapter allows it, and `in_software` on a CPU, which runs them one after the other.
+    pub fn threads(&self, most: u32, in_software: u32) -> u32 {
+        if self.summary.is_software() {
+            return in_software;
+        }
+        let allowed = self.limits.max_compute_invocations_per_workgroup;
+        most.min(allowed)
+            .min(self.limits.max_compute_workgroup_size_x)
     }
 
     /// A new device of the same adapter that replaces a lost one: nothing made with the old device

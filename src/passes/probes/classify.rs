@@ -25,8 +25,12 @@ impl ProbeClassify {
     ) -> Result<Self, GpuError> {
         let mut all = resources.to_vec();
         all.extend(field.state_resources());
+        // Most probes of cascades are far from an edit, and there are tens of thousands.
+        let many = field.volume().levels().len() > 1;
+        let threads = if many { 64 } else { gpu.threads(256, 64) };
         let spec = KernelSpec {
             shader: "probes/classify",
+            overrides: &[("THREADS", f64::from(threads))],
             offered: &field.layout_constants(),
             ..Default::default()
         };

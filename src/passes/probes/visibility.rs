@@ -27,6 +27,7 @@ impl ProbeVisibility {
             gpu,
             &KernelSpec {
                 shader: "probes/visibility",
+                overrides: &[("THREADS", f64::from(gpu.threads(1024, 256)))],
                 offered: &field.layout_constants(),
                 ..Default::default()
             },
