@@ -45,7 +45,10 @@ crate::shared! {
         /// New rays of probes have the directions of so many frames.
         pub sets_at_a_time: u32,
         /// Frames since light last changed greatly, or since the probes were made.
+        pub since_great: u32,
+        /// Frames since lamps or bodies have changed.
         pub steady_frames: u32,
+        pub _pad: [u32; 3],
     }
 }
 
@@ -207,9 +210,11 @@ impl UpdateSchedule {
             } else {
                 0
             },
-            steady_frames: changes
+            since_great: changes
                 .frames_since_great(frame as u32)
                 .unwrap_or(frame as u32),
+            steady_frames: changes.steady_frames(),
+            ..Default::default()
         };
         gpu.queue
             .write_buffer(&self.uniform, 0, bytemuck::bytes_of(&update_schedule));

@@ -14,8 +14,8 @@ use crate::support::{self, Fault, frames::Drawn};
 /// The light of before a great change is kept for as long as if nothing had changed.
 const KEEPS_LIGHT: Fault = (
     "probes/body_light.wesl",
-    "let most = clamp(SHARE_SINCE_CHANGE * since_change, FEWEST_UPDATES, MOST_UPDATES);",
-    "let most = MOST_UPDATES;",
+    "let most = clamp(share * f32(update_schedule.since_great), FEWEST_UPDATES, of_rest);",
+    "let most = of_rest;",
 );
 
 /// The brighter one of two lamps goes out: the indirect light of a body after 24 frames, over what it settles to: each frame brings a bounce.
