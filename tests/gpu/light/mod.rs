@@ -372,12 +372,14 @@ fn the_tone_mapper_is_the_same_on_both_sides() {
     inputs.extend(bad.map(|value| [[value; 4]]));
     lights.extend(bad.map(|value| DVec3::splat(f64::from(value))));
     let imports = "import package::color::tonemap::tone_map;";
+    let curves = gpu.storage_buffer_of("tone_curves", &tonemap::curves());
+    let curves = curves.expect("fits");
     let on_gpu = evaluate(
         &gpu,
         imports,
         "return vec4f(tone_map(at[0].xyz), 0.0);",
         &inputs,
-        &[],
+        &[("tone_curves", curves.as_entire_binding())],
     );
     let on_cpu = |gain: f64| -> Vec<DVec3> {
         lights
