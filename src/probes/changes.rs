@@ -30,6 +30,8 @@ const STILL_FRAMES: u32 = 64;
 const STILLER_FRAMES: u32 = 64;
 /// A body that moves this far in a frame (voxels) counts as a full change.
 const FAR_VOXELS: f32 = 16.0;
+/// Length of an edit (voxels) from which it may change the light of all of a large world.
+const WIDE_EDIT: f32 = 12.0;
 /// Frames after which an edit is forgotten: longer than any history.
 const REMEMBERED_FRAMES: u32 = 2048;
 
@@ -61,6 +63,8 @@ pub fn change_of_bodies(way: f32) -> f32 {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     alert: f32,
+    /// The same, of changes that may concern every probe: of lamps, bodies, and large edits.
+    wide_alert: f32,
     /// Frames since there was a change or an alert.
     still_frames: u32,
     /// Frames since lamps or bodies have changed.
@@ -114,13 +118,18 @@ impl Changes {
     /// ([`crate::lights::Lights::change_since`]).
     pub fn begin_frame(&mut self, light_change: f32, frame: u32) {
         let faded = self.alert * ALERT_KEPT;
+        let wide = self.wide_alert * ALERT_KEPT;
         self.shown_first = self.pending.take();
         if let Some(edit) = self.shown_first {
             self.before_latest = self.latest.map(|(_, frame)| frame);
             self.latest = Some((edit, frame));
         }
         let sure = f32::from(u8::from(self.shown_first.is_some()));
-        self.alert = sure.max(light_change.clamp(0.0, 1.0)).max(faded);
+        let of_light = light_change.clamp(0.0, 1.0);
+        self.alert = sure.max(of_light).max(faded);
+        let is_wide = self.shown_first.is_some_and(EditBox::is_wide);
+        let of_edit = if is_wide { 1.0 } else { 0.0 };
+        self.wide_alert = of_light.max(of_edit).max(wide);
         if self.alert < LEAST_ALERT {
             self.alert = 0.0;
         }
@@ -179,6 +188,11 @@ impl Changes {
         self.alert
     }
 
+    /// The same, of changes that may concern every probe of a world: small edits concern those around them.
+    pub fn wide_alert(&self) -> f32 {
+        self.wide_alert
+    }
+
     /// Whether light changes greatly now, as after a switched lamp or an edit.
     pub fn are_great(&self) -> bool {
         self.alert >= GREAT_ALERT
@@ -228,6 +242,10 @@ impl Changes {
 }
 
 impl EditBox {
+    fn is_wide(self) -> bool {
+        (self.high_gs - self.low_gs).max_element() > WIDE_EDIT
+    }
+
     /// The smallest box around both.
     fn joined(&self, other: &Self) -> Self {
         Self {
@@ -308,6 +326,28 @@ mod tests {
             changes.begin_frame(0.0, frame);
         }
         assert_eq!(changes.alert(), 0.0);
+    }
+
+    #[test]
+    fn only_large_edits_and_lamps_alert_every_probe() {
+        let mut changes = Changes::default();
+        changes.edit(IVec3::ZERO, IVec3::splat(4), IVec3::ZERO, 3);
+        changes.begin_frame(0.0, 3);
+        assert_eq!((changes.alert(), changes.wide_alert()), (1.0, 0.0));
+        changes.edit(IVec3::ZERO, IVec3::new(31, 0, 0), IVec3::ZERO, 4);
+        changes.begin_frame(0.0, 4);
+        assert_eq!(changes.wide_alert(), 1.0);
+        let mut changes = Changes::default();
+        // Single voxels far apart, in one frame.
+        for corner in [IVec3::ZERO, IVec3::splat(20)] {
+            changes.edit(corner, corner, IVec3::ZERO, 3);
+        }
+        changes.begin_frame(0.0, 3);
+        assert_eq!(changes.wide_alert(), 1.0);
+        let mut changes = Changes::default();
+        changes.begin_frame(0.6, 3);
+        changes.begin_frame(0.0, 4);
+        assert!((changes.wide_alert() - 0.57).abs() < 1e-6);
     }
 
     #[test]

@@ -175,7 +175,13 @@ impl UpdateSchedule {
     ) {
         let is_still = changes.stillness() == 1.0 && parameters.states == ProbeStates::On;
         let still_interval = if is_still { STILL_INTERVAL } else { 1 };
-        let is_sudden = changes.alert() > SUDDEN;
+        // One volume has few probes. Of the many of cascades, a small edit wakes those around it (pass `probes/classify`).
+        let alert = if self.has_cascades {
+            changes.wide_alert()
+        } else {
+            changes.alert()
+        };
+        let is_sudden = alert > SUDDEN;
         let may_wait = self.has_cascades && !is_sudden && parameters.states == ProbeStates::On;
         let (low, high) = match changes.shown_first() {
             _ if !self.is_placed => (Vec3::splat(-EVERYWHERE), Vec3::splat(EVERYWHERE)),
