@@ -88,21 +88,21 @@ impl Emitters {
         // A neighbour's face may have been uncovered.
         let low = low.saturating_sub(UVec3::ONE) / CELL;
         let high = (high + 1).min(voxels.size() - 1) / CELL;
-        let found = found_in(voxels, &self.weights, low, high);
+        let mut found = found_in(voxels, &self.weights, low, high);
         let is_old = |face: &u64| {
             let cell = voxel_at(voxels, *face as u32) / CELL;
             cell.cmpge(low).all() && cell.cmple(high).all()
         };
-        let mut sorted: Vec<u64> = self
-            .sorted
-            .iter()
-            .copied()
-            .filter(|face| !is_old(face))
-            .collect();
+        found.sort_unstable();
+        let (old, mut sorted): (Vec<u64>, Vec<u64>) =
+            self.sorted.iter().partition(|face| is_old(face));
+        if found == old {
+            return None;
+        }
         sorted.extend(found);
         // The old entries are one sorted run: this merges the new ones into it.
         sorted.sort();
-        (sorted != self.sorted).then(|| Self::grouped(sorted, self.weights.clone()))
+        Some(Self::grouped(sorted, self.weights.clone()))
     }
 
     fn grouped(sorted: Vec<u64>, weights: Vec<f64>) -> Self {

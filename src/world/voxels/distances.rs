@@ -12,12 +12,17 @@ use super::{FARTHEST, SOLID, Voxels};
 impl Voxels {
     /// Recomputes the distances of every empty cell.
     pub(super) fn rebuild_distances(&mut self) {
-        self.rebuild_distances_within(UVec3::ZERO, self.cells - UVec3::ONE);
+        self.rebuild_distances_within(UVec3::ZERO, self.cells - UVec3::ONE, |_| ());
     }
 
     /// Recomputes the distances that depend on the cells in the box `min..=max`: those of the cells up
-    /// to seven farther out. Returns the box that was rewritten.
-    pub(super) fn rebuild_distances_within(&mut self, min: UVec3, max: UVec3) -> (UVec3, UVec3) {
+    /// to seven farther out. Tells the indices of the grid's words that change.
+    pub(super) fn rebuild_distances_within(
+        &mut self,
+        min: UVec3,
+        max: UVec3,
+        mut changed: impl FnMut(usize),
+    ) {
         let reach = UVec3::splat(FARTHEST - 1);
         let low = min.saturating_sub(reach);
         let high = (max + reach).min(self.cells - UVec3::ONE);
@@ -34,15 +39,18 @@ impl Voxels {
                         continue;
                     }
                     let local = (x + extent.x * (y + extent.y * z)) as usize;
-                    self.grid[index] = octants
+                    let word = octants
                         .iter()
                         .enumerate()
                         .map(|(octant, distances)| u32::from(distances[local] - 1) << (3 * octant))
                         .sum();
+                    if self.grid[index] != word {
+                        self.grid[index] = word;
+                        changed(index);
+                    }
                 }
             }
         }
-        (low, high)
     }
 
     /// Distances of one octant inside the box, x fastest. Distances of cells outside the box, towards

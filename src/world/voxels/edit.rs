@@ -2,14 +2,17 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::{BRICK, CELL, Voxels, brick_index};
+use super::{BRICK, CELL, SOLID, Voxels, brick_index};
+
+/// Most words of the grid that are copied in vain between two that have changed.
+const JOINED: usize = 256;
 
 /// What an edit changed, so that the GPU's copy can be updated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Edit {
     /// Bricks whose masks and materials changed.
     pub bricks: Vec<u32>,
-    /// Indices of the grid's words that may have changed, as disjoint ascending ranges.
+    /// Indices of the grid's words that have changed, and of some between them, as disjoint ascending ranges.
     pub grid: Vec<std::ops::Range<usize>>,
     /// Voxels (grid space, both ends inclusive) that may have changed.
     pub region: Option<(UVec3, UVec3)>,
@@ -51,11 +54,16 @@ impl Voxels {
         }
         let (min, max) = (min.as_uvec3(), max.as_uvec3());
         let mut bricks = Vec::new();
+        let mut words = Vec::new();
+        // The box of cells that have become empty or are empty no longer: distances depend on nothing else.
+        let mut flipped: Option<(UVec3, UVec3)> = None;
         let (low, high) = (min / CELL, max / CELL);
         for z in low.z..=high.z {
             for y in low.y..=high.y {
                 for x in low.x..=high.x {
                     let cell = UVec3::new(x, y, z);
+                    let index = self.cell_index(cell);
+                    let before = self.grid[index];
                     let mut content = self.content(cell);
                     let first = min.max(cell * CELL);
                     let last = max.min(cell * CELL + (CELL - 1));
@@ -65,31 +73,28 @@ impl Voxels {
                     }
                     self.keep_original(cell, &content);
                     bricks.extend(self.store(cell, &content));
+                    let is_empty = self.grid[index] & SOLID == 0;
+                    if is_empty != (before & SOLID == 0) {
+                        let (first, last) = flipped.unwrap_or((cell, cell));
+                        flipped = Some((first.min(cell), last.max(cell)));
+                    } else if is_empty {
+                        // It keeps its distances.
+                        self.grid[index] = before;
+                    }
+                    if self.grid[index] != before {
+                        words.push(index);
+                    }
                 }
             }
         }
-        let (first, last) = self.rebuild_distances_within(low, high);
+        if let Some((first, last)) = flipped {
+            self.rebuild_distances_within(first, last, |index| words.push(index));
+        }
         Edit {
             bricks,
-            grid: self.rows(first, last),
+            grid: ranges(words),
             region: Some((min, max)),
         }
-    }
-
-    /// The rows of grid words that a box of cells covers, with adjacent rows merged.
-    fn rows(&self, min: UVec3, max: UVec3) -> Vec<std::ops::Range<usize>> {
-        let mut rows: Vec<std::ops::Range<usize>> = Vec::new();
-        for z in min.z..=max.z {
-            for y in min.y..=max.y {
-                let start = self.cell_index(UVec3::new(min.x, y, z));
-                let end = self.cell_index(UVec3::new(max.x, y, z)) + 1;
-                match rows.last_mut() {
-                    Some(row) if row.end == start => row.end = end,
-                    _ => rows.push(start..end),
-                }
-            }
-        }
-        rows
     }
 
     /// Checks every invariant of the structure.
@@ -126,6 +131,19 @@ impl Voxels {
             Err("the free list differs from what the grid names".to_owned())
         }
     }
+}
+
+/// The ranges of these indices; where few indices lie between two, they are joined: each range costs a copy to the GPU.
+fn ranges(mut indices: Vec<usize>) -> Vec<std::ops::Range<usize>> {
+    indices.sort_unstable();
+    let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
+    for index in indices {
+        match ranges.last_mut() {
+            Some(range) if index <= range.end + JOINED => range.end = range.end.max(index + 1),
+            _ => ranges.push(index..index + 1),
+        }
+    }
+    ranges
 }
 
 fn voxels_of(first: UVec3, last: UVec3) -> impl Iterator<Item = UVec3> {
@@ -221,6 +239,29 @@ mod tests {
         assert_eq!(voxels.validate(), Ok(()));
         voxels.grid[0] += 1;
         assert!(voxels.validate().is_err());
+    }
+
+    #[test]
+    fn an_edit_that_empties_no_cell_changes_its_own_words_alone() {
+        let mut voxels = Voxels::empty(UVec3::splat(128));
+        voxels.fill_box(IVec3::splat(64), IVec3::splat(71), 1);
+        let index = voxels.cell_index(UVec3::splat(8));
+        let dug = voxels.set(IVec3::splat(66), 0);
+        let own = index..index + 1;
+        assert_eq!(dug.grid, std::slice::from_ref(&own), "it gets a brick");
+        let dug = voxels.set(IVec3::splat(67), 0);
+        assert_eq!(dug.grid, [], "its brick stays");
+        let nothing = voxels.set(IVec3::splat(20), 0);
+        assert_eq!(
+            (nothing.grid, nothing.bricks),
+            (vec![], vec![]),
+            "air stays"
+        );
+        assert_eq!(voxels.validate(), Ok(()));
+        let built = voxels.set(IVec3::splat(20), 1);
+        let words: usize = built.grid.iter().map(std::ops::Range::len).sum();
+        assert!(words > 100 && built.grid.len() < 20, "{:?}", built.grid);
+        assert_eq!(voxels.validate(), Ok(()));
     }
 
     #[test]
