@@ -212,10 +212,12 @@ impl<'a> Rig<'a> {
             return self.frames(spec, condition, length, None);
         }
         let stage = stage_for(self.gpu, self.scene, spec)?;
+        // A GPU numbers bricks in the order in which its threads come: the edits of one copy would hit others' bricks.
+        let voxels = stage.read_back(self.gpu)?;
         let probes = &spec.parameters.probes;
         let mut own = Frame::new(self.gpu, stage, &spec.layout, probes, spec.size)?;
         std::mem::swap(&mut own, &mut self.frame);
-        let digging = Digging::new(&self.scene.world, &self.voxels, &spec.camera);
+        let digging = Digging::new(&self.scene.world, &voxels, &spec.camera);
         let result = self.frames(spec, condition, length, Some(digging));
         std::mem::swap(&mut own, &mut self.frame);
         result
