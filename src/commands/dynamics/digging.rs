@@ -15,6 +15,9 @@ const INTERVAL: u32 = 10;
 /// Radius of the ball that is dug or built, in voxels.
 const RADIUS: f32 = 2.0;
 
+/// Farther from the middle of a ball than its voxels: [`Digging::are_followed_by`] looks at so many on each side.
+const AROUND: f32 = 8.0;
+
 /// A ball of voxels that was filled with a material; 0 is air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
@@ -70,6 +73,19 @@ impl Digging {
     /// The voxels after all edits so far.
     pub fn voxels(&self) -> &Voxels {
         &self.voxels
+    }
+
+    /// Whether these voxels, which have followed the edits, are as edited in and around all balls. Voxels whose bricks have
+    /// other numbers cannot follow them.
+    pub fn are_followed_by(&self, found: &Voxels) -> bool {
+        self.balls.iter().all(|ball| {
+            let low = (ball.centre - AROUND).floor().as_ivec3();
+            let edge = 2 * AROUND as i32 + 1;
+            (0..edge.pow(3)).all(|index| {
+                let step = IVec3::new(index % edge, index / edge % edge, index / edge.pow(2));
+                found.material(low + step) == self.voxels.material(low + step)
+            })
+        })
     }
 
     /// All edits so far, in order.
@@ -132,5 +148,9 @@ mod tests {
         }
         assert_eq!(different, 0);
         assert!(dug > 20, "{dug}");
+        assert!(digging.are_followed_by(&repeated));
+        assert!(!digging.are_followed_by(&before));
+        repeated.set(digging.balls[0].centre.as_ivec3() + 5, 2);
+        assert!(!digging.are_followed_by(&repeated), "another brick was hit");
     }
 }

@@ -217,10 +217,17 @@ impl<'a> Rig<'a> {
         let probes = &spec.parameters.probes;
         let mut own = Frame::new(self.gpu, stage, &spec.layout, probes, spec.size)?;
         std::mem::swap(&mut own, &mut self.frame);
-        let digging = Digging::new(&self.scene.world, &voxels, &spec.camera);
-        let result = self.frames(spec, condition, length, Some(digging));
+        let mut digging = Digging::new(&self.scene.world, &voxels, &spec.camera);
+        let result = self.frames(spec, condition, length, Some(&mut digging));
         std::mem::swap(&mut own, &mut self.frame);
-        result
+        let run = result?;
+        if !digging.are_followed_by(&own.stage.read_back(self.gpu)?) {
+            let name = &self.scene.world.name;
+            return Err(Failure::fault(format!(
+                "the edits of {name} were not drawn"
+            )));
+        }
+        Ok(run)
     }
 
     fn frames(
@@ -228,7 +235,7 @@ impl<'a> Rig<'a> {
         spec: &RowSpec,
         condition: Condition,
         length: Length,
-        mut digging: Option<Digging>,
+        mut digging: Option<&mut Digging>,
     ) -> Result<Run, Failure> {
         let gpu = self.gpu;
         let track = Track::of(condition, self.scene, &self.voxels, &spec.camera);
@@ -251,7 +258,7 @@ impl<'a> Rig<'a> {
             shot.camera = track.at(flown_s);
             shot.frame = self.frame.frames();
             let start = Instant::now();
-            if let Some(digging) = digging.as_mut().filter(|_| index >= length.settling)
+            if let Some(digging) = digging.as_deref_mut().filter(|_| index >= length.settling)
                 && let Some(edit) = digging.step(index - length.settling)
             {
                 self.frame.apply(gpu, digging.voxels(), &edit)?;
