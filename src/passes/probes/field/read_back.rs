@@ -28,7 +28,7 @@ impl ProbeField {
     }
 
     /// Radiance and length of every ray of the probes whose rays are new. Pairs of then and now are left out: whatever their
-    /// bits are, they are finite.
+    /// bits are, they are finite. So are those that a probe which moved away or is now in stone has left behind.
     ///
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
@@ -36,7 +36,7 @@ impl ProbeField {
         let rays: Vec<[f16; 4]> = gpu.read_buffer_range(&self.rays, 0, self.memory.rays)?;
         let states: Vec<GpuProbeState> = gpu.read_buffer(&self.states)?;
         let of_probes = rays.chunks(self.rays_per_probe as usize).zip(&states);
-        let new = of_probes.filter(|(_, state)| !state.holds_pairs());
+        let new = of_probes.filter(|(_, state)| state.updates > 0 && !state.holds_pairs());
         Ok(new
             .flat_map(|(rays, _)| rays.iter().flatten())
             .map(|number| number.to_f32())
