@@ -43,10 +43,10 @@ choice! {
         /// By the mean and the variance of the distances that the probe's rays measured (Majercik et
         /// al. 2019).
         Chebyshev = "chebyshev",
-        /// By marching: one bit for every voxel of air that borders on a solid voxel in the probe's
-        /// cages.
+        /// By marching: one bit for every voxel of air that borders on a solid voxel within 20 voxels of the probe in its
+        /// cages; the gather itself marches from points farther off.
         Exact = "exact",
-        /// Exact for one level of probes; by distances for nested levels, where that is more accurate.
+        /// Exact, but by distances for nested levels that follow the camera, where that is more accurate and much faster.
         Auto = "auto",
     }
 }

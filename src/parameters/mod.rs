@@ -150,7 +150,7 @@ parameters! {
         ray_share: f32 = 1.0, Kind::Number { min: 0.05, max: 1.0 }, Nothing;
         #[doc = "Share of a probe's old light that each update keeps. More is steadier; less reacts sooner."]
         hysteresis: f32 = 0.97, Kind::Number { min: 0.0, max: 0.999 }, Nothing;
-        #[doc = "How probes behind walls are left out. exact marches a ray to every surface voxel once and leaks nothing; it needs probe spacings of at most 20 voxels, and larger ones use chebyshev. chebyshev estimates from stored distances and leaks a little at thin walls. auto: exact for one volume, chebyshev for cascades."]
+        #[doc = "How probes behind walls are left out. exact marches a ray to every surface voxel near a probe once and leaks nothing; where probes are more than 20 voxels apart, it also marches in every frame. chebyshev estimates from stored distances and leaks a little at thin walls. auto: exact, but chebyshev for cascades that follow the camera."]
         visibility: Visibility = Visibility::Auto, Visibility::KIND, Probes;
         #[doc = "Whether each visible voxel face traces rays of its own and keeps their light. on shows light as it falls on each face; off interpolates between probes, which is coarser."]
         final_gather: FinalGather = FinalGather::On, FinalGather::KIND, Probes;

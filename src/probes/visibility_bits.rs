@@ -8,6 +8,8 @@ use crate::parameters::{ProbeParameters, Relocation, Visibility};
 /// Largest box (voxels along an axis): with a border of one voxel its solid bits fit the smallest
 /// workgroup memory that devices have.
 const MOST_COUNT: u32 = 42;
+/// Widest spacing whose box is complete.
+const MOST_SPACING: u32 = (MOST_COUNT - 2) / 2;
 /// Voxels of one word: see [`VisibilityBox`].
 const BRICK: UVec3 = UVec3::new(1 << BRICK_LOG2[0], 1 << BRICK_LOG2[1], 1 << BRICK_LOG2[2]);
 
@@ -17,14 +19,12 @@ crate::shared! {
     /// log2 of the voxels along each axis of a brick, whose bits are one word.
     const BRICK_LOG2: [u32; 3] = [2, 2, 1];
 
-    /// Widest spacing whose box is complete.
-    const MOST_SPACING: u32 = (MOST_COUNT - 2) / 2;
-
     /// Two words for each row of the largest box with a border of one voxel.
     use 2 * (MOST_COUNT + 2) * (MOST_COUNT + 2) => MOST_SOLID: u32;
 }
 
-/// The box of voxels around a lattice point that its cages reach, for the probes of one level. A probe
+/// The box of voxels around a lattice point that its cages reach, or as much of it as there is room for:
+/// see [`Self::reach`]. All probes of one level have boxes of the same size. A probe
 /// has one bit for each voxel of the box, set if the voxel is air, borders on a solid voxel, and sees
 /// the probe from its centre. One word holds the bits of a brick of 4×4×2 voxels, so that the bits of
 /// neighbouring voxels mostly share a word. The words of a probe are ordered along x, then y, then z;
@@ -38,17 +38,18 @@ pub struct VisibilityBox {
 }
 
 impl VisibilityBox {
-    /// `None` for cages of more than 20 voxels along an axis. `is_cut`: then their box is cut off around the probe.
-    fn new(level: &Level, is_cut: bool, first_word: u32) -> Option<Self> {
-        let mut spacing = level.spacing();
-        if is_cut {
-            spacing = spacing.min(Vec3::splat(MOST_SPACING as f32));
-        }
-        let counts = (2.0 * spacing).ceil() + 2.0;
-        (counts.max_element() <= MOST_COUNT as f32).then(|| Self {
+    fn new(level: &Level, first_word: u32) -> Self {
+        let counts = (2.0 * Self::reach(level.spacing())).ceil() + 2.0;
+        Self {
             counts: counts.as_uvec3(),
             first_word,
-        })
+        }
+    }
+
+    /// How far a box reaches from its lattice point (voxels): to the end of the cages, but not more than 20
+    /// voxels. Where cages are larger, the gather looks at points farther off by marching.
+    pub fn reach(spacing: Vec3) -> Vec3 {
+        spacing.min(Vec3::splat(MOST_SPACING as f32))
     }
 
     /// Bricks along the axes.
@@ -71,7 +72,7 @@ impl VisibilityBox {
 
     /// The box's first voxel (world space) around a lattice point.
     pub fn corner(lattice_ws: Vec3, spacing: Vec3) -> IVec3 {
-        (lattice_ws - spacing - 0.5).floor().as_ivec3()
+        (lattice_ws - Self::reach(spacing) - 0.5).floor().as_ivec3()
     }
 }
 
@@ -81,11 +82,12 @@ pub struct VisibilityBits {
     boxes: Vec<VisibilityBox>,
     lattice_words: u32,
     back_side: bool,
+    is_cut: bool,
 }
 
 impl VisibilityBits {
-    /// `None` if visibility is not exact, or if the cages of any level are too large (more than 20
-    /// voxels along an axis).
+    /// `None` if visibility is not exact. By default it is but for nested levels around a camera: there it would
+    /// take a third of the frame.
     ///
     /// In a volume of one level, each probe has a back-side probe for the surfaces that it does not see, if
     /// probes may leave the lattice. In a volume of several levels, the coarser levels cover what the finer
@@ -93,7 +95,7 @@ impl VisibilityBits {
     pub fn new(volume: &Volume, parameters: &ProbeParameters) -> Option<Self> {
         let is_requested = match parameters.visibility {
             Visibility::Exact => true,
-            Visibility::Auto => volume.levels().len() == 1 || volume.octree().is_some(),
+            Visibility::Auto => volume.levels().len() == 1 || !volume.moves(),
             Visibility::Chebyshev => false,
         };
         if !is_requested {
@@ -108,17 +110,16 @@ impl VisibilityBits {
         let mut words = 0u64;
         let mut boxes = Vec::new();
         for (index, level) in volume.levels().iter().enumerate() {
-            // The coarse probes of an octree light surfaces near them, as corners of finer cells, and farther ones by
-            // marching.
-            let is_cut = octree.is_some() && index > 0;
-            let seen = VisibilityBox::new(level, is_cut, u32::try_from(words).ok()?)?;
+            let seen = VisibilityBox::new(level, u32::try_from(words).ok()?);
             words += u64::from(volume.slots_of_level(index)) * u64::from(seen.words());
             boxes.push(seen);
         }
+        let is_cut = |level: &Level| VisibilityBox::reach(level.spacing()) != level.spacing();
         Some(Self {
             boxes,
             lattice_words: u32::try_from(words).ok()?,
             back_side,
+            is_cut: octree.is_some() || volume.levels().iter().any(is_cut),
         })
     }
 
@@ -137,6 +138,11 @@ impl VisibilityBits {
         self.back_side
     }
 
+    /// Whether a probe lights points outside of its box: cages are larger, or coarse probes are corners of fine cells.
+    pub fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
     /// Memory of the bits of all probes.
     pub fn bytes(&self) -> u64 {
         4 * u64::from(self.lattice_words) * if self.back_side { 2 } else { 1 }
@@ -150,16 +156,13 @@ mod tests {
     use super::*;
     use crate::world::LayoutSpec;
 
+    /// Of a volume that follows the camera if it has several levels.
     fn visibility_bits(spacing: f32, cascades: u32) -> Option<VisibilityBits> {
-        visibility_by(Visibility::Exact, spacing, cascades)
+        visibility_by(Visibility::Exact, &spec(spacing, cascades))
     }
 
-    fn visibility_by(
-        visibility: Visibility,
-        spacing: f32,
-        cascades: u32,
-    ) -> Option<VisibilityBits> {
-        let spec = LayoutSpec {
+    fn spec(spacing: f32, cascades: u32) -> LayoutSpec {
+        LayoutSpec {
             name: "test".into(),
             counts: UVec3::splat(4),
             spacing: Vec3::splat(spacing),
@@ -167,12 +170,15 @@ mod tests {
             follow: cascades > 1,
             cascades,
             octree: None,
-        };
+        }
+    }
+
+    fn visibility_by(visibility: Visibility, spec: &LayoutSpec) -> Option<VisibilityBits> {
         let parameters = ProbeParameters {
             visibility,
             ..Default::default()
         };
-        let volume = Volume::new(&spec).expect("a good layout");
+        let volume = Volume::new(spec).expect("a good layout");
         VisibilityBits::new(&volume, &parameters)
     }
 
@@ -229,18 +235,33 @@ mod tests {
     }
 
     #[test]
-    fn one_level_is_exact_by_default_and_several_on_request() {
-        assert!(visibility_by(Visibility::Auto, 2.0, 1).is_some());
-        assert_eq!(visibility_by(Visibility::Auto, 2.0, 2), None);
-        assert!(visibility_by(Visibility::Exact, 2.0, 2).is_some());
-        assert_eq!(visibility_by(Visibility::Chebyshev, 2.0, 1), None);
+    fn visibility_is_exact_by_default_but_for_levels_around_a_camera() {
+        let still = LayoutSpec {
+            follow: false,
+            ..spec(2.0, 3)
+        };
+        let one = LayoutSpec {
+            follow: true,
+            ..spec(2.0, 1)
+        };
+        for volume in [&spec(2.0, 1), &spec(36.0, 1), &one, &still] {
+            assert!(visibility_by(Visibility::Auto, volume).is_some());
+            assert_eq!(visibility_by(Visibility::Chebyshev, volume), None);
+        }
+        assert_eq!(visibility_by(Visibility::Auto, &spec(2.0, 2)), None);
+        assert!(visibility_by(Visibility::Exact, &spec(2.0, 2)).is_some());
     }
 
     #[test]
-    fn large_cages_have_no_bits() {
-        assert!(visibility_bits(20.0, 1).is_some());
-        assert_eq!(visibility_bits(20.6, 1), None);
-        assert!(visibility_bits(5.0, 3).is_some());
-        assert_eq!(visibility_bits(5.2, 3), None, "the coarsest counts");
+    fn boxes_of_large_cages_are_cut_off() {
+        let whole = visibility_bits(20.0, 1).expect("exact");
+        assert_eq!(whole.boxes()[0].counts, UVec3::splat(MOST_COUNT));
+        assert!(!whole.is_cut());
+        let cut = visibility_bits(36.0, 1).expect("exact");
+        assert_eq!(cut.boxes()[0].counts, UVec3::splat(MOST_COUNT));
+        assert!(cut.is_cut());
+        // The coarsest counts.
+        assert!(!visibility_bits(5.0, 3).expect("exact").is_cut());
+        assert!(visibility_bits(5.2, 3).expect("exact").is_cut());
     }
 }

@@ -3,7 +3,7 @@
 use super::source;
 use crate::{
     parameters::ProbeParameters,
-    probes::{Level, Motion, VisibilityBits, Volume, volume::MAX_LEVELS},
+    probes::{Level, Motion, VisibilityBits, VisibilityBox, Volume, volume::MAX_LEVELS},
 };
 
 crate::shared! {
@@ -50,6 +50,9 @@ crate::shared! {
         /// Voxels, along each axis, of the box that a probe's visibility bits cover.
         pub visibility_counts: [u32; 3],
         pub _pad6: u32,
+        /// How far that box reaches from the lattice point (voxels).
+        pub visibility_reach: [f32; 3],
+        pub _pad7: u32,
     }
 }
 
@@ -96,6 +99,7 @@ impl GpuProbeLevel {
             first_ws: level.first().to_array(),
             first_slot: level.first_slot(),
             spacing: level.spacing().to_array(),
+            visibility_reach: VisibilityBox::reach(level.spacing()).to_array(),
             inverse_spacing: level.spacing().recip().to_array(),
             middle_ws: level.middle().to_array(),
             reach: level.reach().to_array(),

@@ -9,6 +9,8 @@ use grotto::{
     world::{LayoutSpec, voxels::Voxels},
 };
 
+use crate::support::scenes::{lattice, volume_of};
+
 use super::{
     Rig,
     visibility_bits::{ORIGIN, exact, nested, rooms, volume},
@@ -129,6 +131,25 @@ fn light_stays_on_its_side_of_a_wall() {
         }
     }
     assert!(lit_points.iter().all(|count| *count > 60), "{lit_points:?}");
+}
+
+/// Of eight probes, 50 voxels apart, one is in the first room. Its bits end 20 voxels away; the wall goes on, and is lit
+/// there too. The second room has no probe, and is dark.
+#[test]
+fn one_probe_of_large_cages_lights_all_of_its_room_and_nothing_else() {
+    const SPACING: f32 = 50.0;
+    let probe = ORIGIN.as_vec3() + Vec3::new(12.5, 4.5, 4.5);
+    let spec = lattice(UVec3::splat(2), Vec3::splat(SPACING), probe + 0.5 * SPACING);
+    let rig = lit(volume_of(&spec), |_, _| [0.25, 1.0, 4.0]);
+    let of_wall = line_on(1, 0.5, 42);
+    let far = of_wall[41].0 - probe;
+    assert!(far.z > 21.0, "beyond the bits: {far}");
+    for gathered in rig.gather(&of_wall) {
+        assert!((gathered[1] - 1.0).abs() < 2e-3, "{gathered:?}");
+    }
+    for gathered in rig.gather(&line_on(2, 0.5, 42)) {
+        assert_eq!(gathered[..3], [0.0; 3], "through the wall");
+    }
 }
 
 /// A pit between the probes of the finest level, too narrow for them to see its floor. The next level lights the floor;

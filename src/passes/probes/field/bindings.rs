@@ -1,6 +1,7 @@
 //! What a probe field offers to kernels: buffers, textures and constants, by name.
 
 use super::{ProbeField, Source};
+use crate::probes::VisibilityBits;
 
 impl ProbeField {
     /// The bindings of `shaders/probes/field.wesl`: what kernels that gather read.
@@ -98,12 +99,13 @@ impl ProbeField {
     }
 
     /// The constants of kernels that gather.
-    pub fn gather_constants(&self) -> [(&'static str, f64); 5] {
+    pub fn gather_constants(&self) -> [(&'static str, f64); 6] {
         let [octree] = self.layout_constants();
         let visits_all = self
             .volume
             .octree()
             .is_some_and(|octree| octree.spec().source);
+        let cut = self.visibility_bits().is_some_and(VisibilityBits::is_cut);
         let nested = self.volume.moves() || self.volume.levels().len() > 1;
         [
             (
@@ -111,6 +113,7 @@ impl ProbeField {
                 self.source.as_ref().map_or(0.0, Source::weights),
             ),
             ("EXACT", f64::from(u8::from(self.exact()))),
+            ("CUT", f64::from(u8::from(cut))),
             ("NESTED", f64::from(u8::from(nested))),
             ("VISITS_ALL", f64::from(u8::from(visits_all))),
             octree,

@@ -84,8 +84,7 @@ impl ProbeField {
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
         let parameters = &*parameters.effective();
-        // Bits that do not fit are an error only under `exact`. Otherwise visibility is estimated from distances,
-        // as with large cages.
+        // Bits that do not fit are an error only under `exact`. Otherwise visibility is estimated from distances.
         let visibility_bits = VisibilityBits::new(&volume, parameters).filter(|visibility_bits| {
             parameters.visibility == Visibility::Exact
                 || gpu
