@@ -33,9 +33,12 @@ const PIXELS_A_BATCH: u32 = 8;
 const LEAST_IN_SOFTWARE: u32 = 1 << 12;
 /// Frames that probes take to settle after their warm-up.
 const SETTLING_FRAMES: u32 = 24;
-/// While lamps glide, light of a face that is at most this many frames old is up to date: a pixel lists its face once in
-/// four frames.
-const FRESH_FRAMES: u32 = 4;
+/// While lamps glide, rays take the light of a face that was lit at most this many frames ago: it is late by less than the
+/// light of the probes, which the ray would take in its place.
+const FRESH_FRAMES: u32 = 16;
+/// Soon after a great change, when light goes on bouncing: a pixel lists its face once in four frames. The more
+/// frames have gone by, the older light may be: one frame in four.
+const FRESH_AT_FIRST: u32 = 4;
 /// Most rays whose mean is a quadrant's light until the probes have settled.
 const SAMPLES_WHILE_SETTLING: f32 = 64.0;
 /// Frames after the last change of lamps or bodies for which rays are repeated: its bounces go on. For as many frames after
@@ -186,7 +189,7 @@ impl SurfaceCache {
             fresh_frames: match changes.frames_since_great(age) {
                 _ if !settled => 0,
                 // What a face found before a great change tells nothing of the light after it.
-                Some(since) => FRESH_FRAMES.min(since),
+                Some(since) => (since / 4).clamp(FRESH_AT_FIRST.min(since), FRESH_FRAMES),
                 None => FRESH_FRAMES,
             },
             repeats: u32::from(lamps_change && !is_edit_new),
