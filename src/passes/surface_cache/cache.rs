@@ -34,10 +34,10 @@ const LEAST_IN_SOFTWARE: u32 = 1 << 12;
 /// Frames that probes take to settle after their warm-up.
 const SETTLING_FRAMES: u32 = 24;
 /// While lamps glide, rays take the light of a face that was lit at most this many frames ago: it is late by less than the
-/// light of the probes, which the ray would take in its place.
-const FRESH_FRAMES: u32 = 16;
-/// Soon after a great change, when light goes on bouncing: a pixel lists its face once in four frames. The more
-/// frames have gone by, the older light may be: one frame in four.
+/// light of the probes, which they would take in its place.
+const FRESH_FRAMES: u32 = 8;
+/// The same soon after a great change, whose light goes on bouncing: a pixel lists its face once in four frames. Later
+/// light may be as old as a quarter of the time since the change.
 const FRESH_AT_FIRST: u32 = 4;
 /// Most rays whose mean is a quadrant's light until the probes have settled.
 const SAMPLES_WHILE_SETTLING: f32 = 64.0;
