@@ -186,14 +186,14 @@ impl SurfaceCache {
             stillness: changes.stillness(),
             changed_frame,
             edited_before: changes.edit_before().map_or(0, |shown_in| shown_in + 1),
-            fresh_frames: match changes.frames_since_great(age) {
-                _ if !settled => 0,
-                // What a face found before a great change tells nothing of the light after it.
-                Some(since) => (since / 4).clamp(FRESH_AT_FIRST.min(since), FRESH_FRAMES),
-                None => FRESH_FRAMES,
+            fresh_frames: if settled {
+                fresh_frames(changes.frames_since_great(age))
+            } else {
+                0
             },
             repeats: u32::from(lamps_change && !is_edit_new),
-            _pad: [0; 3],
+            settled: u32::from(settled),
+            _pad: [0; 2],
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
@@ -306,5 +306,26 @@ impl SurfaceCache {
             &self.histories,
         ];
         buffers.iter().map(|buffer| buffer.size()).sum()
+    }
+}
+
+/// How old the light of a face may be that rays take while light changes. `since_great`: frames since the last great change;
+/// what a face found before it tells nothing of the light after it.
+fn fresh_frames(since_great: Option<u32>) -> u32 {
+    since_great.map_or(FRESH_FRAMES, |since| {
+        (since / 4).clamp(FRESH_AT_FIRST.min(since), FRESH_FRAMES)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_from_before_a_great_change_is_never_fresh() {
+        assert_eq!(fresh_frames(None), 8, "lamps that glide");
+        let ages = [0, 1, 4, 15, 24, 32, 1000].map(|since| fresh_frames(Some(since)));
+        assert_eq!(ages, [0, 1, 4, 4, 6, 8, 8]);
+        assert!((0..100).all(|since| fresh_frames(Some(since)) <= since));
     }
 }

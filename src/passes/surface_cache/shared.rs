@@ -37,7 +37,9 @@ crate::shared! {
         pub fresh_frames: u32,
         /// 1: lamps or bodies move or have changed, so rays are repeated.
         pub repeats: u32,
-        pub _pad: [u32; 3],
+        /// 0: the probes are new, and their light still rises from frame to frame.
+        pub settled: u32,
+        pub _pad: [u32; 2],
     }
 
     /// Words of an entry of the table.
