@@ -86,8 +86,8 @@ pub struct VisibilityBits {
 }
 
 impl VisibilityBits {
-    /// `None` if visibility is not exact. By default it is but for nested levels around a camera: there it would
-    /// take a third of the frame.
+    /// `None` if visibility is not exact. By default all volumes have exact visibility, except nested levels that
+    /// follow the camera, where it would take a third of the frame.
     ///
     /// In a volume of one level, each probe has a back-side probe for the surfaces that it does not see, if
     /// probes may leave the lattice. In a volume of several levels, the coarser levels cover what the finer
