@@ -4,7 +4,7 @@ use crate::{gpu::EarlyShaders, passes::scene::voxelise::Voxelise, world::World};
 
 /// The shaders of every world's first frame, the longest first. Others, as those of a world's bodies, are composed
 /// when their passes are made.
-pub(super) const SHADERS: [&str; 16] = [
+pub(super) const SHADERS: [&str; 17] = [
     "view/shade",
     "probes/trace",
     "surface_cache/trace",
@@ -19,6 +19,7 @@ pub(super) const SHADERS: [&str; 16] = [
     "probes/schedule",
     "scene/lamp_lists",
     "scene/distances",
+    "surface_cache/place_requested",
     "view/antialias",
     "view/tonemap",
 ];

@@ -84,6 +84,7 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
                 "surface_cache/lamps",
                 "surface_cache/resolve",
                 "surface_cache/allocate",
+                "surface_cache/place_requested",
                 "surface_cache/trace",
                 "view/shade",
                 "view/tonemap",

@@ -207,7 +207,7 @@ fn lost_bounces_are_found() {
         (
             "surface_cache/trace.wesl",
             "light_at_hit(hit.voxel, hit.face, stop.point_gs)",
-            "(0.0 * light_at_hit(hit.voxel, hit.face, stop.point_gs))",
+            "LightAtHit(vec3f(0.0), false, 1.0)",
         ),
         // Probes ignore every bounce before the one that their rays see.
         (

@@ -23,7 +23,7 @@ impl BodyLight {
     pub fn spec<'a>(offered: &'a [(&'a str, f64)]) -> KernelSpec<'a> {
         KernelSpec {
             shader: "probes/body_light",
-            overrides: &[("COHERENT", 0.0)],
+            overrides: &[("COHERENT", 0.0), ("OF_MANY", 1.0)],
             offered,
             ..Default::default()
         }

@@ -21,7 +21,11 @@ impl ProbeTrace {
             gpu,
             &KernelSpec {
                 shader: "probes/trace",
-                overrides: &[("COHERENT", 0.0), ("HIT_SETS", f64::from(sets))],
+                overrides: &[
+                    ("COHERENT", 0.0),
+                    ("OF_MANY", 1.0),
+                    ("HIT_SETS", f64::from(sets)),
+                ],
                 offered: &offer.constants,
                 ..Default::default()
             },

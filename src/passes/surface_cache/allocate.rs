@@ -12,7 +12,7 @@ const REQUEST_GROUPS: u32 = REQUEST_ROOM / REQUESTS_A_GROUP;
 
 pub struct SurfaceAllocate {
     seen: (Kernel, Bindings),
-    requested: [(Kernel, Bindings); 3],
+    requested: (Kernel, Bindings),
     arguments: (Kernel, Bindings),
     groups: [u32; 2],
 }
@@ -38,15 +38,9 @@ impl SurfaceAllocate {
             offered: &scene.constants,
             ..Default::default()
         };
-        let entries = [
-            "allocate_seen",
-            "claim_requested",
-            "take_requested",
-            "allocate_requested",
-            "arguments",
-        ];
+        let entries = ["allocate_seen", "allocate_requested", "arguments"];
         let kernels = Kernel::of_entries(gpu, &spec, entries)?;
-        let [seen, claim, take, allocate, arguments] = kernels.map(|kernel| {
+        let [seen, requested, arguments] = kernels.map(|kernel| {
             let bindings = kernel.bind(gpu, &all);
             (kernel, bindings)
         });
@@ -54,7 +48,7 @@ impl SurfaceAllocate {
         let [columns, rows] = seen.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
         Ok(Self {
             seen,
-            requested: [claim, take, allocate],
+            requested,
             arguments,
             groups: rectangle(columns * rows),
         })
@@ -69,12 +63,11 @@ impl SurfaceAllocate {
     /// Lists the faces that rays have requested, then computes the work in all. After
     /// [`record`](Self::record), before pass `surface_cache/trace`.
     pub fn record_requested(&self, recorder: &mut Recorder<'_>) {
-        let (arguments, bindings) = &self.arguments;
+        let ((requested, of_requested), (arguments, of_arguments)) =
+            (&self.requested, &self.arguments);
         recorder.compute(&arguments.label, |pass| {
-            for (kernel, bindings) in &self.requested {
-                kernel.dispatch(pass, bindings, [REQUEST_GROUPS, 1, 1]);
-            }
-            arguments.dispatch(pass, bindings, [1, 1, 1]);
+            requested.dispatch(pass, of_requested, [REQUEST_GROUPS, 1, 1]);
+            arguments.dispatch(pass, of_arguments, [1, 1, 1]);
         });
     }
 }

@@ -19,7 +19,8 @@ const LISTED_BYTES: u64 = size_of::<GpuListedFace>() as u64;
 const BATCH_BYTES: u64 = size_of::<GpuFaceBatch>() as u64;
 const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
 /// The list of requests: a count, then the faces.
-const REQUEST_LIST_BYTES: u64 = 4 + (REQUEST_ROOM as usize * size_of::<GpuRequestedFace>()) as u64;
+const REQUEST_LIST_BYTES: u64 =
+    4 + (REQUEST_ROOM as usize * (size_of::<GpuRequestedFace>() + size_of::<u32>())) as u64;
 /// Places in the table for faces of one direction.
 const BUCKETS: u32 = 1 << 16;
 /// Batches of rays that faces can send in a frame, whatever the size of the picture: where more faces want rays, as in wide

@@ -25,7 +25,7 @@ impl SurfaceTrace {
             gpu,
             &KernelSpec {
                 shader: "surface_cache/trace",
-                overrides: &[("COHERENT", 0.0)],
+                overrides: &[("COHERENT", 0.0), ("OF_MANY", 1.0)],
                 offered: &offer.constants,
                 ..Default::default()
             },

@@ -1,4 +1,6 @@
-//! Every pass of a frame, with what it reads and writes there.
+//! Every pass of a frame, in their order.
+
+mod steps;
 
 use std::thread;
 
@@ -7,10 +9,7 @@ use super::{
     body_passes::BodyPasses,
     inspect::Inspect,
     offers::{Subjects, offer},
-    values::{
-        ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
-        ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update, Wanted,
-    },
+    values::{Drawn, FaceLight, ProbeLight, Radiance, Surfaces, Update, Wanted},
 };
 use crate::{
     gpu::{Gpu, Offer, Recorder, made},
@@ -23,8 +22,8 @@ use crate::{
         },
         scene::lamp_lists::LampLists,
         surface_cache::{
-            allocate::SurfaceAllocate, lamps::SurfaceLamps, resolve::SurfaceResolve,
-            trace::SurfaceTrace,
+            allocate::SurfaceAllocate, lamps::SurfaceLamps, place_requested::PlaceRequested,
+            resolve::SurfaceResolve, trace::SurfaceTrace,
         },
         view::{
             Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays, shade::Shade,
@@ -52,6 +51,7 @@ pub(super) struct Passes {
     face_lamps: SurfaceLamps,
     allocate: SurfaceAllocate,
     surface_trace: SurfaceTrace,
+    place_requested: PlaceRequested,
     resolve: SurfaceResolve,
     pub shade: Shade,
     pub bits: Option<Bits>,
@@ -100,6 +100,7 @@ impl Passes {
             let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));
             let allocate =
                 threads.spawn(|| SurfaceAllocate::new(gpu, size, surfaces, cache, scene));
+            let place_requested = threads.spawn(|| PlaceRequested::new(gpu, cache, scene));
             let camera_rays = threads.spawn(|| CameraRays::new(gpu, surfaces.clone(), scene));
             let shade = threads.spawn(|| Shade::new(gpu, hdr.clone(), surfaces, &of_pixels));
             let bits = wanted
@@ -138,6 +139,7 @@ impl Passes {
                 face_lamps: made(face_lamps)?,
                 allocate: made(allocate)?,
                 surface_trace: made(surface_trace)?,
+                place_requested: made(place_requested)?,
                 resolve: made(resolve)?,
                 camera_rays,
                 shade,
@@ -178,12 +180,16 @@ impl Passes {
             let radiance = self.draw_over(recorder, radiance, (surfaces, before), shot, drawn);
             recorder.concurrent(|recorder| {
                 let probe_light = self.blend_probes(recorder, active, probe_rays);
-                self.display(recorder, radiance, drawn);
+                self.place_requested(recorder, &face_rays);
                 self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
+                self.display(recorder, radiance, drawn);
             });
             return;
         }
-        let probe_light = self.blend_probes(recorder, active, probe_rays);
+        let probe_light = recorder.concurrent(|recorder| {
+            self.place_requested(recorder, &face_rays);
+            self.blend_probes(recorder, active, probe_rays)
+        });
         let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
         self.show(recorder, surfaces, (probe_light, face_light), shot, drawn);
     }
@@ -230,169 +236,5 @@ impl Passes {
             (Some(pass), Some(which)) => &pass.colours[which],
             _ => &self.shade.hdr,
         }
-    }
-}
-
-/// One method for each step of a frame: its arguments are what the step reads of this frame, its result is what it
-/// writes. A value exists only once its pass is recorded, so the compiler checks the order of the passes.
-impl Passes {
-    /// The lists stay valid from the last frame where no lamp has moved.
-    fn list_lamps(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
-        if is_needed {
-            self.lamp_lists.record(recorder);
-        }
-    }
-
-    /// Reads `update`: probes that are new, were moved, or are near an edit; and where bodies are. The places of all other
-    /// probes stay valid from the last frame.
-    fn place_probes(&self, recorder: &mut Recorder<'_>, update: Update) -> PlacedProbes {
-        if update.places_probes {
-            self.classify.record(recorder);
-            if let Some(walk) = &self.walk {
-                walk.record_begin(recorder);
-            }
-            if update.marks_visibility {
-                self.visibility.record(recorder);
-            }
-            if update.has_fresh {
-                self.seed.record(recorder);
-            }
-        }
-        if (update.places_probes || update.moves_bodies)
-            && let Some(bodies) = &self.bodies
-        {
-            bodies.cover(recorder);
-        }
-        // Probes that walk may have moved at the end of any frame.
-        if let Some(forget_hits) = &self.forget_hits
-            && (update.places_probes || self.walk.is_some())
-        {
-            forget_hits.record(recorder);
-        }
-        PlacedProbes
-    }
-
-    fn trace_camera(&self, recorder: &mut Recorder<'_>, drawn: Drawn) -> Surfaces {
-        self.camera_rays.record(recorder, drawn.size);
-        Surfaces
-    }
-
-    /// Which lamps the faces see that the last frame listed: most of them are in this picture, too.
-    fn ask_faces(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
-        if self.uses_cache && is_needed {
-            self.face_lamps.record(recorder);
-        }
-    }
-
-    /// Reads the requests of the last frame.
-    fn list_probes(&self, recorder: &mut Recorder<'_>, _: PlacedProbes) -> ListedProbes {
-        self.schedule.record_list(recorder);
-        ListedProbes
-    }
-
-    fn size_list(&self, recorder: &mut Recorder<'_>, _: ListedProbes) -> ActiveList {
-        self.schedule.record_arguments(recorder);
-        ActiveList
-    }
-
-    /// Gives the visible faces places in the table.
-    fn allocate_seen(&self, recorder: &mut Recorder<'_>, _: &Surfaces) -> SeenFaces {
-        if self.uses_cache {
-            self.allocate.record(recorder);
-        }
-        SeenFaces
-    }
-
-    /// Gives places to the faces that rays of the last frame requested.
-    fn allocate_requested(&self, recorder: &mut Recorder<'_>, _: SeenFaces) -> ListedFaces {
-        if self.uses_cache {
-            self.allocate.record_requested(recorder);
-        }
-        ListedFaces
-    }
-
-    /// Reads the light of probes and faces of the last frame: each frame adds one bounce.
-    fn trace_probes(&self, recorder: &mut Recorder<'_>, _: &ActiveList) -> ProbeRays {
-        self.probe_trace.record(recorder);
-        ProbeRays
-    }
-
-    /// Reads the light of probes and faces of the last frame.
-    fn trace_faces(&self, recorder: &mut Recorder<'_>, _: &ListedFaces) -> FaceRays {
-        if self.uses_cache {
-            self.surface_trace.record(recorder);
-        }
-        FaceRays
-    }
-
-    fn blend_probes(&self, recorder: &mut Recorder<'_>, _: ActiveList, _: ProbeRays) -> ProbeLight {
-        (self.occlusion.0.iter()).for_each(|rays| rays.record(recorder));
-        (self.occlusion.1.iter()).for_each(|blend| blend.record(recorder));
-        self.blend.record(recorder);
-        if let Some(walk) = &self.walk {
-            walk.record(recorder);
-        }
-        ProbeLight
-    }
-
-    fn resolve_faces(
-        &self,
-        recorder: &mut Recorder<'_>,
-        _: ListedFaces,
-        _: FaceRays,
-        _: &ProbeLight,
-    ) -> FaceLight {
-        if self.uses_cache {
-            self.resolve.record(recorder);
-        }
-        FaceLight
-    }
-
-    /// Writes the light that arrives at the camera, or a view of data. Leaves requests for the next frame.
-    fn shade(
-        &self,
-        recorder: &mut Recorder<'_>,
-        _: &Surfaces,
-        _: &(ProbeLight, FaceLight),
-        shot: &Shot,
-        drawn: Drawn,
-    ) -> Radiance {
-        let (shade, size) = (&self.shade, drawn.size);
-        self.inspect.shade(recorder, shade, shot.view, size);
-        Radiance
-    }
-
-    /// Draws what flies and the bulbs of lamps before the surfaces.
-    fn draw_bits(
-        &self,
-        recorder: &mut Recorder<'_>,
-        radiance: Radiance,
-        _: (Surfaces, (ProbeLight, FaceLight)),
-        shot: &Shot,
-        drawn: Drawn,
-    ) -> Radiance {
-        if let Some(bits) = self.bits.as_ref().filter(|_| Bits::are_in(shot.view)) {
-            bits.record(recorder, drawn.size);
-        }
-        radiance
-    }
-
-    /// Draws the probes themselves, if they are to be seen.
-    fn inspect(&self, recorder: &mut Recorder<'_>, radiance: Radiance) -> Radiance {
-        self.inspect.draw(recorder);
-        radiance
-    }
-
-    /// Averages jittered pictures; of those with fewer pixels than are shown it makes one of all.
-    fn antialias(&self, recorder: &mut Recorder<'_>, radiance: Radiance, drawn: Drawn) -> Radiance {
-        if let (Some(pass), Some(which)) = (&self.antialias, drawn.smoothed) {
-            pass.record(recorder, which);
-        }
-        radiance
-    }
-
-    fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance, drawn: Drawn) {
-        let which = drawn.smoothed.map_or(0, |which| 1 + which);
-        self.tonemap.record(recorder, which);
     }
 }

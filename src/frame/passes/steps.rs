@@ -1,0 +1,198 @@
+//! The steps of a frame.
+
+use super::{
+    super::values::{
+        ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
+        ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update,
+    },
+    Passes,
+};
+use crate::{
+    gpu::Recorder,
+    passes::view::{Shot, bits::Bits},
+};
+
+/// One method for each step of a frame: its arguments are what the step reads of this frame, its result is what it
+/// writes. A value exists only once its pass is recorded, so the compiler checks the order of the passes.
+impl Passes {
+    /// The lists stay valid from the last frame where no lamp has moved.
+    pub(super) fn list_lamps(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
+        if is_needed {
+            self.lamp_lists.record(recorder);
+        }
+    }
+
+    /// Reads `update`: probes that are new, were moved, or are near an edit; and where bodies are. The places of all other
+    /// probes stay valid from the last frame.
+    pub(super) fn place_probes(&self, recorder: &mut Recorder<'_>, update: Update) -> PlacedProbes {
+        if update.places_probes {
+            self.classify.record(recorder);
+            if let Some(walk) = &self.walk {
+                walk.record_begin(recorder);
+            }
+            if update.marks_visibility {
+                self.visibility.record(recorder);
+            }
+            if update.has_fresh {
+                self.seed.record(recorder);
+            }
+        }
+        if (update.places_probes || update.moves_bodies)
+            && let Some(bodies) = &self.bodies
+        {
+            bodies.cover(recorder);
+        }
+        // Probes that walk may have moved at the end of any frame.
+        if let Some(forget_hits) = &self.forget_hits
+            && (update.places_probes || self.walk.is_some())
+        {
+            forget_hits.record(recorder);
+        }
+        PlacedProbes
+    }
+
+    pub(super) fn trace_camera(&self, recorder: &mut Recorder<'_>, drawn: Drawn) -> Surfaces {
+        self.camera_rays.record(recorder, drawn.size);
+        Surfaces
+    }
+
+    /// Which lamps the faces see that the last frame listed: most of them are in this picture, too.
+    pub(super) fn ask_faces(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
+        if self.uses_cache && is_needed {
+            self.face_lamps.record(recorder);
+        }
+    }
+
+    /// Reads the requests of the last frame.
+    pub(super) fn list_probes(&self, recorder: &mut Recorder<'_>, _: PlacedProbes) -> ListedProbes {
+        self.schedule.record_list(recorder);
+        ListedProbes
+    }
+
+    pub(super) fn size_list(&self, recorder: &mut Recorder<'_>, _: ListedProbes) -> ActiveList {
+        self.schedule.record_arguments(recorder);
+        ActiveList
+    }
+
+    /// Gives the visible faces places in the table.
+    pub(super) fn allocate_seen(&self, recorder: &mut Recorder<'_>, _: &Surfaces) -> SeenFaces {
+        if self.uses_cache {
+            self.allocate.record(recorder);
+        }
+        SeenFaces
+    }
+
+    /// Lists the faces that rays of the last frame requested.
+    pub(super) fn allocate_requested(
+        &self,
+        recorder: &mut Recorder<'_>,
+        _: SeenFaces,
+    ) -> ListedFaces {
+        if self.uses_cache {
+            self.allocate.record_requested(recorder);
+        }
+        ListedFaces
+    }
+
+    /// Reads the light of probes and faces of the last frame: each frame adds one bounce.
+    pub(super) fn trace_probes(&self, recorder: &mut Recorder<'_>, _: &ActiveList) -> ProbeRays {
+        self.probe_trace.record(recorder);
+        ProbeRays
+    }
+
+    /// Reads the light of probes and faces of the last frame.
+    pub(super) fn trace_faces(&self, recorder: &mut Recorder<'_>, _: &ListedFaces) -> FaceRays {
+        if self.uses_cache {
+            self.surface_trace.record(recorder);
+        }
+        FaceRays
+    }
+
+    /// Gives places to the faces that the rays request.
+    pub(super) fn place_requested(&self, recorder: &mut Recorder<'_>, _: &FaceRays) {
+        if self.uses_cache {
+            self.place_requested.record(recorder);
+        }
+    }
+
+    pub(super) fn blend_probes(
+        &self,
+        recorder: &mut Recorder<'_>,
+        _: ActiveList,
+        _: ProbeRays,
+    ) -> ProbeLight {
+        (self.occlusion.0.iter()).for_each(|rays| rays.record(recorder));
+        (self.occlusion.1.iter()).for_each(|blend| blend.record(recorder));
+        self.blend.record(recorder);
+        if let Some(walk) = &self.walk {
+            walk.record(recorder);
+        }
+        ProbeLight
+    }
+
+    pub(super) fn resolve_faces(
+        &self,
+        recorder: &mut Recorder<'_>,
+        _: ListedFaces,
+        _: FaceRays,
+        _: &ProbeLight,
+    ) -> FaceLight {
+        if self.uses_cache {
+            self.resolve.record(recorder);
+        }
+        FaceLight
+    }
+
+    /// Writes the light that arrives at the camera, or a view of data. Leaves requests for the next frame.
+    pub(super) fn shade(
+        &self,
+        recorder: &mut Recorder<'_>,
+        _: &Surfaces,
+        _: &(ProbeLight, FaceLight),
+        shot: &Shot,
+        drawn: Drawn,
+    ) -> Radiance {
+        let (shade, size) = (&self.shade, drawn.size);
+        self.inspect.shade(recorder, shade, shot.view, size);
+        Radiance
+    }
+
+    /// Draws what flies and the bulbs of lamps before the surfaces.
+    pub(super) fn draw_bits(
+        &self,
+        recorder: &mut Recorder<'_>,
+        radiance: Radiance,
+        _: (Surfaces, (ProbeLight, FaceLight)),
+        shot: &Shot,
+        drawn: Drawn,
+    ) -> Radiance {
+        if let Some(bits) = self.bits.as_ref().filter(|_| Bits::are_in(shot.view)) {
+            bits.record(recorder, drawn.size);
+        }
+        radiance
+    }
+
+    /// Draws the probes themselves, if they are to be seen.
+    pub(super) fn inspect(&self, recorder: &mut Recorder<'_>, radiance: Radiance) -> Radiance {
+        self.inspect.draw(recorder);
+        radiance
+    }
+
+    /// Averages jittered pictures; of those with fewer pixels than are shown it makes one of all.
+    pub(super) fn antialias(
+        &self,
+        recorder: &mut Recorder<'_>,
+        radiance: Radiance,
+        drawn: Drawn,
+    ) -> Radiance {
+        if let (Some(pass), Some(which)) = (&self.antialias, drawn.smoothed) {
+            pass.record(recorder, which);
+        }
+        radiance
+    }
+
+    pub(super) fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance, drawn: Drawn) {
+        let which = drawn.smoothed.map_or(0, |which| 1 + which);
+        self.tonemap.record(recorder, which);
+    }
+}
