@@ -131,12 +131,12 @@ fn refuse_strangers(reports: &[(PathBuf, Report)]) -> Result<(), Failure> {
     };
     for (path, other) in others {
         let same_worlds = other.worlds.iter().all(|world| {
-            // A suite may have one world at several sizes and with several seeds.
+            // A suite may have one world at several sizes, with several seeds and with other lamps.
             let is_same = |known: &&WorldRecord| {
                 (&known.name, known.size, known.seed) == (&world.name, world.size, world.seed)
             };
-            let known = first.worlds.iter().find(is_same);
-            known.is_none_or(|known| known.hash == world.hash)
+            let mut known = first.worlds.iter().filter(is_same).peekable();
+            known.peek().is_none() || known.any(|known| known.hash == world.hash)
         });
         let adapter = |report: &Report| report.rows.first().map(|row| row.adapter.clone());
         let same_adapter = match (adapter(first), adapter(other)) {
@@ -413,6 +413,32 @@ mod tests {
         refused(&paths, "both have the row");
         let failure = join(&paths, &paths[0]).expect_err("one of them");
         assert!(failure.reason().contains("--out"), "{failure}");
+    }
+
+    /// `bench all` measures the cave as it is, and with lamps of the bench's own.
+    #[test]
+    fn a_world_is_no_stranger_for_being_there_with_other_lamps() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let paths = parts(folder.path(), 3);
+        let alter = |path: &PathBuf, change: fn(&mut Report)| {
+            let mut report = Report::read(path).expect("a part");
+            change(&mut report);
+            let files = Files::new(path, true).expect("to be overwritten");
+            files.write(&report).expect("writable");
+        };
+        for path in &paths {
+            alter(path, |report| {
+                let mut lit = report.worlds[0].clone();
+                lit.hash = "e".repeat(32);
+                report.worlds.push(lit);
+            });
+        }
+        let out = folder.path().join("whole");
+        join(&paths, &out).expect("parts of one run");
+        assert_eq!(Report::read(&out).expect("the whole").worlds.len(), 2);
+        alter(&paths[1], |report| report.worlds[0].hash = "f".repeat(32));
+        let failure = join(&paths, &folder.path().join("other")).expect_err("an edited world");
+        assert!(failure.reason().contains("other worlds"), "{failure}");
     }
 
     #[test]
