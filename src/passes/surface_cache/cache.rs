@@ -18,7 +18,7 @@ use crate::{
 const LISTED_BYTES: u64 = size_of::<GpuListedFace>() as u64;
 const BATCH_BYTES: u64 = size_of::<GpuFaceBatch>() as u64;
 const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
-/// The list of requests: a count, then the faces.
+/// The list of requests: a count, the faces, and their places in the table.
 const REQUEST_LIST_BYTES: u64 =
     4 + (REQUEST_ROOM as usize * (size_of::<GpuRequestedFace>() + size_of::<u32>())) as u64;
 /// Places in the table for faces of one direction.
