@@ -384,6 +384,13 @@ mod tests {
         assert!(out.join(FRAMES).exists());
     }
 
+    fn alter(folder: &Path, change: fn(&mut Report)) {
+        let mut report = Report::read(folder).expect("a part");
+        change(&mut report);
+        let files = Files::new(folder, true).expect("to be overwritten");
+        files.write(&report).expect("writable");
+    }
+
     #[test]
     fn missing_doubled_and_foreign_parts_are_refused() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -398,15 +405,9 @@ mod tests {
         refused(&[paths[0].clone(), paths[2].clone()], "2/3 is missing");
         let doubled = [&paths[..], &paths[1..2]].concat();
         refused(&doubled, "2/3 is there 2 times");
-        let alter = |change: fn(&mut Report)| {
-            let mut report = Report::read(&paths[1]).expect("a part");
-            change(&mut report);
-            let files = Files::new(&paths[1], true).expect("to be overwritten");
-            files.write(&report).expect("writable");
-        };
-        alter(|report| report.build.commit = "else".to_owned());
+        alter(&paths[1], |report| report.build.commit = "else".to_owned());
         refused(&paths, "another build");
-        alter(|report| {
+        alter(&paths[1], |report| {
             report.build = made_up::report().build;
             report.rows = made_up::report().rows;
         });
@@ -420,12 +421,6 @@ mod tests {
     fn a_world_is_no_stranger_for_being_there_with_other_lamps() {
         let folder = tempfile::tempdir().expect("a folder");
         let paths = parts(folder.path(), 3);
-        let alter = |path: &PathBuf, change: fn(&mut Report)| {
-            let mut report = Report::read(path).expect("a part");
-            change(&mut report);
-            let files = Files::new(path, true).expect("to be overwritten");
-            files.write(&report).expect("writable");
-        };
         for path in &paths {
             alter(path, |report| {
                 let mut lit = report.worlds[0].clone();
