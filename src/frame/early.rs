@@ -4,7 +4,7 @@ use crate::{gpu::EarlyShaders, passes::scene::voxelise::Voxelise, world::World};
 
 /// The shaders of every world's first frame, the longest first. Others, as those of a world's bodies, are composed
 /// when their passes are made.
-pub(super) const SHADERS: [&str; 17] = [
+pub(super) const SHADERS: [&str; 18] = [
     "view/shade",
     "probes/trace",
     "surface_cache/trace",
@@ -17,6 +17,7 @@ pub(super) const SHADERS: [&str; 17] = [
     "probes/classify",
     "probes/blend",
     "probes/schedule",
+    "surface_cache/cell_shadows",
     "scene/lamp_lists",
     "scene/distances",
     "surface_cache/place_requested",

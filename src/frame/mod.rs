@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! scene/lamp_lists (lamps that move, where there are many) ─ the lamps of each cell, for all that follows
+//! surface_cache/cell_shadows (from 13 lamps on) ─ which of them stone hides from cells, for faces and pixels
 //! probes/classify (new probes, volumes that move, edits) ─ where probes are ─ probes/schedule ─ which are updated
 //!     ├ probes/cover (bodies that move), probes/body_light ─ probes in bodies, light of bodies
 //!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
@@ -49,7 +50,7 @@ use values::{Drawn, Update, Wanted};
 
 use crate::{
     gpu::{Gpu, Recorder},
-    lights::{CommonGain, LampRanks, Lights, RestingLamps, table::LightsOfFrame},
+    lights::{CellShadows, CommonGain, LampRanks, Lights, RestingLamps, table::LightsOfFrame},
     parameters::ProbeParameters,
     passes::{
         probes::{OcclusionFrame, ProbeField},
@@ -196,15 +197,18 @@ impl Frame {
             shows_edit: self.field.changes.shown_first().is_some(),
         };
         (self.field.occlusion_mut()).begin_frame(gpu, probes, &of_occlusion);
+        let lamps_have_changed = ranked.is_new || still_since.contains(&(self.frames + 1));
+        let sight_changes = lamps_have_changed || self.field.changes.shown_first().is_some();
+        let shadows = CellShadows::of_frame(lights.lamps.len(), sight_changes, self.frames);
         let of_frame = LightsOfFrame {
             gain,
             still_since,
             brightest: ranked.brightest,
             list_frame: ranked.made_in,
             keeps_slots: ranked.keeps_slots,
+            shadows_known: shadows.are_known,
         };
         self.order.begin_frame(&shot.camera, self.frames);
-        let lamps_have_changed = ranked.is_new || of_frame.still_since.contains(&(self.frames + 1));
         self.lights.set(gpu, &lights, &of_frame);
         let changes_greatly = self.field.changes.are_great();
         let repeats = self.field.changes.repeats().great_since().is_some();
@@ -230,14 +234,13 @@ impl Frame {
         self.faces.begin_frame(gpu, of_faces, &next);
         let update = Update {
             lists_lamps: ranked.is_new,
+            examines_shadows: shadows.are_examined,
             places_probes: self.field.misplaced(),
             marks_visibility: self.field.exact(),
             has_fresh: self.field.fresh() > 0,
-            asks_faces: self.order.asks_faces(
-                self.frames,
-                lamps_have_changed || self.field.changes.shown_first().is_some(),
-                bodies_moved > 0.0,
-            ),
+            asks_faces: self
+                .order
+                .asks_faces(self.frames, sight_changes, bodies_moved > 0.0),
             moves_bodies: bodies_moved > 0.0,
             finds_shafts: bodies_moved > 0.0 || lamps_have_changed || self.frames == 0,
             shades_early: self.order.shades_early(is_calm),

@@ -16,6 +16,8 @@ pub(super) struct Wanted {
 pub(super) struct Update {
     /// Lamps have moved: pass `scene/lamp_lists` must run.
     pub lists_lamps: bool,
+    /// Lamps have moved, voxels were edited, or it is the turn of new cells: pass `surface_cache/cell_shadows` must run.
+    pub examines_shadows: bool,
     /// Pass `probes/classify` and the passes after it must run.
     pub places_probes: bool,
     /// Visibility bits tell which surfaces each probe sees.

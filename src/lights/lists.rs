@@ -10,7 +10,7 @@
 use glam::UVec3;
 
 use super::{
-    Lights,
+    Cells, Lights,
     table::{GpuLampSlot, KNOWN_LAMPS, LISTED},
 };
 
@@ -20,22 +20,16 @@ const BRIGHTER: f32 = 1.5;
 const LEAST_SHIFT: u32 = 4;
 const MOST_CELLS: u32 = 32;
 
-/// log2 of the voxels along a cell of a world of `size` voxels.
-pub fn cell_shift(size: UVec3) -> u32 {
+/// The cells of a world of `size` voxels that have lists.
+pub fn cells(size: UVec3) -> Cells {
     let wanted = size.max_element().div_ceil(MOST_CELLS).max(1);
-    wanted.next_power_of_two().ilog2().max(LEAST_SHIFT)
-}
-
-/// Cells along each axis of a world of `size` voxels.
-pub fn cells(size: UVec3) -> UVec3 {
-    let shift = cell_shift(size);
-    (size + ((1 << shift) - 1)) >> UVec3::splat(shift)
+    let shift = wanted.next_power_of_two().ilog2().max(LEAST_SHIFT);
+    Cells::covering(size, shift)
 }
 
 /// Bytes of the lists of all cells.
-pub fn bytes(cells: UVec3) -> u64 {
-    let count = cells.to_array().map(u64::from).iter().product::<u64>();
-    count * u64::from(LISTED) * size_of::<GpuLampSlot>() as u64
+pub fn bytes(cells: Cells) -> u64 {
+    cells.number() * u64::from(LISTED) * size_of::<GpuLampSlot>() as u64
 }
 
 /// How bright each lamp counts in the lists, and when the lists must be made again.
@@ -130,10 +124,10 @@ mod tests {
         for size in [1, 16, 17, 100, 512, 513, 4096] {
             let size = UVec3::new(size, 1, size);
             let cells = cells(size);
-            assert!(cells.max_element() <= MOST_CELLS, "{size}");
-            assert!((cells << UVec3::splat(cell_shift(size))).cmpge(size).all());
+            assert!(cells.count.max_element() <= MOST_CELLS, "{size}");
+            assert!((cells.count << UVec3::splat(cells.shift)).cmpge(size).all());
         }
-        assert_eq!(bytes(UVec3::splat(MOST_CELLS)), 8 << 20);
+        assert_eq!(bytes(cells(UVec3::splat(512))), 8 << 20);
     }
 
     #[test]

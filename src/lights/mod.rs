@@ -4,6 +4,7 @@
 //! the CPU in f64, [`table`] uploads its result, and the CPU path tracer reads the same values. Lamps
 //! are summed: adding one never darkens anything.
 
+mod cells;
 pub mod change;
 pub mod emitters;
 mod fresh;
@@ -13,11 +14,13 @@ pub mod lamp;
 pub mod lists;
 pub mod motion;
 pub mod rest;
+mod shadows;
 pub mod sky;
 pub mod sphere;
 pub mod table;
 pub mod tracked;
 
+pub use cells::Cells;
 pub use emitters::Emitters;
 pub use fresh::FreshLamps;
 pub use gain::CommonGain;
@@ -25,6 +28,7 @@ pub use kinds::LampKinds;
 pub use lamp::{LampRay, LampShape, LampState, evaluate};
 pub use lists::LampRanks;
 pub use rest::RestingLamps;
+pub use shadows::CellShadows;
 pub use tracked::{TrackedLamp, TrackedLamps};
 
 use crate::world::{LampPreset, Sky, World};

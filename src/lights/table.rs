@@ -3,10 +3,10 @@
 use std::iter;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, UVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::lamp::MIN_SPOT_EDGE;
-use super::{LampShape, LampState, Lights, rest::Settled};
+use super::{Cells, LampShape, LampState, Lights, rest::Settled};
 use crate::world::{placed::MOST_PLACED, scenery::MAX_LAMPS};
 
 crate::shared! {
@@ -99,6 +99,16 @@ pub struct GpuLightsHeader {
     pub settled_since: u32,
     /// The last frame in which a lamp moved.
     pub moved_last: u32,
+    /// Cells along each axis that know which lamps are seen from them.
+    pub sight_cells: [u32; 3],
+    /// log2 of the voxels along a cell.
+    pub sight_shift: u32,
+    /// What stone hides from the first cell ([`super::CellShadows`]): an index into `lists`.
+    pub first_shadow: u32,
+    /// 1: what is known of that holds.
+    pub shadows_known: u32,
+    pub _pad0: u32,
+    pub _pad1: u32,
 }
 
 /// The frame since which a lamp rests that never does.
@@ -119,6 +129,8 @@ pub struct LightsOfFrame {
     /// The frame in which the lists were last made, and whether lamps that stay in a list keep their slots.
     pub list_frame: u32,
     pub keeps_slots: bool,
+    /// What pass `surface_cache/cell_shadows` has found holds.
+    pub shadows_known: bool,
 }
 
 impl Default for LightsOfFrame {
@@ -129,15 +141,16 @@ impl Default for LightsOfFrame {
             brightest: Vec::new(),
             list_frame: 0,
             keeps_slots: false,
+            shadows_known: false,
         }
     }
 }
 
 impl Lights {
-    /// The header and the lamps. `cells` are those that have lists, each 2^`shift` voxels wide.
+    /// The header and the lamps. `listed` are the cells that have lists, `of_sight` those that know which lamps they see.
     ///
     /// Panics beyond [`CAPACITY`] lamps, which a checked world cannot have.
-    pub fn to_bytes(&self, of_frame: &LightsOfFrame, cells: UVec3, shift: u32) -> Vec<u8> {
+    pub fn to_bytes(&self, of_frame: &LightsOfFrame, listed: Cells, of_sight: Cells) -> Vec<u8> {
         assert!(
             self.lamps.len() <= CAPACITY,
             "a checked world has at most {MAX_LAMPS} lamps, a sun, and {MOST_PLACED} placed lamps"
@@ -169,8 +182,8 @@ impl Lights {
             },
             gain: of_frame.gain.to_array(),
             lamp_count: self.lamps.len() as u32,
-            list_cells: cells.to_array(),
-            list_shift: shift,
+            list_cells: listed.count.to_array(),
+            list_shift: listed.shift,
             all_brightest: before as f32,
             list_frame: of_frame.list_frame,
             keeps_slots: u32::from(of_frame.keeps_slots),
@@ -178,6 +191,12 @@ impl Lights {
             unsettled: settled.unsettled,
             settled_since: settled.since,
             moved_last: settled.moved_last,
+            sight_cells: of_sight.count.to_array(),
+            sight_shift: of_sight.shift,
+            first_shadow: listed.number() as u32 * LISTED,
+            shadows_known: u32::from(of_frame.shadows_known),
+            _pad0: 0,
+            _pad1: 0,
         };
         [
             bytemuck::bytes_of(&header),

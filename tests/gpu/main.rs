@@ -8,6 +8,7 @@ mod antialias;
 mod bits;
 mod bodies;
 mod cascades;
+mod cell_shadows;
 mod dispatch_chunks;
 mod distances;
 mod edits;

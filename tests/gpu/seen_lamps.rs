@@ -100,8 +100,6 @@ fn choose(gpu: &Gpu, first: [u32; 2], second: [u32; 2], fresh: u32) -> Outcome {
     };
     lights.set(gpu, &all, &of_frame);
     let header = GpuSeenLampsHeader {
-        cells: [1; 3],
-        shift: 5,
         read_first: 2,
         read_second: 4,
         written: 0,

@@ -113,7 +113,7 @@ fn kept_visibility_of_spheres_is_what_shadow_rays_say() {
     // A test that takes part of a sphere for all of it, or a wall with a hole for a wall, is noticed.
     for (sound, faulty) in [
         ("if are_empty(blocks) {", "if true {"),
-        ("if is_all(rectangle, true)", "if true"),
+        ("if hides_lamp(hull, slabs, slab) {", "if true {"),
     ] {
         let fault = ("surface_cache/hull.wesl", sound, faulty);
         let mut mutant = hall(support::with_faults(&drawn.gpu, &[fault]), FinalGather::On);

@@ -97,7 +97,13 @@ fn lights_are_a_header_lamps_and_lists() {
         soft_lamps,
         unsettled,
         settled_since,
-        moved_last
+        moved_last,
+        sight_cells,
+        sight_shift,
+        first_shadow,
+        shadows_known,
+        _pad0,
+        _pad1
     });
     header
         .members
@@ -112,8 +118,6 @@ fn lights_are_a_header_lamps_and_lists() {
 fn lamps_seen_are_a_header_and_words() {
     let whole = shader_layout("light::seen_lamps", "SeenLamps");
     let mut header = rust_layout!(GpuSeenLampsHeader {
-        cells,
-        shift,
         read_first,
         read_second,
         written,

@@ -22,8 +22,8 @@ use crate::{
         },
         scene::lamp_lists::LampLists,
         surface_cache::{
-            allocate::SurfaceAllocate, lamps::SurfaceLamps, place_requested::PlaceRequested,
-            resolve::SurfaceResolve, trace::SurfaceTrace,
+            allocate::SurfaceAllocate, cell_shadows::ExamineShadows, lamps::SurfaceLamps,
+            place_requested::PlaceRequested, resolve::SurfaceResolve, trace::SurfaceTrace,
         },
         view::{
             Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays, shade::Shade,
@@ -36,6 +36,7 @@ use crate::{
 pub(super) struct Passes {
     uses_cache: bool,
     lamp_lists: LampLists,
+    cell_shadows: ExamineShadows,
     pub camera_rays: CameraRays,
     classify: ProbeClassify,
     /// Where there are bodies.
@@ -84,6 +85,7 @@ impl Passes {
         let hdr = &Shade::hdr(gpu, size)?;
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
+            let cell_shadows = threads.spawn(|| ExamineShadows::new(gpu, lights, &offer));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
             let bodies = threads.spawn(|| BodyPasses::new(gpu, bodies, field, &offer));
             let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));
@@ -99,7 +101,7 @@ impl Passes {
             let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
             let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));
             let allocate =
-                threads.spawn(|| SurfaceAllocate::new(gpu, size, surfaces, cache, scene));
+                threads.spawn(|| SurfaceAllocate::new(gpu, size, surfaces, cache, lights, scene));
             let place_requested = threads.spawn(|| PlaceRequested::new(gpu, cache, scene));
             let camera_rays = threads.spawn(|| CameraRays::new(gpu, surfaces.clone(), scene));
             let shade = threads.spawn(|| Shade::new(gpu, hdr.clone(), surfaces, &of_pixels));
@@ -126,6 +128,7 @@ impl Passes {
                 antialias,
                 bits,
                 lamp_lists: made(lamp_lists)?,
+                cell_shadows: made(cell_shadows)?,
                 classify: made(classify)?,
                 bodies: made(bodies)?,
                 visibility: made(visibility)?,
@@ -152,6 +155,7 @@ impl Passes {
     /// A whole frame. Passes inside `concurrent` do not depend on each other.
     pub fn record(&self, recorder: &mut Recorder<'_>, update: Update, shot: &Shot, drawn: Drawn) {
         self.list_lamps(recorder, update.lists_lamps);
+        self.examine_shadows(recorder, update.examines_shadows);
         let placed = self.place_probes(recorder, update);
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
             let surfaces = self.trace_camera(recorder, drawn);

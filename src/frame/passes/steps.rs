@@ -22,6 +22,14 @@ impl Passes {
         }
     }
 
+    /// What is known of cells stays valid from the last frame where no lamp has moved and no voxel was edited. Reads which cells
+    /// pixels of the last frames have seen.
+    pub(super) fn examine_shadows(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
+        if is_needed {
+            self.cell_shadows.record(recorder);
+        }
+    }
+
     /// Reads `update`: probes that are new, were moved, or are near an edit; and where bodies are. The places of all other
     /// probes stay valid from the last frame.
     pub(super) fn place_probes(&self, recorder: &mut Recorder<'_>, update: Update) -> PlacedProbes {

@@ -7,11 +7,12 @@ use glam::UVec3;
 use super::{
     body_models::GpuModel,
     body_records::{GpuBody, GpuBodyNode, Placed, records},
-    body_room::{Cells, HEAD_VECTORS, NEAR_FACTS, NearCells, Room, bytes},
+    body_room::{HEAD_VECTORS, NEAR_FACTS, NearCells, Room, bytes},
     hierarchy::{Bounds, OCTANTS, hierarchy, in_order},
 };
 use crate::{
     gpu::{Gpu, GpuError},
+    lights::{Cells, lists},
     world::bodies::{Bodies, Pose},
 };
 
@@ -77,7 +78,7 @@ impl GpuBodies {
     pub fn upload(gpu: &Gpu, bodies: &Bodies, size: UVec3) -> Result<Self, GpuError> {
         let models = gpu_models(bodies);
         let room = Room::of(bodies, &models);
-        Self::with(gpu, bodies, &models, room, Cells::of(size))
+        Self::with(gpu, bodies, &models, room, lists::cells(size))
     }
 
     /// Others in the same world, with room for more of them, so that one more needs other buffers only now and then.

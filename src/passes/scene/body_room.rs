@@ -1,13 +1,11 @@
 //! How much the buffers of bodies hold, and where its parts lie.
 
-use glam::UVec3;
-
 use super::{
     body_models::GpuModel,
     body_records::{GpuBody, GpuBodyNode},
     hierarchy::{Bounds, OCTANTS},
 };
-use crate::{lights::lists, world::bodies::Bodies};
+use crate::{lights::Cells, world::bodies::Bodies};
 
 crate::shared! {
     in scene;
@@ -107,25 +105,6 @@ impl Room {
     }
 }
 
-/// The cells of the world that have facts about lamps: those that have lists of lamps.
-#[derive(Clone, Copy)]
-pub struct Cells {
-    /// Along each axis.
-    pub count: UVec3,
-    /// log2 of the voxels along a cell.
-    pub shift: u32,
-}
-
-impl Cells {
-    /// Of a world of `size` voxels.
-    pub fn of(size: UVec3) -> Self {
-        Self {
-            count: lists::cells(size),
-            shift: lists::cell_shift(size),
-        }
-    }
-}
-
 /// The parts of the buffer, in vectors, in their order: head, nodes and bodies; facts; models.
 impl Room {
     pub fn first_fact(&self) -> usize {
@@ -167,9 +146,10 @@ pub fn bytes(vectors: usize) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
+    use glam::{UVec3, Vec3};
 
     use super::*;
+    use crate::lights::lists;
 
     fn of(edge: u32, bodies: usize) -> NearCells {
         let solid = Bounds {
@@ -205,7 +185,7 @@ mod tests {
                 assert!((LEAST_NEAR_SHIFT..=MOST_NEAR_SHIFT).contains(&cells.shift));
             }
         }
-        let smallest_list = Cells::of(UVec3::ONE).shift;
+        let smallest_list = lists::cells(UVec3::ONE).shift;
         assert!(
             MOST_NEAR_SHIFT <= smallest_list,
             "all of a cell has one list"

@@ -30,7 +30,7 @@ impl LampLists {
         Ok(Self {
             bindings: kernel.bind(gpu, &all),
             kernel,
-            groups: rectangle(lights.cells().element_product()),
+            groups: rectangle(lights.listed().count.element_product()),
         })
     }
 

@@ -6,19 +6,25 @@ use super::seen_lamps::SeenLamps;
 use crate::{
     gpu::{Gpu, GpuError},
     lights::{
-        LampKinds, Lights, lists,
+        Cells, LampKinds, Lights, lists,
         table::{GpuLampSlot, LISTED, LISTS_OFFSET, LightsOfFrame},
     },
 };
 
+/// For each cell, a bit for each slot of its list, and when that was examined.
+const SHADOW_BYTES: u64 = 16;
+
 /// The binding of `shaders/scene/lights.wesl`.
 pub struct GpuLights {
     buffer: wgpu::Buffer,
-    /// Cells that have lists of lamps, and log2 of the voxels along a cell.
-    cells: UVec3,
-    shift: u32,
+    /// Cells that have lists of lamps.
+    listed: Cells,
+    /// Cells that know which lamps are seen from them.
+    of_sight: Cells,
     kinds: LampKinds,
     seen: SeenLamps,
+    /// A word for each cell of sight.
+    cells_seen: wgpu::Buffer,
 }
 
 impl GpuLights {
@@ -28,21 +34,27 @@ impl GpuLights {
     /// # Errors
     /// [`GpuError`] when the adapter cannot hold it.
     pub fn new(gpu: &Gpu, size: Option<UVec3>) -> Result<Self, GpuError> {
-        let (cells, shift) = size.map_or((UVec3::ZERO, 0), |size| {
-            (lists::cells(size), lists::cell_shift(size))
-        });
+        let listed = size.map_or_else(Cells::default, lists::cells);
+        let of_sight = Cells::of_sight(size.unwrap_or(UVec3::ONE));
         // The array of slots must not be empty.
         let slot = size_of::<GpuLampSlot>() as u64;
-        let bytes = LISTS_OFFSET as u64 + lists::bytes(cells).max(u64::from(LISTED) * slot);
+        let lists =
+            (lists::bytes(listed) + SHADOW_BYTES * of_sight.number()).max(u64::from(LISTED) * slot);
+        let bytes = LISTS_OFFSET as u64 + lists;
         let buffer = gpu.making("the lamps and their lists", bytes, || {
             gpu.storage_buffer("lights", bytes)
         })?;
+        let marks = 4 * of_sight.number();
+        let cells_seen = gpu.making("which cells are seen", marks, || {
+            gpu.storage_buffer("cells_seen", marks)
+        })?;
         Ok(Self {
             buffer,
-            cells,
-            shift,
+            cells_seen,
+            listed,
+            of_sight,
             kinds: LampKinds::ALL,
-            seen: SeenLamps::new(gpu, size.unwrap_or(UVec3::ONE))?,
+            seen: SeenLamps::new(gpu, of_sight)?,
         })
     }
 
@@ -79,12 +91,15 @@ impl GpuLights {
             "kernels were made for other kinds of lamps: {:?}",
             self.kinds
         );
-        let bytes = lights.to_bytes(of_frame, self.cells, self.shift);
+        let bytes = lights.to_bytes(of_frame, self.listed, self.of_sight);
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
     }
 
     /// Forgets which lamps are seen where, as if no frame had been drawn.
     pub fn forget(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let shadows = LISTS_OFFSET as u64 + lists::bytes(self.listed);
+        encoder.clear_buffer(&self.buffer, shadows, None);
+        encoder.clear_buffer(&self.cells_seen, 0, None);
         self.seen.forget(encoder);
     }
 
@@ -100,13 +115,18 @@ impl GpuLights {
     }
 
     /// Cells that have lists.
-    pub fn cells(&self) -> UVec3 {
-        self.cells
+    pub fn listed(&self) -> Cells {
+        self.listed
+    }
+
+    /// Cells that know which lamps are seen from them.
+    pub fn of_sight(&self) -> Cells {
+        self.of_sight
     }
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.buffer.size() + self.seen.bytes()
+        self.buffer.size() + self.cells_seen.size() + self.seen.bytes()
     }
 
     /// What the shaders bind by name.
@@ -122,7 +142,12 @@ impl GpuLights {
         self.seen.of_faces()
     }
 
-    /// What pass `scene/lamp_lists` writes.
+    /// Which cells pixels see: pass `surface_cache/allocate` writes it, and pass `surface_cache/cell_shadows` reads it.
+    pub fn cells_seen(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("cells_seen", self.cells_seen.as_entire_binding())
+    }
+
+    /// What passes `scene/lamp_lists` and `surface_cache/cell_shadows` write.
     pub fn lists(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         ("lights_out", self.buffer.as_entire_binding())
     }

@@ -1,11 +1,10 @@
 //! Which lamps the rays that hit a cell of the world have reached lately (`shaders/light/seen_lamps.wesl`).
 
 use bytemuck::{Pod, Zeroable};
-use glam::UVec3;
 
 use crate::{
     gpu::{Gpu, GpuError},
-    lights::{FreshLamps, Lights},
+    lights::{Cells, FreshLamps, Lights},
 };
 
 crate::shared! {
@@ -19,9 +18,6 @@ crate::shared! {
 const TURN_FRAMES: u64 = 16;
 /// Frames for which a lamp that has moved, come or gone on counts as seen everywhere: what rays find then fills two thirds.
 const LEARNING_FRAMES: u64 = 2 * TURN_FRAMES;
-/// Smallest cells (log2 of their voxels), and most cells.
-const LEAST_SHIFT: u32 = 3;
-const MOST_CELLS: u64 = 1 << 18;
 const WORDS_A_CELL: u64 = 2;
 const THIRDS: u64 = 3;
 
@@ -29,8 +25,6 @@ const THIRDS: u64 = 3;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuSeenLampsHeader {
-    pub cells: [u32; 3],
-    pub shift: u32,
     pub read_first: u32,
     pub read_second: u32,
     pub written: u32,
@@ -42,20 +36,17 @@ pub struct GpuSeenLampsHeader {
 pub struct SeenLamps {
     of_probes: wgpu::Buffer,
     of_faces: wgpu::Buffer,
-    cells: UVec3,
-    shift: u32,
+    cells: Cells,
     frames: u64,
     fresh: FreshLamps,
 }
 
 impl SeenLamps {
-    /// Nothing is known yet. `size`: voxels of the world.
+    /// Nothing is known yet.
     ///
     /// # Errors
     /// [`GpuError`] when the adapter cannot hold it.
-    pub fn new(gpu: &Gpu, size: UVec3) -> Result<Self, GpuError> {
-        let shift = cell_shift(size);
-        let cells = cells(size, shift);
+    pub fn new(gpu: &Gpu, cells: Cells) -> Result<Self, GpuError> {
         let bytes = size_of::<GpuSeenLampsHeader>() as u64 + THIRDS * third_bytes(cells);
         let buffer = || {
             gpu.making("lamps seen by rays", bytes, || {
@@ -66,7 +57,6 @@ impl SeenLamps {
             of_probes: buffer()?,
             of_faces: buffer()?,
             cells,
-            shift,
             frames: 0,
             fresh: FreshLamps::default(),
         };
@@ -111,8 +101,6 @@ impl SeenLamps {
         let [written, read_first, read_second] =
             thirds_in_turn(self.frames).map(|third| (third * third_bytes(self.cells) / 4) as u32);
         let header = GpuSeenLampsHeader {
-            cells: self.cells.to_array(),
-            shift: self.shift,
             read_first,
             read_second,
             written,
@@ -148,25 +136,8 @@ fn thirds_in_turn(frame: u64) -> [u64; 3] {
     [0, 1, 2].map(|later| (turn + later) % THIRDS)
 }
 
-fn cells(size: UVec3, shift: u32) -> UVec3 {
-    (size + ((1 << shift) - 1)) >> UVec3::splat(shift)
-}
-
-fn cell_shift(size: UVec3) -> u32 {
-    let count = |shift: u32| {
-        cells(size, shift)
-            .to_array()
-            .map(u64::from)
-            .iter()
-            .product::<u64>()
-    };
-    (LEAST_SHIFT..32)
-        .find(|&shift| count(shift) <= MOST_CELLS)
-        .unwrap_or(31)
-}
-
-fn third_bytes(cells: UVec3) -> u64 {
-    4 * WORDS_A_CELL * cells.to_array().map(u64::from).iter().product::<u64>()
+fn third_bytes(cells: Cells) -> u64 {
+    4 * WORDS_A_CELL * cells.number()
 }
 
 #[cfg(test)]
@@ -186,13 +157,5 @@ mod tests {
             assert_eq!(in_turn(2)[1], written, "the oldest");
             assert_eq!(in_turn(3)[0], written, "it begins again");
         }
-    }
-
-    #[test]
-    fn cells_are_as_fine_as_there_is_room_for() {
-        assert_eq!(cell_shift(UVec3::new(512, 256, 512)), 3);
-        assert_eq!(cell_shift(UVec3::splat(1024)), 4);
-        assert_eq!(cells(UVec3::new(9, 8, 1), 3), UVec3::new(2, 1, 1));
-        assert_eq!(third_bytes(UVec3::new(2, 3, 5)), 240);
     }
 }

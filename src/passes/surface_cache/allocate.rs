@@ -5,7 +5,10 @@ use super::{
     SurfaceCache,
     shared::{REQUEST_ROOM, REQUESTS_A_GROUP},
 };
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
+use crate::{
+    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle},
+    passes::scene::GpuLights,
+};
 
 /// Workgroups for all faces that rays may have requested.
 const REQUEST_GROUPS: u32 = REQUEST_ROOM / REQUESTS_A_GROUP;
@@ -28,11 +31,13 @@ impl SurfaceAllocate {
         size: [u32; 2],
         surfaces: &wgpu::Buffer,
         faces: &SurfaceCache,
+        lights: &GpuLights,
         scene: &Offer<'_>,
     ) -> Result<Self, GpuError> {
         let mut all = scene.resources.clone();
         all.extend(faces.update_resources());
         all.push(("surfaces", surfaces.as_entire_binding()));
+        all.push(lights.cells_seen());
         let spec = KernelSpec {
             shader: "surface_cache/allocate",
             offered: &scene.constants,

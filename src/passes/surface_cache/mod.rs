@@ -4,6 +4,7 @@ pub mod allocate;
 pub mod body_lamps;
 pub mod body_shafts;
 mod cache;
+pub mod cell_shadows;
 pub mod lamps;
 pub mod place_requested;
 pub mod resolve;

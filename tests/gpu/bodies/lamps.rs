@@ -104,7 +104,7 @@ fn what_cells_know_changes_no_pixel() {
     )]));
     assert!(alone > 0.0, "other bodies hide lamps");
     let narrow = most(differs(&[(
-        LAMPS,
+        "surface_cache/hull.wesl",
         "let high_gs = low_gs + size;",
         "let high_gs = low_gs;",
     )]));
