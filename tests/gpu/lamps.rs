@@ -167,7 +167,7 @@ fn a_lamp_that_moves_takes_its_shadows_along_in_every_frame() {
 /// Pixels pass over lamps that their faces do not see, without loading them.
 const PASSES_OVER: Fault = (
     "view/primary_lighting.wesl",
-    "return all & ~certainly_hidden(known, has_others(list));",
+    "return all & ~list.shadowed & ~certainly_hidden(known, has_others(list));",
     "return all;",
 );
 

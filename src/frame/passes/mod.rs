@@ -80,12 +80,15 @@ impl Passes {
         let offer = offer(field, cache, scene);
         let resources = &scene.resources[..];
         let of_faces = offer.with([field.requests_of_faces(), lights.seen_by_faces()]);
+        let of_cells = offer.with([lights.lists(), lights.cells_seen()]);
+        let seen = scene.with([lights.cells_seen()]);
         let of_pixels = offer.with([field.requests_of_pixels()]);
         let surfaces = &CameraRays::surfaces(gpu, size)?;
         let hdr = &Shade::hdr(gpu, size)?;
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
-            let cell_shadows = threads.spawn(|| ExamineShadows::new(gpu, lights, &offer));
+            let cell_shadows =
+                threads.spawn(|| ExamineShadows::new(gpu, lights.of_sight(), &of_cells));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
             let bodies = threads.spawn(|| BodyPasses::new(gpu, bodies, field, &offer));
             let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));
@@ -101,7 +104,7 @@ impl Passes {
             let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
             let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));
             let allocate =
-                threads.spawn(|| SurfaceAllocate::new(gpu, size, surfaces, cache, lights, scene));
+                threads.spawn(|| SurfaceAllocate::new(gpu, size, surfaces, cache, &seen));
             let place_requested = threads.spawn(|| PlaceRequested::new(gpu, cache, scene));
             let camera_rays = threads.spawn(|| CameraRays::new(gpu, surfaces.clone(), scene));
             let shade = threads.spawn(|| Shade::new(gpu, hdr.clone(), surfaces, &of_pixels));

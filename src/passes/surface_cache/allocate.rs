@@ -5,10 +5,7 @@ use super::{
     SurfaceCache,
     shared::{REQUEST_ROOM, REQUESTS_A_GROUP},
 };
-use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle},
-    passes::scene::GpuLights,
-};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
 /// Workgroups for all faces that rays may have requested.
 const REQUEST_GROUPS: u32 = REQUEST_ROOM / REQUESTS_A_GROUP;
@@ -22,7 +19,7 @@ pub struct SurfaceAllocate {
 
 impl SurfaceAllocate {
     /// For pictures of `size` pixels. `surfaces` is what the camera rays hit; `scene` is the offer of the
-    /// voxels, the bodies and the view.
+    /// voxels, the lights, the bodies and the view, with the cells that pixels see.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
@@ -31,13 +28,11 @@ impl SurfaceAllocate {
         size: [u32; 2],
         surfaces: &wgpu::Buffer,
         faces: &SurfaceCache,
-        lights: &GpuLights,
         scene: &Offer<'_>,
     ) -> Result<Self, GpuError> {
         let mut all = scene.resources.clone();
         all.extend(faces.update_resources());
         all.push(("surfaces", surfaces.as_entire_binding()));
-        all.push(lights.cells_seen());
         let spec = KernelSpec {
             shader: "surface_cache/allocate",
             offered: &scene.constants,

@@ -2,7 +2,7 @@
 
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle},
-    passes::scene::GpuLights,
+    lights::Cells,
 };
 
 /// Cells among which a workgroup looks for those that are seen.
@@ -16,11 +16,12 @@ pub struct ExamineShadows {
 }
 
 impl ExamineShadows {
-    /// `offer` is that of the scene and the surface cache.
+    /// `cells` are those of sight; `offer` is that of the scene and the surface cache, with the lists of lamps to write and what
+    /// is kept about cells.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, lights: &GpuLights, offer: &Offer<'_>) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, cells: Cells, offer: &Offer<'_>) -> Result<Self, GpuError> {
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -29,10 +30,9 @@ impl ExamineShadows {
                 ..Default::default()
             },
         )?;
-        let all = offer.with([lights.lists(), lights.cells_seen()]).resources;
-        let groups = lights.of_sight().number().div_ceil(CELLS_A_GROUP);
+        let groups = cells.number().div_ceil(CELLS_A_GROUP);
         Ok(Self {
-            bindings: kernel.bind(gpu, &all),
+            bindings: kernel.bind(gpu, &offer.resources),
             kernel,
             groups: rectangle(groups as u32),
         })
