@@ -105,7 +105,7 @@ fn what_stone_hides_from_cells_changes_no_pixel() {
     let gpu = support::gpu();
     let nothing: Fault = (
         KNOWN,
-        "return lights.lists[lights.first_shadow + 2u * cell];",
+        "return lights.lists[lights.first_shadow + 2u * cell_of_sight(voxel)];",
         "return NO_SLOTS;",
     );
     // With lists of lamps, and without.
@@ -129,8 +129,8 @@ fn what_stone_hides_from_cells_changes_no_pixel() {
             ),
             (
                 "view/primary_lighting.wesl",
-                "return all & ~list.shadowed & ",
-                "return all & ",
+                "return left & ~shadowed_slots(surface.voxel);",
+                "return left;",
             ),
         ]));
         assert!(through_stone > 0.2, "lamps are found: {through_stone}");

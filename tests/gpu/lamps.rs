@@ -167,8 +167,8 @@ fn a_lamp_that_moves_takes_its_shadows_along_in_every_frame() {
 /// Pixels pass over lamps that their faces do not see, without loading them.
 const PASSES_OVER: Fault = (
     "view/primary_lighting.wesl",
-    "return all & ~list.shadowed & ~certainly_hidden(known, has_others(list));",
-    "return all;",
+    "let left = all & ~certainly_hidden(known, has_others(list));",
+    "let left = all;",
 );
 
 /// The room under `count` lamps, spread over it.
