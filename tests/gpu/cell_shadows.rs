@@ -11,7 +11,7 @@ use grotto::{
 
 use crate::support::{self, Fault, frames::Drawn};
 
-/// Two halls with a wall of ten voxels between them, and a passage near the ceiling.
+/// Two halls with a wall of ten voxels between them, a passage near the ceiling, and a skylight over the hall that is seen.
 const HALLS: &str = "(
     title: \"halls\", size: (72, 32, 32), origin: (-36, 0, -16),
     shape: Subtraction([
@@ -20,6 +20,7 @@ const HALLS: &str = "(
             Translate(by: (-18, 15, 0), of: Box(half: (13, 11, 12))),
             Translate(by: (18, 15, 0), of: Box(half: (13, 11, 12))),
             Translate(by: (0, 24, 0), of: Box(half: (10, 2, 3))),
+            Translate(by: (-18, 28, 0), of: Box(half: (3, 6, 3))),
         ]),
     ]),
     materials: {\"stone\": (a: Flat(0.6, 0.6, 0.6))}, rules: [(material: \"stone\")],
@@ -32,8 +33,16 @@ const SIZE: [u32; 2] = [96, 72];
 const KNOWN: &str = "light/listed_lamps.wesl";
 const PASS: &str = "surface_cache/cell_shadows.wesl";
 
+/// What lamps are.
+#[derive(Clone, Copy)]
+enum Kind {
+    Points,
+    /// A sun above the skylight, spheres, and points.
+    All,
+}
+
 /// Lamps all over both halls, too many to be few; at each step a third of them change halls, and one nears the passage.
-fn lamps(count: usize, step: usize) -> Vec<LampState> {
+fn lamps(count: usize, kind: Kind, step: usize) -> Vec<LampState> {
     let along = |number: usize, step: f64| (0.5 + number as f64 * step).fract();
     let lamp = |number: usize| {
         let moves = usize::from(number.is_multiple_of(3));
@@ -51,14 +60,27 @@ fn lamps(count: usize, step: usize) -> Vec<LampState> {
             direction_ws: DVec3::ZERO,
             intensity: DVec3::splat(6.0 + number as f64),
             radius: 0.5,
-            soft_radius: 0.0,
+            soft_radius: match kind {
+                Kind::All if number.is_multiple_of(2) => 1.5,
+                _ => 0.0,
+            },
         }
     };
-    (0..count).map(lamp).collect()
+    let mut all: Vec<_> = (0..count).map(lamp).collect();
+    if let Kind::All = kind {
+        let sinks = 0.1 * step as f64;
+        all[0] = LampState {
+            shape: LampShape::Directional,
+            direction_ws: DVec3::new(0.3 + sinks, -1.0, 0.2).normalize(),
+            intensity: DVec3::splat(2.0),
+            ..all[0]
+        };
+    }
+    all
 }
 
 /// Direct light while lamps move, then at rest, and after a shaft was dug through the wall and closed again.
-fn pictures(gpu: Gpu, count: usize) -> Vec<Picture> {
+fn pictures(gpu: Gpu, count: usize, kind: Kind) -> Vec<Picture> {
     let world = support::parsed(HALLS);
     let layout = world.layouts[0].clone();
     // Probes have no part in direct light, and every face that is seen has a place in the surface cache.
@@ -71,7 +93,7 @@ fn pictures(gpu: Gpu, count: usize) -> Vec<Picture> {
     drawn.shot.view = View::Direct;
     let mut all = Vec::new();
     for step in 0..4 {
-        drawn.lights.lamps = lamps(count, step);
+        drawn.lights.lamps = lamps(count, kind, step);
         drawn.draw(if step == 0 { 9 } else { 2 });
         all.push(drawn.radiance());
     }
@@ -109,10 +131,10 @@ fn what_stone_hides_from_cells_changes_no_pixel() {
         "return NO_SLOTS;",
     );
     // With lists of lamps, and without.
-    for count in [70, 24] {
-        let found = pictures(gpu.clone(), count);
+    for (count, kind) in [(70, Kind::Points), (24, Kind::Points), (24, Kind::All)] {
+        let found = pictures(gpu.clone(), count, kind);
         let with = |faults: &[Fault]| {
-            let changed = pictures(support::with_faults(&gpu, faults), count);
+            let changed = pictures(support::with_faults(&gpu, faults), count, kind);
             shares(&found, &changed)
         };
         let most = |shares: Vec<f64>| shares.into_iter().fold(0.0, f64::max);

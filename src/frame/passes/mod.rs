@@ -22,7 +22,7 @@ use crate::{
         },
         scene::lamp_lists::LampLists,
         surface_cache::{
-            allocate::SurfaceAllocate, cell_shadows::ExamineShadows, lamps::SurfaceLamps,
+            allocate::SurfaceAllocate, cell_shadows::SurfaceCellShadows, lamps::SurfaceLamps,
             place_requested::PlaceRequested, resolve::SurfaceResolve, trace::SurfaceTrace,
         },
         view::{
@@ -36,7 +36,7 @@ use crate::{
 pub(super) struct Passes {
     uses_cache: bool,
     lamp_lists: LampLists,
-    cell_shadows: ExamineShadows,
+    cell_shadows: SurfaceCellShadows,
     pub camera_rays: CameraRays,
     classify: ProbeClassify,
     /// Where there are bodies.
@@ -88,7 +88,7 @@ impl Passes {
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
             let cell_shadows =
-                threads.spawn(|| ExamineShadows::new(gpu, lights.of_sight(), &of_cells));
+                threads.spawn(|| SurfaceCellShadows::new(gpu, lights.of_sight(), &of_cells));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
             let bodies = threads.spawn(|| BodyPasses::new(gpu, bodies, field, &offer));
             let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));

@@ -1,21 +1,19 @@
 //! Pass `surface_cache/cell_shadows`: which lamps stone hides from whole cells of the world.
 
+use super::shared::CELLS_A_GROUP;
 use crate::{
     gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle},
     lights::Cells,
 };
 
-/// Cells among which a workgroup looks for those that are seen.
-const CELLS_A_GROUP: u64 = 16;
-
 /// See [`lights::CellShadows`](crate::lights::CellShadows).
-pub struct ExamineShadows {
+pub struct SurfaceCellShadows {
     kernel: Kernel,
     bindings: Bindings,
     groups: [u32; 2],
 }
 
-impl ExamineShadows {
+impl SurfaceCellShadows {
     /// `cells` are those of sight; `offer` is that of the scene and the surface cache, with the lists of lamps to write and what
     /// is kept about cells.
     ///
@@ -30,7 +28,7 @@ impl ExamineShadows {
                 ..Default::default()
             },
         )?;
-        let groups = cells.number().div_ceil(CELLS_A_GROUP);
+        let groups = cells.number().div_ceil(CELLS_A_GROUP.into());
         Ok(Self {
             bindings: kernel.bind(gpu, &offer.resources),
             kernel,

@@ -61,6 +61,9 @@ crate::shared! {
     pub(super) const LAMP_FACES_A_GROUP: u32 = 2;
     pub(super) const LAMP_CREWS: u32 = 8;
 
+    /// Cells among which a workgroup of pass `surface_cache/cell_shadows` looks for those that are seen.
+    pub(super) const CELLS_A_GROUP: u32 = 16;
+
     /// Counts of the listed faces, and what follows from the counts for the next frame.
     pub(super) struct GpuFaceCounts as FaceCounts {
         /// Faces on the list.
