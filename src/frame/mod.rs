@@ -222,6 +222,7 @@ impl Frame {
             size: shot.size,
             seed: shot.seed,
             age: self.frames,
+            is_cut: self.order.is_cut(self.frames),
             changes: &self.field.changes,
         };
         // Fewer pixels list fewer faces. Whether a face is large enough is a question of the shown pixels.

@@ -14,6 +14,10 @@ use crate::world::Camera;
 const ASKED_FRAMES: u32 = 64;
 /// While bodies move, faces come into view beside them: they are asked in one of so many frames.
 const BESIDE_BODIES: u32 = 4;
+/// A camera that moves so far in a frame (voxels) jumps: it flies by fewer.
+const JUMP: f32 = 8.0;
+/// For so many frames after a jump probes and faces find the light of what is new in the picture.
+const NEW_PICTURE: u32 = 64;
 
 /// What the last frames showed.
 #[derive(Default)]
@@ -23,18 +27,30 @@ pub(super) struct FrameOrder {
     is_still: bool,
     /// The last frame in which anything changed that says which lamps faces see.
     changed: u32,
+    /// The last frame in which the camera had jumped.
+    jumped: u32,
 }
 
 impl FrameOrder {
     /// Begins a frame. Its number may start from 0 again.
     pub fn begin_frame(&mut self, camera: &Camera, frame: u32) {
-        self.is_still = self.camera.as_ref() == Some(camera);
+        let last = self.camera.as_ref();
+        self.is_still = last == Some(camera);
+        let jumps = last.is_some_and(|last| last.position.distance(camera.position) > JUMP);
+        if jumps || frame < self.jumped {
+            self.jumped = frame;
+        }
         if !self.is_still {
             self.camera = Some(camera.clone());
         }
         if !self.is_still || frame < self.changed {
             self.changed = frame;
         }
+    }
+
+    /// Whether all that the camera sees is new, because it has jumped lately.
+    pub fn is_cut(&self, frame: u32) -> bool {
+        frame - self.jumped < NEW_PICTURE
     }
 
     /// Whether the picture is shaded early, by the light of the frame before. `is_calm`: probes have settled, and no lamp
@@ -108,6 +124,23 @@ mod tests {
         assert!(asks(&moved, 200, false), "the camera turns");
         assert!(!asks(&moved, 300, false));
         assert!(asks(&moved, 0, false), "the probes start again");
+    }
+
+    #[test]
+    fn a_picture_is_new_for_a_while_after_a_jump_but_not_in_flight() {
+        let mut order = FrameOrder::default();
+        let mut camera = camera();
+        let mut is_cut = |way: f32, frame| {
+            camera.position += way * Vec3::X;
+            order.begin_frame(&camera, frame);
+            order.is_cut(frame)
+        };
+        assert!(is_cut(0.0, 0), "the first picture");
+        assert!(!is_cut(JUMP, NEW_PICTURE), "in flight");
+        assert!(is_cut(JUMP + 1.0, 200), "a jump");
+        assert!(is_cut(1.0, 199 + NEW_PICTURE));
+        assert!(!is_cut(1.0, 200 + NEW_PICTURE));
+        assert!(is_cut(0.0, 0), "the probes start again");
     }
 
     #[test]

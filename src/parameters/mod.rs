@@ -159,7 +159,7 @@ parameters! {
         #[doc = "Final gather: share of a frame's budget of rays that faces may use. Less is faster; faces that come into view stay grainy longer."]
         face_share: f32 = 1.0, Kind::Number { min: 0.05, max: 1.0 }, Nothing;
         #[doc = "Final gather: faces of voxels narrower than this many pixels are lit by the probes instead. More is faster in the distance; less is truer there."]
-        face_pixels: f32 = 2.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;
+        face_pixels: f32 = 1.0, Kind::Number { min: 0.5, max: 1000.0 }, Nothing;
         #[doc = "Whether probes that light nothing visible are updated less often. on saves most of the probes' time; off updates every probe outside of solid voxels in every frame."]
         states: ProbeStates = ProbeStates::On, ProbeStates::KIND, Nothing;
         #[doc = "Frames that a probe stays awake after a pixel last used it. 64 is enough for every pixel to have its turn; less sleeps sooner."]

@@ -39,6 +39,8 @@ fn drawn_of(gpu: Gpu, size: [u32; 2]) -> Drawn {
     let layout = lattice(UVec3::splat(2), Vec3::splat(12.0), Vec3::new(0.0, 6.0, 0.0));
     let probes = ProbeParameters {
         rays: 8,
+        // In pictures as small as these, light of the floor's own would be noise behind the bits.
+        face_pixels: 2.0,
         ..Default::default()
     };
     Drawn::new(gpu, yard(), &layout, probes, size)

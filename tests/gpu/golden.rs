@@ -156,7 +156,7 @@ fn cave() {
         lamps: "eight",
         size: [64, 36],
         rays: 256,
-        frames: 280,
+        frames: 520,
     };
     shown.compare();
 }

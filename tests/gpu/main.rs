@@ -25,6 +25,7 @@ mod marching;
 mod occlusion;
 mod octree;
 mod placed_lamps;
+mod pops;
 mod probe_views;
 mod probes;
 mod seen_lamps;

@@ -45,6 +45,10 @@ const SAMPLES_WHILE_SETTLING: f32 = 64.0;
 /// Frames after the last change of lamps or bodies for which rays are repeated: its bounces go on. For as many frames after
 /// an edit they are not: few of a face's rays meet what has changed, and the probes have more.
 const REPEATED_FRAMES: u32 = 16;
+/// While light is still, the light that a face shows changes by at most this in a frame, relative to the brighter of the two: what
+/// its rays go on finding, and what faces that come into view find, must not pop.
+const STEP_WHILE_STILL: f32 = 0.015;
+const ANY_STEP: f32 = 1.0;
 /// Distance from an edit (voxels) within which light changes at once.
 const EDIT_REACH: f32 = 3.0;
 
@@ -55,6 +59,8 @@ pub struct NextFrame<'a> {
     pub seed: u32,
     /// Frames since the probes were made.
     pub age: u32,
+    /// The camera has jumped lately: all that it sees is new.
+    pub is_cut: bool,
     /// The more certain it is that light changes now, the less old light counts.
     pub changes: &'a Changes,
 }
@@ -194,7 +200,12 @@ impl SurfaceCache {
             },
             repeats: u32::from(lamps_change && !is_edit_new),
             settled: u32::from(settled),
-            _pad: [0; 2],
+            most_step: if settled && !next.is_cut && changes.stillness() > 0.0 {
+                STEP_WHILE_STILL
+            } else {
+                ANY_STEP
+            },
+            _pad: 0,
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));

@@ -39,7 +39,10 @@ crate::shared! {
         pub repeats: u32,
         /// 0: the probes are new, and their light still rises from frame to frame.
         pub settled: u32,
-        pub _pad: [u32; 2],
+        /// Most by which the light that a face shows changes in a frame, relative to the brighter of the two; from 1 on by any
+        /// amount.
+        pub most_step: f32,
+        pub _pad: u32,
     }
 
     /// Words of an entry of the table.
