@@ -28,7 +28,7 @@ const ROOM: &str = "(
 const SIZE: [u32; 2] = [64, 48];
 const RESOLVE: &str = "surface_cache/resolve.wesl";
 /// Light is still from here on.
-const STILL: u32 = 90;
+const STILL: u32 = 140;
 
 fn room(gpu: Gpu) -> Drawn {
     let world = support::parsed(ROOM);
@@ -97,7 +97,8 @@ fn light_of_new_faces_changes_in_small_steps() {
 fn light_of_faces_that_come_back_is_that_of_before() {
     let gpu = support::gpu();
     let same = jumps(&turned_back(gpu.clone()));
-    assert!(same < 0.02, "{same}");
+    // Measured: 0.010 on llvmpipe, 0.022 on an H100; 0.85 with the fault.
+    assert!(same < 0.05, "{same}");
     let forgotten: Fault = (
         "surface_cache/table.wesl",
         " || lit > face_info.changed_frame",

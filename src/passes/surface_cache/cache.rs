@@ -200,7 +200,7 @@ impl SurfaceCache {
             },
             repeats: u32::from(lamps_change && !is_edit_new),
             settled: u32::from(settled),
-            most_step: if settled && !next.is_cut && changes.stillness() > 0.0 {
+            most_step: if settled && !next.is_cut && changes.stillness() == 1.0 {
                 STEP_WHILE_STILL
             } else {
                 ANY_STEP
