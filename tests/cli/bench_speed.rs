@@ -107,6 +107,21 @@ fn layouts_have_a_row_for_every_condition_and_the_files_say_the_same() {
     refused(grotto().args(again), 2, &["already holds", "--overwrite"]);
 }
 
+/// Rows with edits draw a world of their own; they showed every pixel once.
+#[test]
+fn all_conditions_draw_as_few_pixels_as_asked() {
+    let ended = tiny(
+        &["layouts", MINIMAL],
+        &["--runs", "1", "--set", "picture.scale=0.5"],
+    );
+    let report = ended.json();
+    assert_eq!(rows(&report).len(), 4);
+    for row in rows(&report) {
+        let passes = row["passes"].as_object().expect("passes");
+        assert!(passes.contains_key("view/antialias"), "{}", row["id"]);
+    }
+}
+
 /// The log of every frame.
 fn frames(folder: &Path) -> String {
     let file = fs::File::open(folder.join("frames.csv.gz")).expect("the log");

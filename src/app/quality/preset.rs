@@ -20,7 +20,7 @@ const TABLE: &[(&str, [&str; 4])] = &[
     ("probes.rays", ["128", "128", "128", "256"]),
     ("probes.ray_share", ["0.25", "0.5", "1", "1"]),
     ("probes.face_share", ["0.25", "0.5", "1", "1"]),
-    ("probes.face_pixels", ["6", "2", "1", "1"]),
+    ("probes.face_pixels", ["2", "2", "1", "1"]),
 ];
 
 impl Preset {

@@ -216,6 +216,7 @@ impl<'a> Rig<'a> {
         let voxels = stage.read_back(self.gpu)?;
         let probes = &spec.parameters.probes;
         let mut own = Frame::new(self.gpu, stage, &spec.layout, probes, spec.size)?;
+        own.antialias(self.gpu, spec.smoothing())?;
         std::mem::swap(&mut own, &mut self.frame);
         let mut digging = Digging::new(&self.scene.world, &voxels, &spec.camera);
         let result = self.frames(spec, condition, length, Some(&mut digging));
