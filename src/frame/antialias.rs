@@ -190,6 +190,7 @@ impl Antialiasing {
         history.bodies_moved = u32::from(bodies_moved);
         history.most_samples = (most_samples as f32 * rays).min(MOST_COUNTED as f32);
         history.jitter = jitter.map(|pixels| pixels as f32);
+        history.edited = u32::from(edited.is_some());
         (history.edited_first, history.edited_last) = edited.unwrap_or(([1; 3], [0; 3]));
         let lights = match lights {
             Some(lights) => Some(lights.clone()),

@@ -238,7 +238,7 @@ fn what_is_dug_leaves_no_ghost() {
     let found = "return surface.found && all(";
     let faults = [
         (
-            "view/antialias.wesl",
+            "view/history.wesl",
             found,
             "return history.clips == 2u && all(",
         ),

@@ -288,7 +288,7 @@ fn what_is_dug_leaves_no_ghost() {
     let edited = "return history.clips == 2u && all(";
     let clips = "if per_thread(history.clips, surface.y) == 1u {";
     let faults = [
-        ("view/antialias.wesl", found, edited),
+        ("view/history.wesl", found, edited),
         (
             "view/antialias.wesl",
             clips,

@@ -26,7 +26,8 @@ crate::shared! {
         pub bodies_moved: u32,
         /// Last voxel of that box; before the first one where nothing was edited.
         pub edited_last: [u32; 3],
-        pub _pad1: u32,
+        /// 1: voxels were edited since the last picture.
+        pub edited: u32,
         /// Where this frame's rays go through their pixels: pixels from the centre.
         pub jitter: [f32; 2],
         /// Width and height of the shown picture in pixels. The frame's view has those of the rendered one.

@@ -58,6 +58,9 @@ pub struct Arguments {
     /// reference
     #[arg(long)]
     pub quality: bool,
+    /// Anti-alias the pictures, as players see them, where tables have none; rows are called …/displayed
+    #[arg(long)]
+    pub displayed: bool,
     /// Paths per pixel of references
     #[arg(long, value_name = "N", default_value_t = 1024, allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(1..=65536))]

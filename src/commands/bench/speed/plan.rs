@@ -10,7 +10,10 @@ use super::{
     suites::{self, Wanted},
     tables,
 };
-use crate::{parameters::Parameters, world::World};
+use crate::{
+    parameters::{Antialias, Parameters},
+    world::World,
+};
 
 /// A suite that times frames, or several.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -185,6 +188,11 @@ impl Plan {
     /// For worlds that cannot be read, and for cameras and layouts that no world has.
     pub fn new(suite: SpeedSuite, arguments: &Arguments) -> Result<Self, Failure> {
         let parameters = arguments.run.parameters()?;
+        if arguments.displayed && parameters.picture.antialias == Antialias::Off {
+            return Err(Failure::bad_input(
+                "--displayed times anti-aliased pictures, and picture.antialias=off asks for none; leave one of them out",
+            ));
+        }
         let mut plan = Self {
             scenes: Vec::new(),
             groups: Vec::new(),
@@ -238,6 +246,9 @@ impl Plan {
         let rows = plan.groups.iter_mut().flat_map(|group| &mut group.rows);
         for (place, row) in rows.enumerate() {
             row.place = place as u32;
+            if arguments.displayed && matches!(row.work, Work::Frames(_)) {
+                row.display();
+            }
         }
         if let Some(shard) = arguments.shard {
             for group in &mut plan.groups {

@@ -159,6 +159,8 @@ pub struct RowSpec {
     pub condition: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
+    /// Whether its pictures are anti-aliased, as players see them.
+    pub displayed: bool,
     pub varied: BTreeMap<String, Varied>,
 }
 
@@ -193,16 +195,23 @@ impl RowSpec {
             work,
             condition: condition.to_owned(),
             size,
+            displayed: false,
             varied: BTreeMap::new(),
         })
     }
 
-    /// How its pictures are smoothed: not at all, unless they have fewer pixels than are shown.
+    /// How its pictures are smoothed: not at all, unless they are displayed or have fewer pixels than are shown.
     pub fn smoothing(&self) -> Smoothing {
         match Smoothing::from(&self.parameters.picture) {
-            fewer if fewer.scale < 1.0 => fewer,
+            as_played if self.displayed || as_played.scale < 1.0 => as_played,
             _ => Smoothing::default(),
         }
+    }
+
+    /// Anti-aliases its pictures, and says so in its name.
+    pub fn display(&mut self) {
+        self.displayed = true;
+        self.id.push_str("/displayed");
     }
 
     /// Gives the row another name: the part after the suite and the world.
