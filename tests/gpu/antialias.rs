@@ -196,6 +196,45 @@ fn a_camera_that_turns_keeps_its_history() {
     assert!(forgotten > 1.25 * right, "{forgotten} {right}");
 }
 
+/// Energy of the picture over that of the truth after many frames that each read history half way between pixels.
+fn energy_after_a_long_turn(gpu: Gpu) -> f64 {
+    let mut drawn = smoothed(gpu);
+    drawn.draw(40);
+    let degrees_a_pixel = drawn.shot.camera.fov_deg / SIZE[1] as f32;
+    for _ in 0..40 {
+        drawn.shot.camera.yaw_deg += 0.5 * degrees_a_pixel;
+        drawn.shot.camera.pitch_deg += 0.5 * degrees_a_pixel;
+        drawn.draw(1);
+        drawn.shot.camera.yaw_deg -= 0.5 * degrees_a_pixel;
+        drawn.shot.camera.pitch_deg -= 0.5 * degrees_a_pixel;
+        drawn.draw(1);
+    }
+    let light = |picture: &Picture| picture.rgb.as_flattened().iter().sum::<f32>();
+    f64::from(light(&drawn.radiance()) / light(&box_filtered(&drawn)))
+}
+
+#[test]
+fn history_between_pixels_neither_fades_nor_grows() {
+    let gpu = gpu();
+    let right = energy_after_a_long_turn(gpu.clone());
+    assert!((right - 1.0).abs() < 0.01, "{right}");
+    // Planted: a cubic that amplifies waves by more than new rays replace, and no box that holds them.
+    let faults = [
+        (
+            "view/history.wesl",
+            "const SHARPNESS: f32 = 0.6;",
+            "const SHARPNESS: f32 = 1.2;",
+        ),
+        (
+            "view/antialias.wesl",
+            "if per_thread(history.clips, surface.y) == 1u {",
+            "if per_thread(history.clips, surface.y) == 2u {",
+        ),
+    ];
+    let wrong = energy_after_a_long_turn(with_faults(&gpu, &faults));
+    assert!((wrong - 1.0).abs() > 0.1, "{wrong}");
+}
+
 /// Digs into the sphere, and returns the share of the dug pixels that the next frame shows as they were.
 fn ghosts(gpu: Gpu) -> f64 {
     let mut drawn = smoothed(gpu);
