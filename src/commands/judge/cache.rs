@@ -3,7 +3,7 @@
 //!
 //! Format of a file: a line that identifies it. Then, in little endian: the length of the version, the version,
 //! and the CRC-32 of the rest. The rest is width, height, direct light and indirect light, with three f32 per
-//! pixel.
+//! pixel; then both once more by the first half of the paths, where there is one.
 
 use std::{
     fs,
@@ -20,9 +20,38 @@ const FIRST_LINE: &[u8] = b"grotto reference\n";
 
 /// A path-traced picture in two parts, whose sum is the full picture. Linear light.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Truth {
+pub struct Traced {
     pub direct: Picture,
     pub indirect: Picture,
+}
+
+/// A reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    pub whole: Traced,
+    /// The same by the first half of the paths alone: it differs from the whole as much as a picture without any error
+    /// does, for the two halves are independent. `None` with one path per pixel, and in files before 2026-11-27.
+    pub half: Option<Traced>,
+}
+
+impl Traced {
+    /// The mean of two pictures of the same size, each with its share of the paths.
+    pub fn mean(a: &Self, b: &Self, share_of_a: f32) -> Self {
+        let mean = |a: &Picture, b: &Picture| {
+            let pairs = a.rgb.iter().zip(&b.rgb);
+            let mixed = pairs.map(|(a, b)| {
+                std::array::from_fn(|channel| b[channel] + share_of_a * (a[channel] - b[channel]))
+            });
+            Picture {
+                rgb: mixed.collect(),
+                ..*a
+            }
+        };
+        Self {
+            direct: mean(&a.direct, &b.direct),
+            indirect: mean(&a.indirect, &b.indirect),
+        }
+    }
 }
 
 /// The key under which a reference is stored.
@@ -112,14 +141,15 @@ impl Cache {
 
 fn encode(truth: &Truth, version: &str) -> Vec<u8> {
     let mut body = Vec::new();
-    for edge in [truth.direct.width, truth.direct.height] {
+    let Truth { whole, half } = truth;
+    for edge in [whole.direct.width, whole.direct.height] {
         body.extend(edge.to_le_bytes());
     }
-    for value in [&truth.direct, &truth.indirect]
-        .map(|p| p.rgb.as_flattened())
-        .concat()
-    {
-        body.extend(value.to_le_bytes());
+    for traced in [Some(whole), half.as_ref()].into_iter().flatten() {
+        for picture in [&traced.direct, &traced.indirect] {
+            let values = picture.rgb.as_flattened().iter();
+            body.extend(values.flat_map(|value| value.to_le_bytes()));
+        }
     }
     let mut bytes = FIRST_LINE.to_vec();
     bytes.extend((version.len() as u32).to_le_bytes());
@@ -146,7 +176,8 @@ fn decode(bytes: &[u8], key: &Key) -> Result<Truth, &'static str> {
     let (width, rest) = number(body).ok_or(SHORT)?;
     let (height, light) = number(rest).ok_or(SHORT)?;
     let pixels = width as usize * height as usize;
-    if [width, height] != key.size || light.len() != pixels * 24 {
+    let of_whole = pixels * 24;
+    if [width, height] != key.size || ![of_whole, 2 * of_whole].contains(&light.len()) {
         return Err("it is a picture of another size");
     }
     let values: Vec<f32> = light
@@ -155,15 +186,22 @@ fn decode(bytes: &[u8], key: &Key) -> Result<Truth, &'static str> {
         .iter()
         .map(|v| f32::from_le_bytes(*v))
         .collect();
-    let (direct, indirect) = values.as_chunks::<3>().0.split_at(pixels);
     let picture = |rgb: &[[f32; 3]]| Picture {
         width,
         height,
         rgb: rgb.to_vec(),
     };
+    let traced = |rgb: &[[f32; 3]]| {
+        let (direct, indirect) = rgb.split_at(pixels);
+        Traced {
+            direct: picture(direct),
+            indirect: picture(indirect),
+        }
+    };
+    let (whole, half) = values.as_chunks::<3>().0.split_at(2 * pixels);
     Ok(Truth {
-        direct: picture(direct),
-        indirect: picture(indirect),
+        whole: traced(whole),
+        half: (!half.is_empty()).then(|| traced(half)),
     })
 }
 
@@ -193,9 +231,13 @@ mod tests {
             height: 2,
             rgb: (0..6).map(|i| [base + i as f32, 0.5, -base]).collect(),
         };
+        let traced = |base| Traced {
+            direct: picture(base),
+            indirect: picture(100.0 * base),
+        };
         Truth {
-            direct: picture(1.0),
-            indirect: picture(100.0),
+            whole: traced(1.0),
+            half: Some(traced(1.5)),
         }
     }
 
@@ -226,6 +268,30 @@ mod tests {
         };
         assert_eq!(cache.load(&other), Found::Nothing);
         assert_eq!(Cache::none().load(&key()), Found::Nothing);
+        let without_half = Truth {
+            half: None,
+            ..truth()
+        };
+        cache.store(&key(), &without_half).expect("writable");
+        assert_eq!(cache.load(&key()), Found::Truth(Box::new(without_half)));
+    }
+
+    #[test]
+    fn a_mean_counts_paths() {
+        let [a, b] = [8.0, 2.0].map(|value| {
+            let picture = Picture {
+                width: 1,
+                height: 1,
+                rgb: vec![[value, 0.0, 1.0]],
+            };
+            Traced {
+                direct: picture.clone(),
+                indirect: picture,
+            }
+        });
+        let mean = Traced::mean(&a, &b, 0.25);
+        assert_eq!(mean.direct.rgb, [[3.5, 0.0, 1.0]]);
+        assert_eq!(mean.indirect, mean.direct);
     }
 
     #[test]

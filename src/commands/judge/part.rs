@@ -344,7 +344,7 @@ fn copy_pictures(part: &Part, stored: &Stored, out: &Path) -> Result<(), Failure
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::row::Noise, *};
     use crate::measure::{
         comparison::{AbsoluteSummary, Comparison, FlipSummary},
         stability::Stability,
@@ -377,6 +377,10 @@ mod tests {
             frames: 3,
             full: comparison(0),
             indirect: comparison(7),
+            noise: Some(Noise {
+                full: values[17],
+                indirect: values[18],
+            }),
             leak_ratio: Some(values[15]),
             stability: Some(Stability {
                 mean: values[16],
@@ -411,8 +415,8 @@ mod tests {
         ];
         for round in 0..400 {
             let values: Vec<f64> = match round {
-                0 => special.into_iter().cycle().take(17).collect(),
-                _ => (0..17).map(|_| next()).collect(),
+                0 => special.into_iter().cycle().take(19).collect(),
+                _ => (0..19).map(|_| next()).collect(),
             };
             let before = row(&values);
             let text = ron::to_string(&before).expect("it can be written");

@@ -10,7 +10,7 @@ use super::{
         settings::Setting,
         test_case::TestCase,
     },
-    cache::Truth,
+    cache::{Traced, Truth},
     motion::MotionRow,
 };
 use crate::{
@@ -45,6 +45,9 @@ pub struct Row {
     pub full: Comparison,
     /// Bounced light alone.
     pub indirect: Comparison,
+    /// What the reference's noise adds to FLIP; `null` where that is not known.
+    #[serde(default)]
+    pub noise: Option<Noise>,
     /// Light that DDGI adds where the reference has none, over the light of the brightest camera;
     /// `null` where the reference has light everywhere.
     pub leak_ratio: Option<f64>,
@@ -67,10 +70,19 @@ pub struct Pictures {
     pub indirect_map: Vec<f32>,
 }
 
+/// Mean FLIP that a picture without any error would have against a reference, because of the reference's noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Noise {
+    pub full: f64,
+    pub indirect: f64,
+}
+
 /// The reference of a camera, prepared for comparison.
 pub struct Target {
     pub full: Shown,
     pub indirect: Shown,
+    /// `None` where the reference has no halves.
+    pub noise: Option<Noise>,
     /// Pixels that must stay dark.
     pub dark: Option<Dark>,
 }
@@ -86,12 +98,34 @@ pub struct Dark {
 const LEAST_DARK: f64 = 0.01;
 
 impl Target {
-    pub fn new(truth: Truth, exposure_ev: f32) -> Self {
-        Self {
-            full: Shown::from_linear(full(&truth), exposure_ev),
-            indirect: Shown::from_linear(truth.indirect, exposure_ev),
+    /// # Errors
+    /// When the reference's halves have not the size of the whole.
+    pub fn new(truth: Truth, exposure_ev: f32) -> Result<Self, Failure> {
+        let shown = |traced: Traced| {
+            let full = Shown::from_linear(full(&traced), exposure_ev);
+            (full, Shown::from_linear(traced.indirect, exposure_ev))
+        };
+        let (full, indirect) = shown(truth.whole);
+        let flip = |half: &Shown, whole: &Shown| {
+            let compared = compare(half, whole, &Selection::ALL).map_err(Failure::fault);
+            compared.map(|(figures, _)| figures.flip.mean)
+        };
+        let noise = match truth.half {
+            Some(half) => {
+                let (half_full, half_indirect) = shown(half);
+                Some(Noise {
+                    full: flip(&half_full, &full)?,
+                    indirect: flip(&half_indirect, &indirect)?,
+                })
+            }
+            None => None,
+        };
+        Ok(Self {
+            noise,
+            full,
+            indirect,
             dark: None,
-        }
+        })
     }
 
     /// A mask of the surfaces where the reference has no light; `None` where they fill less than 1 % of the
@@ -116,7 +150,7 @@ impl Target {
 }
 
 /// The sum of a reference's direct and indirect light.
-pub fn full(truth: &Truth) -> Picture {
+pub fn full(truth: &Traced) -> Picture {
     let pixels = truth.direct.rgb.iter().zip(&truth.indirect.rgb);
     Picture {
         rgb: pixels
@@ -270,6 +304,7 @@ fn compared(
         frames: 0,
         full: full_figures,
         indirect: indirect_figures,
+        noise: target.noise,
         leak_ratio: target.dark.as_ref().map(leak),
         stability: None,
         response: None,
@@ -309,12 +344,15 @@ mod tests {
     fn only_surfaces_without_any_light_are_dark() {
         let black = picture(&[[0.0; 3]; 4]);
         let truth = Truth {
-            direct: picture(&[[0.0; 3], [0.5; 3], [0.0; 3], [0.0; 3]]),
-            indirect: picture(&[[0.0; 3], [0.0; 3], [0.0, 1e-6, 0.0], [0.0; 3]]),
+            whole: Traced {
+                direct: picture(&[[0.0; 3], [0.5; 3], [0.0; 3], [0.0; 3]]),
+                indirect: picture(&[[0.0; 3], [0.0; 3], [0.0, 1e-6, 0.0], [0.0; 3]]),
+            },
+            half: None,
         };
         // Pixels: lit, lit by a bounce, unlit, and beyond all surfaces.
         let normals = picture(&[[0.5, 1.0, 0.5], [0.5; 3], [0.5; 3], [0.0; 3]]);
-        let target = Target::new(truth, 0.0);
+        let target = Target::new(truth, 0.0).expect("one size");
         let mask = target.unlit(&normals).expect("one of four is enough");
         assert_eq!(mask, picture(&[[1.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]]));
         assert_eq!(target.unlit(&black), None, "the sky does not count");

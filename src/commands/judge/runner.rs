@@ -281,7 +281,7 @@ impl Judge<'_> {
         frame_loop: &mut FrameLoop<'_>,
     ) -> Result<Target, Failure> {
         let truth = tracer.truth(&self.film(case, camera), frame_loop.stage())?;
-        let mut target = Target::new(truth, case.parameters.picture.exposure_ev);
+        let mut target = Target::new(truth, case.parameters.picture.exposure_ev)?;
         let dark = match self.masks.get(&camera.name) {
             Some(mask) => Some(mask.clone()),
             None => {
@@ -309,7 +309,7 @@ impl Judge<'_> {
         let mut brightest: f64 = 0.0;
         for camera in &case.world.cameras {
             let truth = tracer.truth(&self.film(case, camera), stage)?;
-            let light = row::luminance(&row::full(&truth), &Selection::ALL);
+            let light = row::luminance(&row::full(&truth.whole), &Selection::ALL);
             brightest = brightest.max(light);
         }
         Ok(brightest)

@@ -14,17 +14,23 @@ pub const NAMES: [Column; 3] = [
     ("layout", |row| row.layout.clone()),
 ];
 
-const FIGURES: [Column; 16] = [
+const FIGURES: [Column; 18] = [
     ("rays", |row| row.rays.to_string()),
     ("hysteresis", |row| row.hysteresis.to_string()),
     ("frames", |row| row.frames.to_string()),
     ("flip_mean", |row| row.full.flip.mean.to_string()),
     ("flip_p99", |row| row.full.flip.p99.to_string()),
+    ("noise_flip", |row| {
+        optional(row.noise.map(|noise| noise.full))
+    }),
     ("abs_sum_mean", |row| row.full.abs_sum.mean.to_string()),
     ("abs_sum_max", |row| row.full.abs_sum.max.to_string()),
     ("energy_ratio", |row| row.full.energy_ratio.to_string()),
     ("indirect_flip_mean", |row| {
         row.indirect.flip.mean.to_string()
+    }),
+    ("indirect_noise_flip", |row| {
+        optional(row.noise.map(|noise| noise.indirect))
     }),
     ("indirect_energy_ratio", |row| {
         row.indirect.energy_ratio.to_string()
@@ -113,6 +119,7 @@ pub fn of_rows(rows: &[Row], varied: &[&'static str]) -> Table {
     let figures = [
         "rays",
         "FLIP",
+        "noise",
         "absolute",
         "energy",
         "indirect energy",
@@ -143,7 +150,7 @@ pub fn dash() -> String {
     "–".to_owned()
 }
 
-fn figures_of(row: &Row) -> [String; 9] {
+fn figures_of(row: &Row) -> [String; 10] {
     let to_90: Vec<String> = match row.response {
         None => Vec::new(),
         Some(responses) => responses
@@ -165,6 +172,8 @@ fn figures_of(row: &Row) -> [String; 9] {
     [
         row.rays.to_string(),
         format!("{:.4}", row.full.flip.mean),
+        row.noise
+            .map_or_else(dash, |noise| format!("{:.4}", noise.full)),
         format!("{:.4}", row.full.abs_sum.mean),
         format!("{:.3}", row.full.energy_ratio),
         ratio(row.indirect.energy_ratio),
@@ -301,7 +310,8 @@ impl Table {
 
 /// The legend of the columns, in Markdown that is also valid in HTML.
 pub const LEGEND: &str = "FLIP (mean; 0 is no visible difference) and absolute (sum over RGB of the absolute \
-difference, 0 to 3; mean over the pixels) compare the tone-mapped pictures. Energy is the light of DDGI over that \
+difference, 0 to 3; mean over the pixels) compare the tone-mapped pictures. Noise is the FLIP that a picture without \
+any error would have against the reference: more --spp lowers it. Energy is the light of DDGI over that \
 of the reference. Leak is the light that DDGI adds where the reference has none, over the light of the world's \
 brightest camera. Stability is the mean change of a pixel between consecutive frames of the still scene, sum over \
 RGB. The last two columns count frames until 90 % of a change of the indirect light are there.";
@@ -316,7 +326,7 @@ mod tests {
         assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
         let csv = csv(&[], &["probes.relocation"]);
         assert_eq!(csv.lines().count(), 1);
-        assert_eq!(csv.trim_end().split(',').count(), 3 + 1 + 16 + 10);
+        assert_eq!(csv.trim_end().split(',').count(), 3 + 1 + 18 + 10);
         let table = Table {
             heads: vec!["a".to_owned(), "b".to_owned()],
             lines: vec![vec!["x|y".to_owned(), "<1>".to_owned()]],

@@ -15,7 +15,7 @@ use super::{
         output,
         reference::{content, sources},
     },
-    cache::{Cache, Found, Key, Truth, fnv1a},
+    cache::{Cache, Found, Key, Traced, Truth, fnv1a},
 };
 use crate::{
     frame::{Stage, TraceRequest, trace},
@@ -95,14 +95,37 @@ impl<'a> Tracer<'a> {
                 );
             }
         }
-        let truth = Truth {
-            direct: self.trace(film, View::Direct, stage)?,
-            indirect: self.trace(film, View::Indirect, stage)?,
-        };
+        let truth = self.traced_in_halves(film, stage)?;
         if let Err(reason) = self.cache.store(&key, &truth) {
             output::note(self.run, &format!("{reason}; the reference is not stored"));
         }
         Ok(truth)
+    }
+
+    /// Two halves of the paths, each with random numbers of its own, and their mean.
+    fn traced_in_halves(&mut self, film: &Film<'_>, stage: &Stage) -> Result<Truth, Failure> {
+        let paths = [film.spp.div_ceil(2), film.spp / 2];
+        let half = |spp, seed| Film { spp, seed, ..*film };
+        let first = self.both_views(&half(paths[0], film.seed), stage)?;
+        if paths[1] == 0 {
+            return Ok(Truth {
+                whole: first,
+                half: None,
+            });
+        }
+        let second = self.both_views(&half(paths[1], !film.seed), stage)?;
+        let share = f64::from(paths[0]) / f64::from(film.spp);
+        Ok(Truth {
+            whole: Traced::mean(&first, &second, share as f32),
+            half: Some(first),
+        })
+    }
+
+    fn both_views(&mut self, film: &Film<'_>, stage: &Stage) -> Result<Traced, Failure> {
+        Ok(Traced {
+            direct: self.trace(film, View::Direct, stage)?,
+            indirect: self.trace(film, View::Indirect, stage)?,
+        })
     }
 
     fn key(&self, film: &Film<'_>) -> Result<Key, Failure> {

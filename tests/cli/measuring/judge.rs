@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use grotto::measure::{picture::Picture, picture_file};
 use serde_json::Value;
 
-use super::{Bench, number, text};
+use super::{Bench, command, number, output, root, text};
 
 pub const SKIP: [&str; 2] = ["--skip-response", "--skip-stability"];
 pub const CORNELL: &str = "worlds/cornell.ron";
@@ -80,6 +80,40 @@ fn a_sealed_room_shows_what_leaks_in() {
     assert!(leaking > 0.02, "{leaking}");
     assert!(kept < leaking / 10.0, "{kept} {leaking}");
     assert_eq!(leak(&["--set", "probes.visibility=exact"]), 0.0);
+}
+
+#[test]
+fn noise_is_the_error_of_a_picture_without_any() {
+    let bench = Bench::new();
+    let flags = [CORNELL, "--camera", "inside", "--layout", "layout1"];
+    let noise = |paths: &str| {
+        let small = ["--size", "32x18", "--frames", "1", "--spp", paths];
+        let (json, _) = bench.judged(&[&flags[..], &SKIP, &small].concat());
+        json["rows"][0]["noise"].clone()
+    };
+    assert_eq!(noise("1"), Value::Null, "one path says nothing of noise");
+    let [few, many] = ["16", "256"].map(|paths| number(&noise(paths), "indirect"));
+    // The same paths by another tracer, against a reference that has hardly any noise.
+    let traced = |name: &str, paths: &str| {
+        let file = bench.path(name).display().to_string();
+        let look = [
+            "reference",
+            CORNELL,
+            "--camera",
+            "inside",
+            "--size",
+            "32x18",
+            "--view",
+            "indirect",
+        ];
+        let arguments = [&look[..], &["--spp", paths, "-o", &file, "--quiet"]].concat();
+        assert!(output(&mut command(root(), &arguments)).status.success());
+    };
+    traced("few.exr", "16");
+    traced("many.exr", "8192");
+    let error = number(&bench.compared(&["few.exr", "many.exr"]), "flip.mean");
+    assert!((few / error - 1.0).abs() < 0.2, "{few} {error}");
+    assert!(many < few / 2.0, "{many} {few}");
 }
 
 #[test]

@@ -98,7 +98,7 @@ impl Judging<'_> {
             antialias: !spec.smoothing().is_plain(),
         };
         let truth = tracer.truth(&film, &rig.frame.stage)?;
-        Ok(Target::new(truth, spec.parameters.picture.exposure_ev))
+        Target::new(truth, spec.parameters.picture.exposure_ev)
     }
 
     /// FLIP and energy of the settled picture.

@@ -59,7 +59,7 @@ impl Targets {
         let index = match self.all.iter().position(|(known, _)| *known == now) {
             Some(index) => index,
             None => {
-                let target = Target::new(tracer.truth(film, stage)?, exposure_ev);
+                let target = Target::new(tracer.truth(film, stage)?, exposure_ev)?;
                 self.all.push((now, target));
                 self.all.len() - 1
             }
@@ -283,6 +283,7 @@ impl Judging<'_, '_> {
             time_s: now.time_s,
             full,
             indirect: figures(&indirect, &target.indirect)?,
+            noise: target.noise,
             rest_flip: full.flip.mean,
         })
     }

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::options::{Motion, Moves};
+use super::{
+    super::row::Noise,
+    options::{Motion, Moves},
+};
 use crate::measure::comparison::Comparison;
 
 /// The figures of one motion.
@@ -28,6 +31,9 @@ pub struct Moment {
     pub full: Comparison,
     /// Bounced light alone, which is taken at the centres of pixels also with `--displayed`.
     pub indirect: Comparison,
+    /// What the reference's noise adds to FLIP; `null` where that is not known.
+    #[serde(default)]
+    pub noise: Option<Noise>,
     /// Mean FLIP of all light after as many frames of a world that stands still as at this moment.
     pub rest_flip: f64,
 }
@@ -52,6 +58,12 @@ impl MotionRow {
         let figures = self.after_the_start().map(figure);
         let (count, sum) = figures.fold((0u32, 0.0), |(count, sum), one| (count + 1, sum + one));
         sum / f64::from(count.max(1))
+    }
+
+    /// Mean of the noise of all light; `None` where that of a moment is not known.
+    pub fn noise(&self) -> Option<f64> {
+        let known = self.after_the_start().all(|moment| moment.noise.is_some());
+        known.then(|| self.mean(|moment| moment.noise.map_or(0.0, |noise| noise.full)))
     }
 
     /// Greatest FLIP (mean over the pixels) of the moments after the start.
@@ -91,6 +103,10 @@ pub mod tests {
             time_s: f64::from(frame) / 60.0,
             full: figures,
             indirect: figures,
+            noise: Some(Noise {
+                full: 0.125,
+                indirect: 0.25,
+            }),
             rest_flip,
         }
     }
@@ -109,6 +125,11 @@ pub mod tests {
         let row = MotionRow::new(Motion::Lamps, moves(true, false), moments());
         assert!((row.over_rest.expect("an error at rest") - 3.0).abs() < 1e-12);
         assert_eq!(row.worst_flip(), 0.8);
+        assert_eq!(row.noise(), Some(0.125));
+        let mut unknown = moments();
+        unknown[1].noise = None;
+        let unknown = MotionRow::new(Motion::Lamps, moves(true, false), unknown);
+        assert_eq!(unknown.noise(), None);
         let row = MotionRow::new(Motion::Rest, moves(false, false), moments());
         assert_eq!(row.over_rest, None);
         let perfect = vec![moment(30, 0.4, 0.0)];

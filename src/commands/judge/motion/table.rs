@@ -34,6 +34,7 @@ pub fn of_rows(rows: &[Row], varied: &[&'static str]) -> Option<Table> {
         "worst FLIP",
         "at rest",
         "over rest",
+        "noise",
         "relative MSE",
         "energy",
         "indirect energy",
@@ -52,7 +53,7 @@ pub fn of_rows(rows: &[Row], varied: &[&'static str]) -> Option<Table> {
     Some(Table::new(heads, lines, NAMES.len() + varied.len() + 1))
 }
 
-fn figures_of(row: &MotionRow) -> [String; 9] {
+fn figures_of(row: &MotionRow) -> [String; 10] {
     let flip = |moment: &Moment| moment.full.flip.mean;
     let mut each: Vec<String> = row
         .moments
@@ -69,6 +70,7 @@ fn figures_of(row: &MotionRow) -> [String; 9] {
         format!("{:.4}", row.worst_flip()),
         format!("{:.4}", row.mean(|moment| moment.rest_flip)),
         row.over_rest.map_or_else(dash, |over| format!("{over:.2}")),
+        row.noise().map_or_else(dash, |flip| format!("{flip:.4}")),
         format!("{:.5}", row.mean(|moment| moment.full.rel_mse)),
         ratio(row.mean(|moment| moment.full.energy_ratio)),
         ratio(row.mean(|moment| moment.indirect.energy_ratio)),
@@ -88,7 +90,8 @@ the world stands still at the first moment. Lamps: world time runs at 60 frames 
 Camera: the camera flies and turns, and is back at its place at each judged moment. Both: lamps and camera move. \
 Edits: whatever moves in the other rows, with a ball dug or built every tenth frame. Figures are means over the \
 moments; the last column has the FLIP of each. At rest is the FLIP of as many frames of a world that stands \
-still as at that moment; over rest is FLIP over that.";
+still as at that moment; over rest is FLIP over that. Noise is the FLIP that a picture without any error would have \
+against these references: more --spp lowers it.";
 
 #[cfg(test)]
 mod tests {
@@ -105,13 +108,16 @@ mod tests {
         let moved = vec![moment(30, 0.25, 0.1)];
         let moved = MotionRow::new(Motion::Both, moves(true, true), moved);
         let cells = figures_of(&moved);
-        assert_eq!(cells[..5], ["both", "0.2500", "0.2500", "0.1000", "2.50"]);
-        assert_eq!(cells[8], "–/0.2500");
+        assert_eq!(
+            cells[..6],
+            ["both", "0.2500", "0.2500", "0.1000", "2.50", "0.1250"]
+        );
+        assert_eq!(cells[9], "–/0.2500");
         let rest = vec![moment(0, 0.1, 0.1), moment(30, 0.2, 0.2)];
         let rest = MotionRow::new(Motion::Rest, moves(false, false), rest);
         let cells = figures_of(&rest);
         assert_eq!(cells[1..5], ["0.2000", "0.2000", "0.2000", "–"]);
-        assert_eq!(cells[8], "0.1000/0.2000");
+        assert_eq!(cells[9], "0.1000/0.2000");
         assert_eq!(seconds(&moment(30, 0.0, 0.0)), "0.5");
         assert_eq!(seconds(&moment(120, 0.0, 0.0)), "2");
     }
