@@ -122,6 +122,44 @@ fn all_conditions_draw_as_few_pixels_as_asked() {
     }
 }
 
+/// Rows are as players see them, and are not taken for those that are not.
+#[test]
+fn displayed_rows_are_anti_aliased_and_say_so() {
+    let names = |more: &[&str]| -> Vec<(String, bool)> {
+        let ended = tiny(&["layouts", MINIMAL], &[&["--runs", "1"], more].concat());
+        let report = ended.json();
+        let of = |row: &Value| {
+            let passes = row["passes"].as_object().expect("passes");
+            let id = row["id"].as_str().expect("a name").to_owned();
+            (id, passes.contains_key("view/antialias"))
+        };
+        rows(&report).iter().map(of).collect()
+    };
+    let usual = names(&[]);
+    assert!(
+        usual.iter().all(|(_, antialiased)| !antialiased),
+        "{usual:?}"
+    );
+    let displayed = names(&["--displayed"]);
+    let expected: Vec<_> = usual
+        .iter()
+        .map(|(id, _)| (format!("{id}/displayed"), true))
+        .collect();
+    assert_eq!(displayed, expected);
+    let contradiction = [
+        "layouts",
+        MINIMAL,
+        "--displayed",
+        "--set",
+        "picture.antialias=off",
+    ];
+    refused(
+        grotto().arg("bench").args(contradiction),
+        2,
+        &["--displayed", "picture.antialias=off"],
+    );
+}
+
 /// The log of every frame.
 fn frames(folder: &Path) -> String {
     let file = fs::File::open(folder.join("frames.csv.gz")).expect("the log");
