@@ -20,6 +20,7 @@ mod indirect;
 mod kept_hits;
 mod lamps;
 mod light;
+mod light_at_edges;
 mod many_lamps;
 mod marching;
 mod occlusion;
