@@ -125,7 +125,7 @@ fn light_that_changes_is_not_held_back() {
     let free = after_a_jump(gpu.clone());
     let always: [Fault; 2] = [
         (RESOLVE, "face_info.most_step < 1.0", "true"),
-        (RESOLVE, "face_info.most_step * max(", "0.015 * max("),
+        (RESOLVE, "face_info.most_step * max(", "0.01 * max("),
     ];
     let held = after_a_jump(support::with_faults(&gpu, &always));
     assert!(free > 2.0 * held, "{free}, {held} in steps");

@@ -47,7 +47,7 @@ const SAMPLES_WHILE_SETTLING: f32 = 64.0;
 const REPEATED_FRAMES: u32 = 16;
 /// While light is still, the light that a face shows changes by at most this in a frame, relative to the brighter of the two: what
 /// its rays go on finding, and what faces that come into view find, must not pop.
-const STEP_WHILE_STILL: f32 = 0.015;
+const STEP_WHILE_STILL: f32 = 0.01;
 const ANY_STEP: f32 = 1.0;
 /// Distance from an edit (voxels) within which light changes at once.
 const EDIT_REACH: f32 = 3.0;
