@@ -14,7 +14,7 @@ impl Frame {
         let per_pixel = 8 + 4 + antialias * TemporalAntialias::BYTES_PER_PIXEL;
         let picture = self.passes.camera_rays.surfaces.size() + width * height * per_pixel;
         let voxels = self.stage.voxels.bytes();
-        let probes = self.field.memory().total();
+        let probes = self.field.memory().total() + self.passes.visibility.bytes();
         let others = picture
             + self.passes.inspect.bytes(self.size)
             + self.faces.bytes()

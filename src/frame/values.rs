@@ -45,6 +45,10 @@ pub(super) struct Drawn {
 }
 
 /// Values of a frame. Their data lies in the buffers and textures that the passes bind by name.
+/// Which probes are alive, and where they are.
+pub(super) struct ClassifiedProbes;
+/// Which surfaces each probe sees.
+pub(super) struct SightedProbes;
 pub(super) struct PlacedProbes;
 pub(super) struct ListedProbes;
 pub(super) struct ActiveList;

@@ -52,6 +52,7 @@ enum Stamps<'a> {
 
 impl<'a> Recorder<'a> {
     pub fn new(gpu: &Gpu, timing: Option<&'a mut Timing>) -> Self {
+        let timing = timing.map(Timing::begun);
         Self {
             encoder: gpu.device.create_command_encoder(&Default::default()),
             device: gpu.device.clone(),
@@ -152,8 +153,7 @@ impl<'a> Recorder<'a> {
             });
         }
         if let (Some(timing), Learning::Timed) = (&mut self.timing, learning) {
-            let all = (chunk_time.clone(), rows * width);
-            timing.learning.insert(label.to_owned(), all);
+            timing.teach(label, chunk_time, rows * width);
         }
     }
 

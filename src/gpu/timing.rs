@@ -23,8 +23,18 @@ pub(super) const WHOLE: &str = "";
 /// Collects the times of passes over frames.
 pub struct Timing {
     pub(super) clock: Clock,
-    /// By the label of a pass: the chunk time that learns from its time, and its number of workgroups.
-    pub(super) learning: BTreeMap<String, (Arc<ChunkTime>, u32)>,
+    learning: BTreeMap<String, PassLearning>,
+    /// Frames that were begun.
+    frames: u64,
+}
+
+/// The kernels of a pass, whose chunk times learn from its time.
+#[derive(Default)]
+struct PassLearning {
+    /// The last frame that recorded the pass.
+    frame: u64,
+    /// With their numbers of workgroups.
+    kernels: Vec<(Arc<ChunkTime>, u32)>,
 }
 
 pub(super) enum Clock {
@@ -66,7 +76,24 @@ impl Timing {
         Ok(Self {
             clock,
             learning: BTreeMap::new(),
+            frames: 0,
         })
+    }
+
+    /// The same, for the next frame to be recorded.
+    pub(super) fn begun(&mut self) -> &mut Self {
+        self.frames += 1;
+        self
+    }
+
+    /// Notes that the frame runs `groups` workgroups of a kernel with this chunk time in the pass with this label.
+    pub(super) fn teach(&mut self, label: &str, chunk_time: &Arc<ChunkTime>, groups: u32) {
+        let pass = self.learning.entry(label.to_owned()).or_default();
+        if pass.frame != self.frames {
+            pass.frame = self.frames;
+            pass.kernels.clear();
+        }
+        pass.kernels.push((chunk_time.clone(), groups));
     }
 
     /// Whether passes of this adapter are timed at all.
@@ -81,14 +108,24 @@ impl Timing {
                 let results = profiler.process_finished_frame(*period)?;
                 let times = PassTimes::of(&results);
                 for (label, ms) in &times.passes_ms {
-                    if let Some((chunk_time, groups)) = self.learning.get(label) {
-                        chunk_time.learn(*groups, *ms);
+                    if let Some(pass) = self.learning.get(label) {
+                        pass.learn(*ms);
                     }
                 }
                 Some(times)
             }
             Clock::Wall { finished, .. } => finished.pop_front(),
             Clock::None => None,
+        }
+    }
+}
+
+impl PassLearning {
+    /// How the kernels share the time of the pass is not known: a workgroup of each counts alike.
+    fn learn(&self, ms: f64) {
+        let groups = self.kernels.iter().map(|(_, groups)| groups).sum();
+        for (chunk_time, _) in &self.kernels {
+            chunk_time.learn(groups, ms);
         }
     }
 }
@@ -111,5 +148,36 @@ impl PassTimes {
             times.frame_ms = (end - start) * 1e3;
         }
         times
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::dispatch_chunks::DispatchChunks, *};
+
+    #[test]
+    fn all_kernels_of_a_pass_learn_from_its_time_and_none_of_earlier_frames() {
+        let mut timing = Timing {
+            clock: Clock::None,
+            learning: BTreeMap::new(),
+            frames: 0,
+        };
+        let [before, large, small]: [Arc<ChunkTime>; 3] = Default::default();
+        timing.begun();
+        timing.teach("pass", &before, 1000);
+        timing.begun();
+        timing.teach("pass", &large, 30);
+        timing.teach("pass", &small, 10);
+        // The first measurement is ignored. A workgroup takes 2 ms, and a dispatch may take 20.
+        for _ in 0..2 {
+            timing.learning["pass"].learn(80.0);
+        }
+        assert!(before.is_due());
+        for kernel in [&large, &small] {
+            assert_eq!(
+                DispatchChunks::new(kernel, [1, 100], 512).next(),
+                Some(0..10)
+            );
+        }
     }
 }

@@ -9,7 +9,7 @@ use super::{
     body_passes::BodyPasses,
     inspect::Inspect,
     offers::{Subjects, offer},
-    values::{Drawn, FaceLight, ProbeLight, Radiance, Surfaces, Update, Wanted},
+    values::{ClassifiedProbes, Drawn, FaceLight, ProbeLight, Radiance, Surfaces, Update, Wanted},
 };
 use crate::{
     gpu::{Gpu, Offer, Recorder, made},
@@ -41,7 +41,7 @@ pub(super) struct Passes {
     classify: ProbeClassify,
     /// Where there are bodies.
     bodies: Option<BodyPasses>,
-    visibility: ProbeVisibility,
+    pub visibility: ProbeVisibility,
     seed: ProbeSeed,
     schedule: ProbeSchedule,
     walk: Option<SourceWalk>,
@@ -159,10 +159,20 @@ impl Passes {
     pub fn record(&self, recorder: &mut Recorder<'_>, update: Update, shot: &Shot, drawn: Drawn) {
         self.list_lamps(recorder, update.lists_lamps);
         self.examine_shadows(recorder, update.examines_shadows);
-        let placed = self.place_probes(recorder, update);
+        // Beside all pixels and faces it takes hardly any time that probes near an edit look around: they are few.
+        let classified = if update.places_probes {
+            recorder.concurrent(|recorder| {
+                self.ask_faces(recorder, update.asks_faces);
+                self.classify_probes(recorder)
+            })
+        } else {
+            ClassifiedProbes
+        };
         let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
+            let sighted = self.look_around(recorder, update, classified);
             let surfaces = self.trace_camera(recorder, drawn);
-            self.ask_faces(recorder, update.asks_faces);
+            self.ask_faces(recorder, update.asks_faces && !update.places_probes);
+            let placed = self.place_probes(recorder, update, sighted);
             if let Some(bodies) = &self.bodies {
                 bodies.record(recorder, &update);
             }

@@ -2,8 +2,8 @@
 
 use super::{
     super::values::{
-        ActiveList, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes, PlacedProbes,
-        ProbeLight, ProbeRays, Radiance, SeenFaces, Surfaces, Update,
+        ActiveList, ClassifiedProbes, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes,
+        PlacedProbes, ProbeLight, ProbeRays, Radiance, SeenFaces, SightedProbes, Surfaces, Update,
     },
     Passes,
 };
@@ -30,20 +30,40 @@ impl Passes {
         }
     }
 
-    /// Reads `update`: probes that are new, were moved, or are near an edit; and where bodies are. The places of all other
-    /// probes stay valid from the last frame.
-    pub(super) fn place_probes(&self, recorder: &mut Recorder<'_>, update: Update) -> PlacedProbes {
-        if update.places_probes {
-            self.classify.record(recorder);
-            if let Some(walk) = &self.walk {
-                walk.record_begin(recorder);
-            }
-            if update.marks_visibility {
-                self.visibility.record(recorder);
-            }
-            if update.has_fresh {
-                self.seed.record(recorder);
-            }
+    /// Probes that are new, were moved, or are near an edit. The places of all other probes stay valid from the last frame.
+    pub(super) fn classify_probes(&self, recorder: &mut Recorder<'_>) -> ClassifiedProbes {
+        self.classify.record(recorder);
+        if let Some(walk) = &self.walk {
+            walk.record_begin(recorder);
+        }
+        ClassifiedProbes
+    }
+
+    /// Which surfaces these probes see.
+    pub(super) fn look_around(
+        &self,
+        recorder: &mut Recorder<'_>,
+        update: Update,
+        _: ClassifiedProbes,
+    ) -> SightedProbes {
+        if update.places_probes && update.marks_visibility {
+            self.visibility.record_look(recorder);
+        }
+        SightedProbes
+    }
+
+    /// What their back-side probes see, the light of probes that are new, and which of them bodies cover.
+    pub(super) fn place_probes(
+        &self,
+        recorder: &mut Recorder<'_>,
+        update: Update,
+        _: SightedProbes,
+    ) -> PlacedProbes {
+        if update.places_probes && update.marks_visibility {
+            self.visibility.record_look_back(recorder);
+        }
+        if update.places_probes && update.has_fresh {
+            self.seed.record(recorder);
         }
         if (update.places_probes || update.moves_bodies)
             && let Some(bodies) = &self.bodies

@@ -266,6 +266,41 @@ fn after_edits_probes_see_as_fresh_ones_do() {
     assert_eq!(missed.bits(&gpu), before);
 }
 
+/// An edit touches few probes, so on a GPU several workgroups look for each, in layers of its box.
+#[test]
+fn workgroups_that_share_a_probe_see_what_one_sees() {
+    let gpu = gpu();
+    let parameters = exact();
+    let (rooms, mut dug) = (rooms(), rooms());
+    let (low, high) = (IVec3::new(15, 8, 8), IVec3::new(15, 12, 13));
+    dug.fill_box(low, high, 0);
+    let [before, after] =
+        [&rooms, &dug].map(|voxels| GpuVoxels::upload(&gpu, voxels, ORIGIN).expect("fits"));
+    let seen_with = |shares| {
+        let looking = |field: &ProbeField, voxels: &GpuVoxels| {
+            ProbeVisibility::with_shares(&gpu, field, &voxels.resources(), shares)
+                .expect("compiles")
+        };
+        let field = ProbeField::new(&gpu, volume(), &parameters).expect("fits");
+        let mut placed = Placed::new(&gpu, field, &before);
+        placed.visibility_bits = looking(&placed.field, &before);
+        placed.run(&gpu, &parameters);
+        let fresh = (placed.places(&gpu), placed.bits(&gpu));
+        let mut edited = Placed::new(&gpu, placed.field, &after);
+        edited.visibility_bits = looking(&edited.field, &after);
+        edited.field.changes.edit(low, high, ORIGIN, 1);
+        edited.field.changes.begin_frame(0.0, 1);
+        edited.run(&gpu, &parameters);
+        (fresh, (edited.places(&gpu), edited.bits(&gpu)))
+    };
+    let alone = seen_with(1);
+    assert_ne!(alone.0, alone.1, "the edit matters");
+    // Of a box of 45 bricks three workgroups divide layers of 9, and of fourteen two have none.
+    for shares in [3, 14] {
+        assert!(seen_with(shares) == alone, "{shares} workgroups");
+    }
+}
+
 /// Levels that follow the camera.
 pub fn nested(cascades: u32) -> Volume {
     Volume::new(&LayoutSpec {
