@@ -29,8 +29,7 @@ const fn list_bytes(item: usize, slots: u32) -> u64 {
 
 /// Bytes of what the workgroups of a probe have seen together: three counts.
 const SEEN_BYTES: usize = 12;
-/// Words of bits for each workgroup of a probe: boxes of up to 12³ voxels have one workgroup, the largest eight. On a CPU more
-/// workgroups take longer.
+/// Words of bits for each workgroup of a probe: boxes of up to 20³ voxels have one workgroup, the largest eight.
 const WORDS_A_SHARE: u32 = 192;
 const MOST_SHARES: u32 = 8;
 
@@ -87,7 +86,6 @@ impl ProbeVisibility {
                 field.layout_constants()[0],
                 ("THREADS", f64::from(gpu.threads(1024, 256))),
                 ("SHARES", f64::from(shares)),
-                ("LOOK_ROWS", f64::from(look_groups[1])),
             ],
             ..Default::default()
         };
@@ -95,7 +93,7 @@ impl ProbeVisibility {
         let kernels = Kernel::of_entries(gpu, &spec, entries)?;
         let sights = gpu.storage_buffer("sights", list_bytes(size_of::<GpuSight>(), slots))?;
         let seen = gpu.storage_buffer("seen_list", list_bytes(SEEN_BYTES, slots))?;
-        let dispatch = gpu.storage_buffer("sight_dispatch", 12)?;
+        let dispatch = gpu.storage_buffer_of("sight_dispatch", &[0, look_groups[1], 1])?;
         let mut all = resources.to_vec();
         all.extend(field.state_resources());
         all.extend([
