@@ -44,7 +44,8 @@ pub(super) struct Drawn {
     pub smoothed: Option<usize>,
 }
 
-/// Values of a frame. Their data lies in the buffers and textures that the passes bind by name.
+// Values of a frame. Their data lies in the buffers and textures that the passes bind by name.
+
 /// Which probes are alive, and where they are.
 pub(super) struct ClassifiedProbes;
 /// Which surfaces each probe sees.

@@ -23,6 +23,7 @@ pub(super) const WHOLE: &str = "";
 /// Collects the times of passes over frames.
 pub struct Timing {
     pub(super) clock: Clock,
+    /// By the label of a pass.
     learning: BTreeMap<String, PassLearning>,
     /// Frames that were begun.
     frames: u64,
@@ -80,7 +81,7 @@ impl Timing {
         })
     }
 
-    /// The same, for the next frame to be recorded.
+    /// Counts the frame that begins to be recorded.
     pub(super) fn begun(&mut self) -> &mut Self {
         self.frames += 1;
         self
