@@ -168,24 +168,33 @@ impl Passes {
         } else {
             ClassifiedProbes
         };
-        let (surfaces, listed_probes) = recorder.concurrent(|recorder| {
+        let (surfaces, placed) = recorder.concurrent(|recorder| {
             let sighted = self.look_around(recorder, update, classified);
-            let surfaces = self.trace_camera(recorder, drawn);
-            self.ask_faces(recorder, update.asks_faces && !update.places_probes);
-            let placed = self.place_probes(recorder, update, sighted);
-            if let Some(bodies) = &self.bodies {
-                bodies.record(recorder, &update);
+            if update.places_probes {
+                let surfaces = self.trace_camera(recorder, drawn);
+                let placed = self.place_probes(recorder, update, sighted);
+                self.examine_bodies(recorder, &update, &placed);
+                (surfaces, placed)
+            } else {
+                // Rays of bodies are few but take as long as any, so they begin before the many of the camera.
+                let placed = self.place_probes(recorder, update, sighted);
+                self.examine_bodies(recorder, &update, &placed);
+                let surfaces = self.trace_camera(recorder, drawn);
+                self.ask_faces(recorder, update.asks_faces);
+                (surfaces, placed)
             }
-            (surfaces, self.list_probes(recorder, placed))
         });
         if let Some(bodies) = &self.bodies {
             bodies.publish(recorder);
         }
-        let (active, seen_faces) = recorder.concurrent(|recorder| {
-            let active = self.size_list(recorder, listed_probes);
-            (active, self.allocate_seen(recorder, &surfaces))
+        let (listed_probes, seen_faces) = recorder.concurrent(|recorder| {
+            let listed_probes = self.list_probes(recorder, placed);
+            (listed_probes, self.allocate_seen(recorder, &surfaces))
         });
-        let listed_faces = self.allocate_requested(recorder, seen_faces);
+        let (active, listed_faces) = recorder.concurrent(|recorder| {
+            let active = self.size_list(recorder, listed_probes);
+            (active, self.allocate_requested(recorder, seen_faces))
+        });
         let before = (ProbeLight, FaceLight);
         let (probe_rays, face_rays, early) = recorder.concurrent(|recorder| {
             let probe_rays = self.trace_probes(recorder, &active);

@@ -79,6 +79,18 @@ impl Passes {
         PlacedProbes
     }
 
+    /// The light of bodies; which lamps they see and may hide.
+    pub(super) fn examine_bodies(
+        &self,
+        recorder: &mut Recorder<'_>,
+        update: &Update,
+        _: &PlacedProbes,
+    ) {
+        if let Some(bodies) = &self.bodies {
+            bodies.record(recorder, update);
+        }
+    }
+
     pub(super) fn trace_camera(&self, recorder: &mut Recorder<'_>, drawn: Drawn) -> Surfaces {
         self.camera_rays.record(recorder, drawn.size);
         Surfaces
