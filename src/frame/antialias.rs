@@ -337,7 +337,7 @@ impl Frame {
 
     /// Tells the GPU about the next picture.
     pub(super) fn look(&mut self, gpu: &Gpu, shot: &Shot, jittered: Option<&Jittered>) {
-        let uniform = match jittered {
+        let mut uniform = match jittered {
             Some(jittered) => shot.to_gpu_jittered(
                 jittered.size,
                 jittered.jitter,
@@ -346,10 +346,12 @@ impl Frame {
             ),
             None => shot.to_gpu(),
         };
+        uniform.body_tiles = uniform.tiles_around(&self.stage.voxels.bodies.boxes());
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         self.drawn = Drawn {
             size: jittered.map_or(shot.size, |jittered| jittered.size),
+            body_tiles: uniform.body_tiles,
             smoothed: jittered.map(|jittered| jittered.which),
         };
         if let (Some(jittered), Some(pass)) = (jittered, &self.passes.antialias) {

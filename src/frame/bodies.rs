@@ -7,7 +7,7 @@ use crate::{
     gpu::{Gpu, OwnedSpec},
     passes::{
         probes::{body_light::BodyLight, cover::ProbeCover},
-        scene::BODIES,
+        scene::{BODIES, publish_facts::PublishFacts},
         surface_cache::{body_lamps::BodyLamps, body_shafts::BodyShafts},
         view::shade::Shade,
     },
@@ -53,6 +53,7 @@ impl Frame {
             BodyLamps::spec(&offered),
             BodyShafts::spec(&offered),
             Shade::spec(true, &offered),
+            PublishFacts::spec(),
         ];
         let own = own.iter().map(OwnedSpec::from);
         gpu.unknown(gpu.variants(BODIES, 1.0).into_iter().chain(own))

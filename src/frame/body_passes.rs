@@ -7,7 +7,7 @@ use crate::{
     gpu::{Gpu, GpuError, Offer, Recorder, made},
     passes::{
         probes::{ProbeField, body_light::BodyLight, cover::ProbeCover},
-        scene::GpuBodies,
+        scene::{GpuBodies, publish_facts::PublishFacts},
         surface_cache::{body_lamps::BodyLamps, body_shafts::BodyShafts},
     },
 };
@@ -17,6 +17,7 @@ pub(super) struct BodyPasses {
     light: BodyLight,
     lamps: BodyLamps,
     shafts: BodyShafts,
+    publish: PublishFacts,
     bodies: GpuBodies,
 }
 
@@ -41,6 +42,7 @@ impl BodyPasses {
                 light: made(light)?,
                 lamps: made(lamps)?,
                 shafts,
+                publish: PublishFacts::new(gpu, bodies)?,
                 bodies: bodies.clone(),
             }))
         })
@@ -62,8 +64,8 @@ impl BodyPasses {
         }
     }
 
-    /// Hands over what [`record`](Self::record) has found, once no shared pass is open.
+    /// Hands over what [`record`](Self::record) has found.
     pub fn publish(&self, recorder: &mut Recorder<'_>) {
-        self.bodies.publish_facts(&mut recorder.encoder);
+        self.publish.record(recorder);
     }
 }

@@ -1,6 +1,6 @@
 //! What a frame draws of the probes themselves. Each pass is made when it is requested.
 
-use super::FrameError;
+use super::{FrameError, values::Drawn};
 use crate::{
     gpu::{Gpu, Offer, Recorder},
     passes::{
@@ -63,15 +63,15 @@ impl Inspect {
         Ok(made)
     }
 
-    /// Records the pass that makes a picture of `size` pixels of what the camera rays hit. It shows `view`.
-    pub fn shade(&self, recorder: &mut Recorder<'_>, shade: &Shade, view: View, size: [u32; 2]) {
+    /// Records the pass that makes a picture of what the camera rays hit. It shows `view`.
+    pub fn shade(&self, recorder: &mut Recorder<'_>, shade: &Shade, view: View, drawn: Drawn) {
         // Runs below an atlas too: pixels request probes, and viewing the atlas must not put the probes to sleep.
         if view == View::States {
             let states = self.states.as_ref();
             let states = states.expect("`Frame::inspect` comes before a view of states");
             states.record(recorder);
         } else {
-            shade.record(recorder, size);
+            shade.record(recorder, drawn.size, drawn.body_tiles);
         }
     }
 

@@ -39,6 +39,8 @@ pub(super) struct Update {
 pub(super) struct Drawn {
     /// Width and height in pixels of what is rendered.
     pub size: [u32; 2],
+    /// First column and row of the tiles that may show bodies, and how many of each.
+    pub body_tiles: [u32; 4],
     /// Index of the anti-aliased picture, of the frame's size, that is written and shown; `None` shows the picture as it
     /// is shaded.
     pub smoothed: Option<usize>,

@@ -181,7 +181,7 @@ impl Stage {
         let shade = Shade::new(&self.gpu, hdr, surfaces, &offer).expect("compiles");
         let mut recorder = Recorder::new(&self.gpu, None);
         camera.record(&mut recorder, size);
-        shade.record(&mut recorder, size);
+        shade.record(&mut recorder, size, [0; 4]);
         recorder.submit(&self.gpu).expect("submits");
         let texels: Vec<[f16; 4]> = self.gpu.read_texture(&shade.hdr).expect("reads back");
         texels

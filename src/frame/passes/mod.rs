@@ -158,7 +158,10 @@ impl Passes {
     /// A whole frame. Passes inside `concurrent` do not depend on each other.
     pub fn record(&self, recorder: &mut Recorder<'_>, update: Update, shot: &Shot, drawn: Drawn) {
         self.list_lamps(recorder, update.lists_lamps);
-        self.examine_shadows(recorder, update.examines_shadows);
+        recorder.concurrent(|recorder| {
+            self.examine_shadows(recorder, update.examines_shadows);
+            self.cover_probes(recorder, update.moves_bodies && !update.places_probes);
+        });
         // Beside all pixels and faces it takes hardly any time that probes near an edit look around: they are few.
         let classified = if update.places_probes {
             recorder.concurrent(|recorder| {
@@ -184,10 +187,10 @@ impl Passes {
                 (surfaces, placed)
             }
         });
-        if let Some(bodies) = &self.bodies {
-            bodies.publish(recorder);
-        }
         let (listed_probes, seen_faces) = recorder.concurrent(|recorder| {
+            if let Some(bodies) = &self.bodies {
+                bodies.publish(recorder);
+            }
             let listed_probes = self.list_probes(recorder, placed);
             (listed_probes, self.allocate_seen(recorder, &surfaces))
         });

@@ -30,6 +30,13 @@ impl Passes {
         }
     }
 
+    /// Which probes bodies cover. New probes, and those that were moved, must have been placed.
+    pub(super) fn cover_probes(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
+        if let (Some(bodies), true) = (&self.bodies, is_needed) {
+            bodies.cover(recorder);
+        }
+    }
+
     /// Probes that are new, were moved, or are near an edit. The places of all other probes stay valid from the last frame.
     pub(super) fn classify_probes(&self, recorder: &mut Recorder<'_>) -> ClassifiedProbes {
         self.classify.record(recorder);
@@ -52,7 +59,7 @@ impl Passes {
         SightedProbes
     }
 
-    /// What their back-side probes see, the light of probes that are new, and which of them bodies cover.
+    /// What their back-side probes see, the light of probes that are new, and which probes bodies cover then.
     pub(super) fn place_probes(
         &self,
         recorder: &mut Recorder<'_>,
@@ -65,11 +72,7 @@ impl Passes {
         if update.places_probes && update.has_fresh {
             self.seed.record(recorder);
         }
-        if (update.places_probes || update.moves_bodies)
-            && let Some(bodies) = &self.bodies
-        {
-            bodies.cover(recorder);
-        }
+        self.cover_probes(recorder, update.places_probes);
         // Probes that walk may have moved at the end of any frame.
         if let Some(forget_hits) = &self.forget_hits
             && (update.places_probes || self.walk.is_some())
@@ -192,8 +195,7 @@ impl Passes {
         shot: &Shot,
         drawn: Drawn,
     ) -> Radiance {
-        let (shade, size) = (&self.shade, drawn.size);
-        self.inspect.shade(recorder, shade, shot.view, size);
+        self.inspect.shade(recorder, &self.shade, shot.view, drawn);
         Radiance
     }
 

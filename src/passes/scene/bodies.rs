@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 
 use super::{
     body_models::GpuModel,
@@ -52,6 +52,8 @@ struct Poses {
     /// World time of `now` (seconds).
     time_s: f64,
     now: Vec<Pose>,
+    /// Around each body now, in world space.
+    boxes: Vec<Bounds>,
     /// As the last frame showed them; `None` before the first frame.
     shown: Option<Vec<Pose>>,
     /// Whether `before` differs from the poses of the last frame.
@@ -132,6 +134,7 @@ impl GpuBodies {
                 time_s: 0.0,
                 shown: None,
                 now: Vec::new(),
+                boxes: Vec::new(),
                 is_before_old: true,
                 are_others: false,
                 version: 0,
@@ -201,7 +204,7 @@ impl GpuBodies {
         poses.shown = None;
         poses.is_before_old = true;
         poses.version += 1;
-        self.write(gpu, &poses.placed, poses.lit_faces, &poses.now);
+        poses.boxes = self.write(gpu, &poses.placed, poses.lit_faces, &poses.now);
     }
 
     /// The constant of kernels that are made for these bodies: whether there may be any.
@@ -238,7 +241,7 @@ impl GpuBodies {
             .map(|placed| placed.body.pose(poses.time_s))
             .collect();
         if poses.now != now {
-            self.write(gpu, &poses.placed, poses.lit_faces, &now);
+            poses.boxes = self.write(gpu, &poses.placed, poses.lit_faces, &now);
             poses.now = now;
             poses.version += 1;
         }
@@ -291,6 +294,16 @@ impl GpuBodies {
         self.room.bodies > 0
     }
 
+    /// The lowest and the highest corner of the box around each body, in world space.
+    pub fn boxes(&self) -> Vec<[Vec3; 2]> {
+        let poses = self.poses();
+        poses
+            .boxes
+            .iter()
+            .map(|around| [around.low, around.high])
+            .collect()
+    }
+
     /// Number of bodies, faces with stored light of all of them, and most such faces of one.
     pub fn lit_faces(&self) -> [u32; 3] {
         let poses = self.poses();
@@ -309,13 +322,21 @@ impl GpuBodies {
         self.cells.count.element_product() + self.poses().placed.len() as u32
     }
 
-    /// Hands what passes have found out to those that follow.
-    pub fn publish_facts(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut at = bytes(self.room.first_fact());
-        for facts in &self.facts {
-            encoder.copy_buffer_to_buffer(facts, 0, &self.buffer, at, facts.size());
-            at += facts.size();
-        }
+    /// What pass `scene/publish_facts` binds.
+    pub(super) fn resources_to_publish(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
+        let [_, _, lit, near, shaded] = self.resources();
+        [
+            ("bodies_out", self.buffer.as_entire_binding()),
+            lit,
+            near,
+            shaded,
+        ]
+    }
+
+    /// Vectors of two facts in all.
+    pub(super) fn fact_vectors(&self) -> u32 {
+        let bytes: u64 = self.facts.iter().map(wgpu::Buffer::size).sum();
+        (bytes / size_of::<[u32; 4]>() as u64) as u32
     }
 
     /// Bytes of GPU memory.
@@ -328,8 +349,8 @@ impl GpuBodies {
         self.poses.lock().expect("nobody panics holding it")
     }
 
-    /// Writes the part that changes when bodies move.
-    fn write(&self, gpu: &Gpu, placed: &[Placed], lit_faces: u32, poses: &[Pose]) {
+    /// Writes the part that changes when bodies move, and returns the box around each body.
+    fn write(&self, gpu: &Gpu, placed: &[Placed], lit_faces: u32, poses: &[Pose]) -> Vec<Bounds> {
         let boxes: Vec<Bounds> = placed
             .iter()
             .zip(poses)
@@ -355,6 +376,7 @@ impl GpuBodies {
         bytes.extend_from_slice(bytemuck::cast_slice(&nodes));
         bytes.extend_from_slice(bytemuck::cast_slice(&records));
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
+        boxes
     }
 }
 

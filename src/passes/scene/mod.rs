@@ -11,6 +11,7 @@ mod hierarchy;
 pub mod lamp_lists;
 mod lights;
 mod materials;
+pub mod publish_facts;
 mod seen_lamps;
 pub mod voxelise;
 mod voxels;

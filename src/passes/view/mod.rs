@@ -3,6 +3,7 @@
 pub mod antialias;
 pub mod atlas_view;
 pub mod bits;
+mod body_tiles;
 pub mod camera_rays;
 mod inspection;
 pub mod overlay;

@@ -17,12 +17,14 @@ pub struct Shade {
 impl Shade {
     /// `offered`: the constants of the offer. `on_bodies`: for the pixels on bodies.
     pub fn spec<'a>(on_bodies: bool, offered: &'a [(&'a str, f64)]) -> KernelSpec<'a> {
+        let (entry, overrides): (_, &[_]) = match on_bodies {
+            true => ("on_bodies", &[("ON_BODIES", 1.0)]),
+            false => ("main", &[("ON_BODIES", 0.0)]),
+        };
         KernelSpec {
             shader: "view/shade",
-            overrides: match on_bodies {
-                true => &[("ON_BODIES", 1.0)],
-                false => &[("ON_BODIES", 0.0)],
-            },
+            entry,
+            overrides,
             offered,
             ..Default::default()
         }
@@ -72,13 +74,15 @@ impl Shade {
         })
     }
 
-    /// `size` is that of the frame's view.
-    pub fn record(&self, recorder: &mut Recorder<'_>, size: [u32; 2]) {
+    /// `size` is that of the frame's view, and `body_tiles` what it says of them.
+    pub fn record(&self, recorder: &mut Recorder<'_>, size: [u32; 2], body_tiles: [u32; 4]) {
         let [columns, rows] = self.kernel.groups_of(size);
-        let groups = rectangle(columns * rows);
-        recorder.run(&self.kernel, &self.bindings, groups);
-        if let Some((kernel, bindings)) = &self.on_bodies {
-            recorder.run(kernel, bindings, groups);
+        recorder.run(&self.kernel, &self.bindings, rectangle(columns * rows));
+        let [_, _, columns, rows] = body_tiles;
+        if let Some((kernel, bindings)) = &self.on_bodies
+            && columns * rows > 0
+        {
+            recorder.run(kernel, bindings, rectangle(columns * rows));
         }
     }
 }

@@ -38,7 +38,12 @@ crate::shared! {
         pub soft_rays: u32,
         /// Number of the picture among those that are averaged; 0 for a picture that stands alone.
         pub picture: u32,
+        /// First column and row of the tiles that may show bodies, and how many of each.
+        pub body_tiles: [u32; 4],
     }
+
+    /// Pixels along a tile of pass `view/shade`.
+    pub(super) const SHADE_TILE: u32 = 8;
 }
 
 /// What one frame shows: from which camera, at what time, in which view.
@@ -87,6 +92,7 @@ impl Shot {
             texture_pixels: 1.0,
             soft_rays: self.soft_rays * ALONE,
             picture: 0,
+            body_tiles: [0; 4],
         }
     }
 
