@@ -52,7 +52,7 @@ struct Poses {
     /// World time of `now` (seconds).
     time_s: f64,
     now: Vec<Pose>,
-    /// Around each body now, in world space.
+    /// The box around each body now, in world space.
     boxes: Vec<Bounds>,
     /// As the last frame showed them; `None` before the first frame.
     shown: Option<Vec<Pose>>,
