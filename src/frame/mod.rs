@@ -50,7 +50,10 @@ use values::{Drawn, Update, Wanted};
 
 use crate::{
     gpu::{Gpu, Recorder},
-    lights::{CellShadows, CommonGain, LampRanks, Lights, RestingLamps, table::LightsOfFrame},
+    lights::{
+        CellShadows, CommonGain, LampRanks, Lights, RecentLights, RestingLamps,
+        table::LightsOfFrame,
+    },
     parameters::ProbeParameters,
     passes::{
         probes::{OcclusionFrame, ProbeField},
@@ -78,8 +81,8 @@ pub struct Frame {
     gain: CommonGain,
     resting: RestingLamps,
     ranks: LampRanks,
-    /// Lights of the last frame, at their reference intensities.
-    lights_before: Option<Lights>,
+    /// At their reference intensities.
+    recent_lights: RecentLights,
     field: ProbeField,
     faces: SurfaceCache,
     passes: Passes,
@@ -121,7 +124,7 @@ impl Frame {
             gain: CommonGain::default(),
             resting: RestingLamps::default(),
             ranks: LampRanks::default(),
-            lights_before: None,
+            recent_lights: RecentLights::default(),
             field,
             faces,
             passes,
@@ -161,12 +164,9 @@ impl Frame {
         let is_warming = self.frames < probes.warmup_frames;
         let jittered = (self.antialiasing).next(shot, &inspected, Some(lights), is_warming);
         self.look(gpu, shot, jittered.as_ref());
-        let emits = !self.stage.emitters.known.groups.is_empty();
+        let emits = self.stage.emits();
         let (lights, gain) = self.gain.split(lights, emits);
-        let light_change = match &self.lights_before {
-            Some(before) => lights.change_since(before),
-            None => 0.0,
-        };
+        let light_change = self.recent_lights.change(&lights);
         let light_change = light_change.max(change_of_bodies(bodies_moved));
         self.field.end_growth(gpu);
         if self
@@ -214,7 +214,7 @@ impl Frame {
         let changes_greatly = self.field.changes.are_great();
         let repeats = self.field.changes.repeats().great_since().is_some();
         (self.lights).begin_frame(gpu, &mut recorder.encoder, &lights, repeats);
-        self.lights_before = Some(lights);
+        self.recent_lights.keep(lights);
         self.field
             .begin_frame(gpu, probes, u64::from(shot.seed), u64::from(self.frames));
         let is_settled = SurfaceCache::is_settled(probes, self.frames);
@@ -225,6 +225,7 @@ impl Frame {
             age: self.frames,
             is_cut: self.order.is_cut(self.frames),
             changes: &self.field.changes,
+            steadiness: self.recent_lights.steadiness(),
         };
         // Fewer pixels list fewer faces. Whether a face is large enough is a question of the shown pixels.
         let rays_per_pixel = self.rays_per_pixel();
@@ -334,7 +335,7 @@ impl Frame {
         self.gain = CommonGain::default();
         self.resting.forget();
         self.ranks.forget();
-        self.lights_before = None;
+        self.recent_lights.forget();
         self.antialiasing.restart();
         self.drawn.smoothed = None;
         Ok(())

@@ -109,7 +109,7 @@ impl Stage {
     ) -> Result<Self, FrameError> {
         Ok(Self {
             voxels: GpuVoxels {
-                bodies: GpuBodies::upload(gpu, &world.bodies, world.size)?,
+                bodies: GpuBodies::upload(gpu, &world.bodies, &world.materials, world.size)?,
                 ..GpuVoxels::upload(gpu, voxels, world.origin)?
             },
             materials,
@@ -117,6 +117,11 @@ impl Stage {
             built: None,
             lamp_kinds: LampKinds::of_world(world),
         })
+    }
+
+    /// Whether voxels emit light, those of the grid or of bodies.
+    pub(super) fn emits(&self) -> bool {
+        !self.emitters.known.groups.is_empty() || self.voxels.bodies.glow()
     }
 
     /// Replaces the buffers that are too small for edited voxels and for `emitters`, a changed list. Returns the replaced

@@ -66,10 +66,7 @@ const FACING_BIT: u32 = 40;
 impl Emitters {
     /// Finds the exposed emissive faces, in parallel. The same voxels give the same list.
     pub fn find(voxels: &Voxels, materials: &[Material]) -> Self {
-        let weights: Vec<f64> = materials
-            .iter()
-            .map(|material| f64::from(material.emission.element_sum()))
-            .collect();
+        let weights = weights(materials);
         if weights.iter().all(|&weight| weight <= 0.0) {
             return Self::default();
         }
@@ -154,6 +151,12 @@ impl Emitters {
         bytes.extend_from_slice(bytemuck::cast_slice(&self.groups));
         bytes
     }
+}
+
+/// The weight of a face of each material: the sum of the channels of its radiance.
+pub fn weights(materials: &[Material]) -> Vec<f64> {
+    let weight = |material: &Material| f64::from(material.emission.element_sum());
+    materials.iter().map(weight).collect()
 }
 
 /// The exposed emissive faces of a box of cells (both ends inclusive), in the form of

@@ -2,6 +2,7 @@
 //! the path tracers.
 
 mod distances;
+mod emitters;
 mod lamps;
 mod light;
 mod shafts;
@@ -208,7 +209,7 @@ fn rays_hit_what_the_cpu_hits() {
         });
         let bodies = scattered(count, SIZE.as_vec3(), &mut state);
         let mut on_gpu = GpuVoxels::upload(&gpu, &voxels, IVec3::ZERO).expect("fits");
-        on_gpu.bodies = GpuBodies::upload(&gpu, &bodies, voxels.size()).expect("fits");
+        on_gpu.bodies = GpuBodies::upload(&gpu, &bodies, &[], voxels.size()).expect("fits");
         let posed = PosedBodies::new(&bodies, IVec3::ZERO, &bodies.poses(0.0));
         let rays: Vec<[[f32; 4]; 3]> = (0..4000)
             .map(|_| {
@@ -605,7 +606,7 @@ fn positions_are_in_world_space() {
         Quat::IDENTITY,
     ));
     let mut on_gpu = GpuVoxels::upload(&gpu, &voxels, origin).expect("fits");
-    on_gpu.bodies = GpuBodies::upload(&gpu, &bodies, voxels.size()).expect("fits");
+    on_gpu.bodies = GpuBodies::upload(&gpu, &bodies, &[], voxels.size()).expect("fits");
     let from = Vec3::new(-14.5, 6.0, 46.5) - origin.as_vec3();
     let up = [from.extend(0.0), Vec3::Y.extend(1e9), Vec3::Y.extend(1.0)].map(|v| v.to_array());
     let found = marched(&gpu, &on_gpu, &[up]);

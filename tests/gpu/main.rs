@@ -32,5 +32,6 @@ mod probes;
 mod seen_lamps;
 mod soft_shadows;
 mod tonemap;
+mod trend;
 mod upscale;
 mod voxelise;

@@ -29,7 +29,7 @@ pub fn content(world: &World, lights: &Lights, time_s: f64) -> String {
 }
 
 /// The sources of the tracer: what it gives is the same for as long as they are.
-const SOURCES: [&str; 7] = [
+const SOURCES: [&str; 8] = [
     include_str!("../../frame/traced.rs"),
     include_str!("../../lights/emitters.rs"),
     include_str!("../../lights/table.rs"),
@@ -37,6 +37,7 @@ const SOURCES: [&str; 7] = [
     include_str!("../../passes/path_trace/blocks.rs"),
     include_str!("../../passes/path_trace/sums.rs"),
     include_str!("../../passes/path_trace/trace.rs"),
+    include_str!("../../passes/scene/body_emitters.rs"),
 ];
 
 /// The text of all sources of the tracer, those of its shader too.

@@ -5,15 +5,20 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use glam::{UVec3, Vec3};
 
 use super::{
+    body_emitters::GpuGlowingBody,
     body_models::GpuModel,
+    body_poses::Poses,
     body_records::{GpuBody, GpuBodyNode, Placed, records},
     body_room::{HEAD_VECTORS, NEAR_FACTS, NearCells, Room, bytes},
     hierarchy::{Bounds, OCTANTS, hierarchy, in_order},
 };
 use crate::{
     gpu::{Gpu, GpuError},
-    lights::{Cells, lists},
-    world::bodies::{Bodies, Pose},
+    lights::{Cells, emitters, lists},
+    world::{
+        Material,
+        bodies::{Bodies, Pose},
+    },
 };
 
 /// Name of the constant of kernels that says whether there may be bodies.
@@ -37,31 +42,9 @@ pub struct GpuBodies {
     facts: [wgpu::Buffer; 3],
     cells: Cells,
     room: Room,
+    /// Weight of an emissive face of each material.
+    emission: Arc<[f64]>,
     poses: Arc<Mutex<Poses>>,
-}
-
-struct Poses {
-    placed: Vec<Placed>,
-    /// Faces with stored light of all bodies, and most of a body.
-    lit_faces: u32,
-    most_lit_faces: u32,
-    /// Most cells around a body.
-    most_near_cells: u32,
-    /// Whether any body ever moves by itself.
-    move_at_all: bool,
-    /// World time of `now` (seconds).
-    time_s: f64,
-    now: Vec<Pose>,
-    /// The box around each body now, in world space.
-    boxes: Vec<Bounds>,
-    /// As the last frame showed them; `None` before the first frame.
-    shown: Option<Vec<Pose>>,
-    /// Whether `before` differs from the poses of the last frame.
-    is_before_old: bool,
-    /// Whether there are others than in the last frame.
-    are_others: bool,
-    /// How often they have changed.
-    version: u64,
 }
 
 impl GpuBodies {
@@ -70,17 +53,23 @@ impl GpuBodies {
     /// # Errors
     /// [`GpuError::TooLarge`].
     pub fn none(gpu: &Gpu) -> Result<Self, GpuError> {
-        Self::upload(gpu, &Bodies::default(), UVec3::ONE)
+        Self::upload(gpu, &Bodies::default(), &[], UVec3::ONE)
     }
 
-    /// All bodies where they are at time 0, in a world of `size` voxels.
+    /// All bodies where they are at time 0, in a world of `size` voxels with these materials.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`].
-    pub fn upload(gpu: &Gpu, bodies: &Bodies, size: UVec3) -> Result<Self, GpuError> {
-        let models = gpu_models(bodies);
+    pub fn upload(
+        gpu: &Gpu,
+        bodies: &Bodies,
+        materials: &[Material],
+        size: UVec3,
+    ) -> Result<Self, GpuError> {
+        let emission: Arc<[f64]> = emitters::weights(materials).into();
+        let models = gpu_models(bodies, &emission);
         let room = Room::of(bodies, &models);
-        Self::with(gpu, bodies, &models, room, lists::cells(size))
+        Self::with(gpu, bodies, &models, room, (lists::cells(size), emission))
     }
 
     /// Others in the same world, with room for more of them, so that one more needs other buffers only now and then.
@@ -88,12 +77,13 @@ impl GpuBodies {
     /// # Errors
     /// [`GpuError::TooLarge`].
     pub fn with_room(&self, gpu: &Gpu, bodies: &Bodies) -> Result<Self, GpuError> {
-        let models = gpu_models(bodies);
+        let models = gpu_models(bodies, &self.emission);
         let needed = Room::of(bodies, &models);
         let ample = needed.ample();
         let fits = gpu.check_buffer("bodies", ample.bytes(self.cells)).is_ok();
         let room = if fits { ample } else { needed };
-        let all = Self::with(gpu, bodies, &models, room, self.cells)?;
+        let of_world = (self.cells, self.emission.clone());
+        let all = Self::with(gpu, bodies, &models, room, of_world)?;
         all.poses().are_others = true;
         Ok(all)
     }
@@ -103,7 +93,7 @@ impl GpuBodies {
         bodies: &Bodies,
         models: &[GpuModel],
         room: Room,
-        cells: Cells,
+        (cells, emission): (Cells, Arc<[f64]>),
     ) -> Result<Self, GpuError> {
         let (all, of_facts) = (room.bytes(cells), room.facts(cells).map(bytes));
         let needed = all + of_facts.iter().sum::<u64>();
@@ -125,20 +115,8 @@ impl GpuBodies {
             facts,
             cells,
             room,
-            poses: Arc::new(Mutex::new(Poses {
-                placed: Vec::new(),
-                lit_faces: 0,
-                most_lit_faces: 0,
-                most_near_cells: 0,
-                move_at_all: false,
-                time_s: 0.0,
-                shown: None,
-                now: Vec::new(),
-                boxes: Vec::new(),
-                is_before_old: true,
-                are_others: false,
-                version: 0,
-            })),
+            emission,
+            poses: Arc::new(Mutex::new(Poses::none())),
         };
         all.fill(gpu, bodies, models);
         Ok(all)
@@ -146,7 +124,7 @@ impl GpuBodies {
 
     /// Takes other bodies, where there is room for them, and returns whether there is. World time stays.
     pub fn take(&self, gpu: &Gpu, bodies: &Bodies) -> bool {
-        let models = gpu_models(bodies);
+        let models = gpu_models(bodies, &self.emission);
         let fits = self.room.holds(Room::of(bodies, &models));
         if fits {
             self.fill(gpu, bodies, &models);
@@ -199,12 +177,13 @@ impl GpuBodies {
             poses.most_near_cells = poses.most_near_cells.max(near.count() as u32);
             first_near += near.count() * NEAR_FACTS;
         }
+        poses.glowing = GpuGlowingBody::of_all(bodies, models, &masks_at);
         poses.move_at_all = bodies.bodies.iter().any(|body| !body.is_still());
         poses.now = bodies.poses(poses.time_s);
         poses.shown = None;
         poses.is_before_old = true;
         poses.version += 1;
-        poses.boxes = self.write(gpu, &poses.placed, poses.lit_faces, &poses.now);
+        poses.boxes = self.write(gpu, &poses, &poses.now);
     }
 
     /// The constant of kernels that are made for these bodies: whether there may be any.
@@ -241,7 +220,7 @@ impl GpuBodies {
             .map(|placed| placed.body.pose(poses.time_s))
             .collect();
         if poses.now != now {
-            poses.boxes = self.write(gpu, &poses.placed, poses.lit_faces, &now);
+            poses.boxes = self.write(gpu, poses, &now);
             poses.now = now;
             poses.version += 1;
         }
@@ -257,10 +236,7 @@ impl GpuBodies {
     pub fn begin_frame(&self, gpu: &Gpu) -> f32 {
         let mut poses = self.poses();
         let shown = poses.shown.take().unwrap_or_else(|| poses.now.clone());
-        let pairs = shown.iter().zip(&poses.now).zip(&poses.placed);
-        let farthest = pairs
-            .map(|((before, now), placed)| placed.way(before, now))
-            .fold(0.0, f32::max);
+        let farthest = poses.farthest_since(&shown);
         let farthest = match std::mem::take(&mut poses.are_others) {
             true => farthest.max(APPEARING),
             false => farthest,
@@ -292,6 +268,11 @@ impl GpuBodies {
     /// Whether there may be any.
     pub fn exist(&self) -> bool {
         self.room.bodies > 0
+    }
+
+    /// Whether any body has emissive faces.
+    pub fn glow(&self) -> bool {
+        !self.poses().glowing.is_empty()
     }
 
     /// The lowest and the highest corner of the box around each body, in world space.
@@ -350,7 +331,8 @@ impl GpuBodies {
     }
 
     /// Writes the part that changes when bodies move, and returns the box around each body.
-    fn write(&self, gpu: &Gpu, placed: &[Placed], lit_faces: u32, poses: &[Pose]) -> Vec<Bounds> {
+    fn write(&self, gpu: &Gpu, all: &Poses, poses: &[Pose]) -> Vec<Bounds> {
+        let placed = &all.placed;
         let boxes: Vec<Bounds> = placed
             .iter()
             .zip(poses)
@@ -370,16 +352,23 @@ impl GpuBodies {
         let head = [
             [count, first_body, first_fact, placed.len()].map(|number| number as u32),
             [x, y, z, self.cells.shift],
-            [first_cell as u32, lit_faces, first_near as u32, 0],
+            [
+                first_cell as u32,
+                all.lit_faces,
+                first_near as u32,
+                all.glowing.len() as u32,
+            ],
         ];
         let mut bytes = bytemuck::cast_slice(&head).to_vec();
         bytes.extend_from_slice(bytemuck::cast_slice(&nodes));
         bytes.extend_from_slice(bytemuck::cast_slice(&records));
+        bytes.extend_from_slice(bytemuck::cast_slice(&all.glowing));
         gpu.queue.write_buffer(&self.buffer, 0, &bytes);
         boxes
     }
 }
 
-fn gpu_models(bodies: &Bodies) -> Vec<GpuModel> {
-    bodies.models.iter().map(GpuModel::of).collect()
+fn gpu_models(bodies: &Bodies, emission: &[f64]) -> Vec<GpuModel> {
+    let models = bodies.models.iter();
+    models.map(|model| GpuModel::of(model, emission)).collect()
 }

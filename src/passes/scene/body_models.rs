@@ -2,12 +2,12 @@
 
 use glam::{IVec3, UVec3};
 
-use super::{body_supports::Supports, hierarchy::Bounds};
+use super::{body_emitters::EmissiveFaces, body_supports::Supports, hierarchy::Bounds};
 use crate::world::bodies::BodyModel;
 
 /// Edge of a block in voxels.
 const BLOCK: u32 = 4;
-const FACES: [IVec3; 6] = [
+pub const FACES: [IVec3; 6] = [
     IVec3::NEG_X,
     IVec3::X,
     IVec3::NEG_Y,
@@ -29,7 +29,7 @@ fn material(model: &BodyModel, at: UVec3) -> u8 {
 }
 
 /// All places of a box of this extent, x first.
-fn places(extent: UVec3) -> impl Iterator<Item = UVec3> {
+pub fn places(extent: UVec3) -> impl Iterator<Item = UVec3> {
     let rows = (0..extent.z).flat_map(move |z| (0..extent.y).map(move |y| (y, z)));
     rows.flat_map(move |(y, z)| (0..extent.x).map(move |x| UVec3::new(x, y, z)))
 }
@@ -141,8 +141,11 @@ fn solid(model: &BodyModel) -> Bounds {
 
 /// A model as it lies in the buffer.
 pub struct GpuModel {
-    /// Masks, materials, and the faces with stored light.
+    /// Masks, materials, the faces with stored light, and the emissive faces.
     pub vectors: Vec<[u32; 4]>,
+    /// The first of the vectors with emissive faces.
+    pub first_emissive: usize,
+    pub emissive: EmissiveFaces,
     /// Number of faces with stored light.
     pub lit_faces: usize,
     /// Around the solid voxels (model space).
@@ -153,13 +156,19 @@ pub struct GpuModel {
 }
 
 impl GpuModel {
-    pub fn of(model: &BodyModel) -> Self {
+    /// `weights` are those of [`crate::lights::emitters::weights`].
+    pub fn of(model: &BodyModel, weights: &[f64]) -> Self {
         let lit = LitFaces::of(model);
+        let emissive = EmissiveFaces::of(model, weights);
         let mut vectors = masks(model);
         vectors.extend(materials(model));
         vectors.extend(lit.vectors());
+        let first_emissive = vectors.len();
+        vectors.extend(emissive.vectors());
         Self {
             vectors,
+            first_emissive,
+            emissive,
             lit_faces: lit.count(),
             solid: solid(model),
             supports: Supports::of(model),

@@ -1,6 +1,7 @@
 //! How much the buffers of bodies hold, and where its parts lie.
 
 use super::{
+    body_emitters::GpuGlowingBody,
     body_models::GpuModel,
     body_records::{GpuBody, GpuBodyNode},
     hierarchy::{Bounds, OCTANTS},
@@ -105,11 +106,12 @@ impl Room {
     }
 }
 
-/// The parts of the buffer, in vectors, in their order: head, nodes and bodies; facts; models.
+/// The parts of the buffer, in vectors, in their order: head, nodes, bodies and those that glow; facts; models.
 impl Room {
     pub fn first_fact(&self) -> usize {
         let nodes = OCTANTS * (2 * self.bodies).saturating_sub(1);
-        let bytes = nodes * size_of::<GpuBodyNode>() + self.bodies * size_of::<GpuBody>();
+        let of_body = size_of::<GpuBody>() + size_of::<GpuGlowingBody>();
+        let bytes = nodes * size_of::<GpuBodyNode>() + self.bodies * of_body;
         HEAD_VECTORS + bytes / size_of::<[u32; 4]>()
     }
 

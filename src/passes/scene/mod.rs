@@ -1,7 +1,9 @@
 //! The scene on the GPU: voxels, materials, lights, emissive faces.
 
 mod bodies;
+mod body_emitters;
 mod body_models;
+mod body_poses;
 mod body_records;
 mod body_room;
 mod body_supports;

@@ -251,7 +251,7 @@ impl Voxelise {
             grid,
             masks,
             materials,
-            bodies: GpuBodies::upload(gpu, &world.bodies, world.size)?,
+            bodies: GpuBodies::upload(gpu, &world.bodies, &world.materials, world.size)?,
         };
         Ok((voxels, report))
     }

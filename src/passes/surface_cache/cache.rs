@@ -63,6 +63,8 @@ pub struct NextFrame<'a> {
     pub is_cut: bool,
     /// The more certain it is that light changes now, the less old light counts.
     pub changes: &'a Changes,
+    /// See [`crate::lights::RecentLights::steadiness`].
+    pub steadiness: f32,
 }
 
 /// The table, the list of a frame's faces, and what the rays of each face have found.
@@ -205,7 +207,7 @@ impl SurfaceCache {
             } else {
                 ANY_STEP
             },
-            _pad: 0,
+            steadiness: next.steadiness,
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));

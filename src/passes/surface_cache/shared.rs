@@ -42,7 +42,8 @@ crate::shared! {
         /// Most by which the light that a face shows changes in a frame, relative to the brighter of the two; from 1 on by any
         /// amount.
         pub most_step: f32,
-        pub _pad: u32,
+        /// How steadily the power of lamps rises or falls, 0 to 1.
+        pub steadiness: f32,
     }
 
     /// Words of an entry of the table.
@@ -151,7 +152,8 @@ crate::shared! {
         pub change_spread: f32,
         /// Batches of rays that the next update may repeat.
         pub last_batches: u32,
-        pub _pad: [u32; 2],
+        /// By how much its light changes in a frame: see package::surface_cache::trend.
+        pub trend: [u32; 2],
     }
 
     /// A face that a ray has hit.
