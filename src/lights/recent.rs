@@ -6,6 +6,8 @@ use super::Lights;
 
 /// Share of each frame in the means over the last frames.
 const RATE: f64 = 1.0 / 16.0;
+/// A power that changes by less than this share in a frame counts as steady, so that a lamp that flickered once is soon forgotten.
+const LITTLE: f64 = 1e-3;
 /// So many lamps say how steady all of them are.
 const MOST_LAMPS: usize = 4096;
 
@@ -57,17 +59,23 @@ impl RecentLights {
     /// How steadily the power of lamps rises or falls, 0 to 1: 1 where every lamp goes on as it has begun or keeps its power,
     /// near 0 where they flicker, so that what they did last says nothing of what they do next.
     pub fn steadiness(&self) -> f32 {
-        let sum = |of: fn(&Drift) -> DVec3| -> f64 {
-            self.drifts
-                .iter()
-                .map(|drift| of(drift).element_sum())
-                .sum()
-        };
-        let unsigned = sum(|drift| drift.unsigned);
-        if unsigned <= f64::MIN_POSITIVE {
-            return 1.0;
+        let drifts = self.drifts.iter();
+        let [signed, unsigned] = drifts.fold([0.0; 2], |[signed, unsigned], drift| {
+            [
+                signed + drift.signed.abs().element_sum(),
+                unsigned + drift.unsigned.element_sum(),
+            ]
+        });
+        let lamps = self.before.iter().flat_map(|lights| &lights.lamps);
+        let power: f64 = lamps
+            .take(MOST_LAMPS)
+            .map(|lamp| lamp.intensity.element_sum())
+            .sum();
+        let little = LITTLE * power;
+        match unsigned + little {
+            0.0 => 1.0,
+            all => ((signed + little) / all) as f32,
         }
-        (sum(|drift| drift.signed.abs()) / unsigned) as f32
     }
 }
 
@@ -93,6 +101,16 @@ mod tests {
         assert!(pulse > 0.5, "{pulse}");
         let flicker = steadiness_of(|frame| 10.0 + 5.0 * f64::from(frame * 7 % 5));
         assert!(flicker < 0.3, "{flicker}");
+    }
+
+    #[test]
+    fn a_lamp_that_has_flickered_is_soon_forgotten() {
+        let mut recent = RecentLights::default();
+        for frame in 0..180 {
+            let power = 10.0 + 5.0 * f64::from(frame.min(60) * 7 % 5);
+            recent.keep(lights(&[(0.0, power), (1.0, 50.0)]));
+        }
+        assert!(recent.steadiness() > 0.9, "{}", recent.steadiness());
     }
 
     #[test]

@@ -69,7 +69,7 @@ impl GpuBodies {
         let emission: Arc<[f64]> = emitters::weights(materials).into();
         let models = gpu_models(bodies, &emission);
         let room = Room::of(bodies, &models);
-        Self::with(gpu, bodies, &models, room, (lists::cells(size), emission))
+        Self::with(gpu, bodies, &models, room, lists::cells(size), emission)
     }
 
     /// Others in the same world, with room for more of them, so that one more needs other buffers only now and then.
@@ -82,8 +82,8 @@ impl GpuBodies {
         let ample = needed.ample();
         let fits = gpu.check_buffer("bodies", ample.bytes(self.cells)).is_ok();
         let room = if fits { ample } else { needed };
-        let of_world = (self.cells, self.emission.clone());
-        let all = Self::with(gpu, bodies, &models, room, of_world)?;
+        let emission = self.emission.clone();
+        let all = Self::with(gpu, bodies, &models, room, self.cells, emission)?;
         all.poses().are_others = true;
         Ok(all)
     }
@@ -93,7 +93,8 @@ impl GpuBodies {
         bodies: &Bodies,
         models: &[GpuModel],
         room: Room,
-        (cells, emission): (Cells, Arc<[f64]>),
+        cells: Cells,
+        emission: Arc<[f64]>,
     ) -> Result<Self, GpuError> {
         let (all, of_facts) = (room.bytes(cells), room.facts(cells).map(bytes));
         let needed = all + of_facts.iter().sum::<u64>();

@@ -1,7 +1,7 @@
 //! The emissive faces of bodies, as lists from which shaders choose at random (`shaders/light/body_emitters.wesl`). They are
 //! those of the models, so that nothing changes when a body moves.
 
-use super::body_models::{FACES, GpuModel, places};
+use super::body_models::{FACES, GpuModel, packed_face, places};
 use crate::world::bodies::{Bodies, BodyModel};
 
 crate::shared! {
@@ -23,7 +23,7 @@ crate::shared! {
 /// Every face of an emissive voxel of a model that borders on air in the model. The weight of a face is the sum of the channels
 /// of the radiance that it emits.
 pub struct EmissiveFaces {
-    /// The voxel and the face: x, y and z in six bits each, then the face.
+    /// Packed.
     faces: Vec<u32>,
     /// Weight of each face and of those before it.
     weights_until: Vec<f32>,
@@ -53,8 +53,7 @@ impl EmissiveFaces {
             for (face, facing) in FACES.iter().enumerate() {
                 if model.material(voxel + *facing) == 0 {
                     sum += weight;
-                    let [x, y, z] = at.to_array();
-                    all.faces.push(x | y << 6 | z << 12 | (face as u32) << 18);
+                    all.faces.push(packed_face(at, face));
                     all.weights_until.push(sum as f32);
                 }
             }

@@ -66,8 +66,8 @@ fn materials(model: &BodyModel) -> Vec<[u32; 4]> {
 struct LitFaces {
     /// For each block the number of its first face, and in the low six bits which faces it has.
     blocks: Vec<u32>,
-    /// For each face the voxel at which its light is found: of the exposed ones, the nearest to their middle. x, y and z
-    /// in six bits each, then the face.
+    /// For each face the voxel at which its light is found: of the exposed ones, the nearest to their middle.
+    /// Packed.
     voxels: Vec<u32>,
 }
 
@@ -84,8 +84,7 @@ impl LitFaces {
             for (face, facing) in FACES.iter().enumerate() {
                 if let Some(voxel) = lit_voxel(model, block, *facing) {
                     found |= 1 << face;
-                    let [x, y, z] = voxel.to_array();
-                    all.voxels.push(x | y << 6 | z << 12 | (face as u32) << 18);
+                    all.voxels.push(packed_face(voxel, face));
                 }
             }
             all.blocks.push(first << 6 | found);
@@ -103,6 +102,11 @@ impl LitFaces {
         let lists = [&self.blocks[..], &[&count[..], &self.voxels].concat()];
         lists.iter().flat_map(|words| in_fours(words)).collect()
     }
+}
+
+/// A face of a voxel in a word: x, y and z in six bits each, then the face.
+pub fn packed_face(voxel: UVec3, face: usize) -> u32 {
+    voxel.x | voxel.y << 6 | voxel.z << 12 | (face as u32) << 18
 }
 
 /// Of a block's faces of one direction that are exposed to air, the voxel nearest to their middle.

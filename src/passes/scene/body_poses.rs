@@ -1,4 +1,4 @@
-//! What changes of the bodies on the GPU from frame to frame: where they are, and who they are.
+//! The bodies on the GPU as the CPU knows them: which there are, and where they are.
 
 use super::{body_emitters::GpuGlowingBody, body_records::Placed, hierarchy::Bounds};
 use crate::world::bodies::Pose;

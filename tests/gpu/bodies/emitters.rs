@@ -80,8 +80,8 @@ fn light_of_chosen_points_and_of_faces_found_by_chance_adds_up_to_all() {
     assert!(mean(&wrong) > 1.1 * mean(&by_chance), "{}", mean(&wrong));
 }
 
-/// Difference from the path tracer's picture of the moment, a second after the body has set out.
-fn error_in_motion(gpu: Gpu) -> f64 {
+/// Drawn until 40 frames after the body has set out.
+fn in_motion(gpu: Gpu) -> Drawn {
     let mut world = lantern();
     world.bodies.bodies[0].motion = vec![BodyMotion::Travel(Travel::Path {
         points: vec![Vec3::new(-2.0, -3.0, 1.0), Vec3::new(4.0, -3.0, -3.0)],
@@ -93,7 +93,7 @@ fn error_in_motion(gpu: Gpu) -> f64 {
         drawn.shot.time_s += 1.0 / 60.0;
         drawn.draw(1);
     }
-    apart(&drawn.radiance(), &drawn.path_traced(View::Full, 400))
+    drawn
 }
 
 #[test]
@@ -103,8 +103,10 @@ fn light_follows_a_body_that_glows_without_grain() {
         "return glowing_body(count - 1u).weight_until;",
         "return 0.0;",
     );
-    let error = error_in_motion(support::gpu());
-    let grain = error_in_motion(support::with_faults(&support::gpu(), &[by_chance]));
+    let sound = in_motion(support::gpu());
+    let faulty = in_motion(support::with_faults(&support::gpu(), &[by_chance]));
+    let truth = sound.path_traced(View::Full, 400);
+    let [error, grain] = [sound, faulty].map(|drawn| apart(&drawn.radiance(), &truth));
     println!("{error:.4}, {grain:.4} where rays find the body by chance");
     assert!(error < 0.12, "{error}");
     assert!(grain > 1.5 * error, "{grain}");
