@@ -40,7 +40,8 @@ impl Inspect {
                 gpu,
                 &shade.hdr,
                 surfaces,
-                field.atlas(),
+                field.atlas().slots,
+                field.memory().ambient_cubes,
                 offer,
             )?);
         }

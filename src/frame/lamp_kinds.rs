@@ -19,6 +19,11 @@ impl Frame {
     /// As [`Frame::allow_lamps`].
     pub fn know_lamps(&mut self, gpu: &Gpu, kinds: LampKinds) -> Result<(), FrameError> {
         let before = self.lights.kinds();
+        // The probes were made with it or without.
+        let kinds = LampKinds {
+            rhythms: before.rhythms,
+            ..kinds
+        };
         if kinds == before {
             return Ok(());
         }

@@ -8,7 +8,7 @@
 //!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
 //!     ├ probes/seed (volumes that move) ─ what new probes show until their first update
 //!     └ probes/forget_hits (`probes.hits=kept`) ─ which kept hits are still true
-//! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐
+//! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐    (then probes/rhythms: which lamps it comes from)
 //!     └────────────── atlas of the last frame ◄───────────┤                │
 //! view/camera_rays ─ surfaces ─ surface_cache/{lamps, body_shafts, allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/antialias ─ view/tonemap
 //!                        └────────────────────────────────────────────────────┘    └ views of the probes       display
@@ -29,6 +29,7 @@ mod offers;
 mod order;
 mod passes;
 mod pictures;
+mod replace;
 mod stage;
 mod traced;
 mod values;
@@ -51,7 +52,7 @@ use values::{Drawn, Update, Wanted};
 use crate::{
     gpu::{Gpu, Recorder},
     lights::{
-        CellShadows, CommonGain, LampRanks, Lights, RecentLights, RestingLamps,
+        CellShadows, CommonGain, LampRanks, Lights, LightsKept, RecentLights, RestingLamps,
         table::LightsOfFrame,
     },
     parameters::ProbeParameters,
@@ -104,7 +105,9 @@ impl Frame {
     ) -> Result<Self, FrameError> {
         let view = Shot::buffer(gpu);
         let lights = GpuLights::new(gpu, Some(stage.voxels.size))?.with_kinds(stage.lamp_kinds);
-        let field = ProbeField::new(gpu, stage.volume(gpu, layout)?, probes)?;
+        let rhythms = stage.lamp_kinds.rhythms;
+        let volume = stage.volume(gpu, layout)?;
+        let field = ProbeField::with_rhythms(gpu, volume, probes, rhythms)?;
         let faces = SurfaceCache::new(gpu, probes)?;
         let scene = scene(&stage, &view, &lights);
         let wanted = Wanted::default();
@@ -165,7 +168,12 @@ impl Frame {
         let jittered = (self.antialiasing).next(shot, &inspected, Some(lights), is_warming);
         self.look(gpu, shot, jittered.as_ref());
         let emits = self.stage.emits();
-        let (lights, gain) = self.gain.split(lights, emits);
+        let tells_apart = self.lights.kinds().rhythms;
+        let LightsKept {
+            lights,
+            gain,
+            rhythms,
+        } = self.gain.keep(lights, emits, tells_apart);
         let light_change = self.recent_lights.change(&lights);
         let light_change = light_change.max(change_of_bodies(bodies_moved));
         self.field.end_growth(gpu);
@@ -203,6 +211,7 @@ impl Frame {
         let shadows = CellShadows::of_frame(lights.lamps.len(), sight_changes, self.frames);
         let of_frame = LightsOfFrame {
             gain,
+            rhythms,
             still_since,
             brightest: ranked.brightest,
             list_frame: ranked.made_in,
@@ -296,46 +305,6 @@ impl Frame {
         self.passes = Passes::new(gpu, size, self.subjects(), wanted, &scene)?;
         self.size = size;
         self.order = FrameOrder::default();
-        self.antialiasing.restart();
-        self.drawn.smoothed = None;
-        Ok(())
-    }
-
-    /// Replaces the probes: another layout, or parameters that their buffers depend on. The view of an atlas ends.
-    ///
-    /// # Errors
-    /// [`FrameError`] when the adapter cannot hold them; the frame is then unchanged.
-    pub fn replace_probes(
-        &mut self,
-        gpu: &Gpu,
-        layout: &LayoutSpec,
-        probes: &ProbeParameters,
-    ) -> Result<(), FrameError> {
-        let field = ProbeField::new(gpu, self.stage.volume(gpu, layout)?, probes)?;
-        let faces = SurfaceCache::new(gpu, probes)?;
-        let scene = scene(&self.stage, &self.view, &self.lights);
-        let wanted = Wanted {
-            inspection: Inspection {
-                atlas: None,
-                ..self.passes.inspect.wanted
-            },
-            smoothing: self.antialiasing.wanted,
-            bits: self.bits.wanted,
-        };
-        let subjects = Subjects {
-            field: &field,
-            cache: &faces,
-            ..self.subjects()
-        };
-        self.passes = Passes::new(gpu, self.size, subjects, wanted, &scene)?;
-        self.field = field;
-        self.faces = faces;
-        self.frames = 0;
-        // New probes have no history that a change could make out of date.
-        self.gain = CommonGain::default();
-        self.resting.forget();
-        self.ranks.forget();
-        self.recent_lights.forget();
         self.antialiasing.restart();
         self.drawn.smoothed = None;
         Ok(())

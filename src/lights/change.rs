@@ -94,6 +94,7 @@ mod tests {
             intensity: DVec3::splat(power),
             radius: 0.5,
             soft_radius: 0.0,
+            rhythm: None,
         }
     }
 

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Lights;
+use super::{Lights, Rhythms};
 
 /// Gains of two lamps that differ by less than this share are one gain.
 const SAME: f64 = 1e-6;
@@ -20,7 +20,32 @@ pub struct CommonGain {
     reference: Vec<DVec3>,
 }
 
+/// The lights that rays, probes and faces know, and by what the picture is multiplied.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightsKept {
+    pub lights: Lights,
+    /// For all light (linear RGB).
+    pub gain: Vec3,
+    /// For the light of each rhythm.
+    pub rhythms: Rhythms,
+}
+
 impl CommonGain {
+    /// Takes out of the lights by what their power changes, so far as that is known. `emits`: as in [`split`](Self::split);
+    /// `tells_apart`: kernels know [`Rhythms`].
+    pub fn keep(&mut self, lights: &Lights, emits: bool, tells_apart: bool) -> LightsKept {
+        let apart = tells_apart.then(|| Rhythms::split(lights, emits)).flatten();
+        let ((lights, gain), rhythms) = match apart {
+            Some((at_full, rhythms)) => ((at_full, Vec3::ONE), rhythms),
+            None => (self.split(lights, emits), Rhythms::default()),
+        };
+        LightsKept {
+            lights,
+            gain,
+            rhythms,
+        }
+    }
+
     /// The lights at their reference intensities, and the factor (linear RGB) that gives the lights of now. Where
     /// sources differ in how their power changes, the lights of now become the reference and the factor is 1.
     ///
@@ -43,8 +68,7 @@ impl CommonGain {
         if self.reference.len() != lights.lamps.len() {
             return None;
         }
-        let sky = [lights.sky.zenith, lights.sky.horizon, lights.sky.ground];
-        let is_constant = emits || sky.iter().any(|colour| *colour != Vec3::ZERO);
+        let is_constant = emits || !lights.sky.is_dark();
         // By channel; `None` as long as no source has light in it.
         let mut gains = [is_constant.then_some(1.0); 3];
         for (lamp, reference) in lights.lamps.iter().zip(&self.reference) {
@@ -83,6 +107,7 @@ mod tests {
             intensity: DVec3::from_array(*power),
             radius: 0.1,
             soft_radius: 0.0,
+            rhythm: None,
         };
         Lights {
             lamps: powers.iter().map(lamp).collect(),

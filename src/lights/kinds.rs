@@ -1,6 +1,8 @@
 //! Which kinds of lamps kernels know: what a world does not have costs neither registers nor time.
 
-use super::{Lights, table::KNOWN_LAMPS};
+use glam::Vec3;
+
+use super::{LampState, Lights, motion, rhythms, table::KNOWN_LAMPS};
 use crate::world::{Lamp, World};
 
 /// Kinds of lamps beside a few points, spots and suns.
@@ -10,13 +12,16 @@ pub struct LampKinds {
     pub spheres: bool,
     /// So many lamps that each cell of the world has a [list](super::lists).
     pub lists: bool,
+    /// Lamps whose power goes up and down, few enough to be told apart: see [`super::rhythms`].
+    pub rhythms: bool,
 }
 
 impl LampKinds {
-    /// Every kind.
+    /// Every kind, but for rhythms: to tell them apart is worth it only where light is kept from frame to frame.
     pub const ALL: Self = Self {
         spheres: true,
         lists: true,
+        rhythms: false,
     };
 
     /// What these lights need.
@@ -24,6 +29,7 @@ impl LampKinds {
         Self {
             spheres: lights.has_spheres(),
             lists: lights.lamps.len() > KNOWN_LAMPS as usize,
+            rhythms: false,
         }
     }
 
@@ -39,10 +45,20 @@ impl LampKinds {
     pub fn of_lamps(world: &World, lamps: &[Lamp]) -> Self {
         let placed = &world.restored.lamps;
         let count = lamps.len() + usize::from(world.sun.is_some()) + placed.len();
+        let of_preset = (lamps.iter().enumerate()).map(|(index, lamp)| {
+            motion::rhythm(&lamp.motion, motion::lamp_seed(world.seed, index as u32))
+        });
+        let of_placed = placed
+            .iter()
+            .map(|lamp| LampState::of_placed(lamp, world, 0.0).rhythm)
+            .map(|rhythm| rhythm.map(|rhythm| rhythm.number));
+        let of_lamps: Vec<Option<u32>> = of_preset.chain(of_placed).collect();
         Self {
             spheres: lamps.iter().any(Lamp::is_sphere)
                 || placed.iter().any(|lamp| lamp.block.is_soft()),
             lists: count > KNOWN_LAMPS as usize,
+            rhythms: rhythms::are_told_apart(&of_lamps)
+                && !(rhythms::is_one(&of_lamps) && is_dark_without_lamps(world)),
         }
     }
 
@@ -52,8 +68,15 @@ impl LampKinds {
         Self {
             spheres: self.spheres || other.spheres,
             lists: self.lists || other.lists,
+            rhythms: self.rhythms || other.rhythms,
         }
     }
+}
+
+/// Whether a world has neither a sun, a sky nor any material that emits light.
+fn is_dark_without_lamps(world: &World) -> bool {
+    let mut emitted = world.materials.iter().map(|material| material.emission);
+    world.sun.is_none() && world.sky.is_dark() && emitted.all(|emission| emission == Vec3::ZERO)
 }
 
 #[cfg(test)]
@@ -63,7 +86,7 @@ mod tests {
     use glam::IVec3;
 
     use super::*;
-    use crate::world::{self, LampPreset, file::Overrides, placed::tests::lamp};
+    use crate::world::{self, LampPreset, Motion, Sky, file::Overrides, placed::tests::lamp};
 
     fn worlds(name: &str) -> World {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds");
@@ -96,6 +119,45 @@ mod tests {
             let preset = &world.lamp_presets[0].lamps;
             assert!(!LampKinds::of_lamps(&world, preset).lists);
         }
+    }
+
+    #[test]
+    fn lamps_that_pulse_are_told_apart_while_they_are_few_and_not_all_light() {
+        let pulse = |phase| Motion::Pulse {
+            amount: 0.5,
+            rate: 1.0,
+            phase,
+        };
+        let mut world = worlds("cornell.ron");
+        world.sky = Sky {
+            zenith: Vec3::ZERO,
+            horizon: Vec3::ZERO,
+            ground: Vec3::ZERO,
+        };
+        world
+            .materials
+            .retain(|material| material.emission == Vec3::ZERO);
+        let still = world.lamp_presets[0].lamps[0].clone();
+        let lamps = |phases: &[Option<f32>]| -> Vec<Lamp> {
+            let lamp = |phase: &Option<f32>| Lamp {
+                motion: phase.iter().copied().map(pulse).collect(),
+                ..still.clone()
+            };
+            phases.iter().map(lamp).collect()
+        };
+        for (phases, told_apart) in [
+            (&[None][..], false),
+            (&[Some(0.0)], false),
+            (&[Some(0.0), Some(0.0)], false),
+            (&[Some(0.0), None], true),
+            (&[Some(0.0), Some(1.0), Some(2.0)], true),
+            (&[Some(0.0), Some(1.0), Some(2.0), Some(3.0)], false),
+        ] {
+            let kinds = LampKinds::of_lamps(&world, &lamps(phases));
+            assert_eq!(kinds.rhythms, told_apart, "{phases:?}");
+        }
+        world.sky.zenith = Vec3::ONE;
+        assert!(LampKinds::of_lamps(&world, &lamps(&[Some(0.0)])).rhythms);
     }
 
     #[test]

@@ -33,6 +33,19 @@ pub struct LampState {
     pub radius: f64,
     /// Point and spot: radius of the sphere that shines (voxels); 0 for a point.
     pub soft_radius: f64,
+    /// How its power goes up and down; `None` while it is constant.
+    pub rhythm: Option<Rhythm>,
+}
+
+/// How the power of a lamp goes up and down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rhythm {
+    /// Lamps with the same number have the same gain at all times.
+    pub number: u32,
+    /// The factor of now.
+    pub gain: f64,
+    /// The intensity at a gain of 1.
+    pub full: DVec3,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,8 +89,8 @@ impl LampState {
             gain: 1.0,
         };
         let now = motion::apply(&lamp.motion, still, time_s, seed);
-        let power = now.colour * (now.gain * f64::from(lamp.power));
-        let (shape, direction, intensity) = match lamp.kind {
+        let power = now.colour * f64::from(lamp.power);
+        let (shape, direction, full) = match lamp.kind {
             LampKind::Point => (LampShape::Point, DVec3::ZERO, power / (4.0 * PI)),
             LampKind::Spot {
                 direction,
@@ -99,12 +112,17 @@ impl LampState {
             shape,
             position_ws: now.position_ws,
             direction_ws: direction.normalize_or_zero(),
-            intensity,
+            intensity: full * now.gain,
             radius: f64::from(lamp.radius).max(MIN_RADIUS),
             soft_radius: match lamp.is_sphere() {
                 true => f64::from(lamp.soft_radius),
                 false => 0.0,
             },
+            rhythm: motion::rhythm(&lamp.motion, seed).map(|number| Rhythm {
+                number,
+                gain: now.gain,
+                full,
+            }),
         }
     }
 
@@ -121,6 +139,7 @@ impl LampState {
     pub fn dark(self) -> Self {
         Self {
             intensity: DVec3::ZERO,
+            rhythm: None,
             ..self
         }
     }
@@ -134,6 +153,7 @@ impl LampState {
             intensity: sun.irradiance.as_dvec3(),
             radius: MIN_RADIUS,
             soft_radius: 0.0,
+            rhythm: None,
         }
     }
 

@@ -108,6 +108,7 @@ mod tests {
             intensity: DVec3::splat(power / 3.0),
             radius: 0.1,
             soft_radius: 0.0,
+            rhythm: None,
         };
         Lights {
             lamps: powers.iter().map(lamp).collect(),

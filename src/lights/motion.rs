@@ -24,6 +24,24 @@ pub fn apply(motions: &[Motion], start: Moment, time_s: f64, seed: u32) -> Momen
         .fold(start, |now, motion| step(motion, now, time_s, seed))
 }
 
+/// A number that lamps share which have the same gain at all times; `None`: the gain is always 1.
+pub fn rhythm(motions: &[Motion], seed: u32) -> Option<u32> {
+    let numbers = motions.iter().filter_map(|motion| match *motion {
+        Motion::Flicker { amount, rate } => {
+            (amount != 0.0).then(|| vec![0, amount.to_bits(), rate.to_bits(), seed])
+        }
+        Motion::Pulse {
+            amount,
+            rate,
+            phase,
+        } => (amount != 0.0).then(|| vec![1, amount.to_bits(), rate.to_bits(), phase.to_bits()]),
+        Motion::Travel(_) | Motion::HueCycle { .. } => None,
+    });
+    numbers.flatten().fold(None, |known, number| {
+        Some(hash(known.unwrap_or(0) ^ hash(number)))
+    })
+}
+
 /// The seed of one lamp of a preset.
 pub fn lamp_seed(world_seed: u32, index: u32) -> u32 {
     hash(world_seed ^ hash(index))

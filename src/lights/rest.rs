@@ -68,6 +68,7 @@ impl Settled {
 pub(super) fn is_same_place(lamp: &LampState, before: &LampState) -> bool {
     let placed = LampState {
         intensity: lamp.intensity,
+        rhythm: lamp.rhythm,
         ..*before
     };
     *lamp == placed
@@ -78,7 +79,10 @@ pub(super) mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::{lights::LampShape, world::Sky};
+    use crate::{
+        lights::{LampShape, Rhythm},
+        world::Sky,
+    };
 
     /// Point lamps: places along x, and powers.
     pub fn lights(lamps: &[(f64, f64)]) -> Lights {
@@ -89,6 +93,7 @@ pub(super) mod tests {
             intensity: DVec3::splat(power),
             radius: 0.1,
             soft_radius: 0.0,
+            rhythm: None,
         };
         Lights {
             lamps: lamps.iter().map(lamp).collect(),
@@ -107,6 +112,13 @@ pub(super) mod tests {
         assert_eq!(rest.follow(&lights(&[(0.0, 0.2), (4.0, 1.0)]), 2), [0, 0]);
         assert_eq!(rest.follow(&lights(&[(0.0, 0.2), (4.5, 1.0)]), 3), [0, 3]);
         assert_eq!(rest.follow(&lights(&[(0.0, 0.2), (4.5, 1.0)]), 9), [0, 3]);
+        let mut pulsing = lights(&[(0.0, 0.2), (4.5, 1.0)]);
+        pulsing.lamps[0].rhythm = Some(Rhythm {
+            number: 7,
+            gain: 0.2,
+            full: DVec3::ONE,
+        });
+        assert_eq!(rest.follow(&pulsing, 10), [0, 3]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 
 use super::lamp::MIN_SPOT_EDGE;
-use super::{Cells, LampShape, LampState, Lights, rest::Settled};
+use super::{Cells, LampShape, LampState, Lights, Rhythms, rest::Settled};
 use crate::world::{placed::MOST_PLACED, scenery::MAX_LAMPS};
 
 crate::shared! {
@@ -53,6 +53,19 @@ crate::shared! {
         pub brightest: f32,
         /// `brightest` of all lamps before this one.
         pub brightest_before: f32,
+    }
+
+    /// Rhythms that are told apart ([`super::rhythms`]).
+    pub const RHYTHMS_KNOWN as RHYTHMS_KNOWN: u32 = 3;
+
+    /// The lamps of a rhythm.
+    pub struct GpuRhythm as Rhythm {
+        /// One bit for each lamp.
+        pub lamps: [u32; 2],
+        /// The factor of now.
+        pub gain: f32,
+        /// Their share of the power of all lamps that have rhythms.
+        pub power: f32,
     }
 
     /// A place in the list of a cell.
@@ -107,8 +120,11 @@ pub struct GpuLightsHeader {
     pub first_shadow: u32,
     /// 1: what is known of that holds.
     pub shadows_known: u32,
-    pub _pad0: u32,
-    pub _pad1: u32,
+    /// 1: some light comes from no lamp that has a rhythm.
+    pub has_steady: u32,
+    pub _pad: u32,
+    /// See [`Rhythms`].
+    pub rhythms: [GpuRhythm; RHYTHMS_KNOWN as usize],
 }
 
 /// The frame since which a lamp rests that never does.
@@ -122,6 +138,7 @@ pub const LISTS_OFFSET: usize = size_of::<GpuLightsHeader>() + CAPACITY * size_o
 pub struct LightsOfFrame {
     /// The factor of [`super::CommonGain`].
     pub gain: Vec3,
+    pub rhythms: Rhythms,
     /// What [`super::RestingLamps`] says of each lamp; lamps without a number never rest.
     pub still_since: Vec<u32>,
     /// What [`super::LampRanks`] says of each lamp; lamps without a number count with their intensity of now.
@@ -137,6 +154,7 @@ impl Default for LightsOfFrame {
     fn default() -> Self {
         Self {
             gain: Vec3::ONE,
+            rhythms: Rhythms::default(),
             still_since: Vec::new(),
             brightest: Vec::new(),
             list_frame: 0,
@@ -195,8 +213,9 @@ impl Lights {
             sight_shift: of_sight.shift,
             first_shadow: listed.number() as u32 * LISTED,
             shadows_known: u32::from(of_frame.shadows_known),
-            _pad0: 0,
-            _pad1: 0,
+            has_steady: u32::from(of_frame.rhythms.has_steady()),
+            _pad: 0,
+            rhythms: of_frame.rhythms.to_gpu(),
         };
         [
             bytemuck::bytes_of(&header),

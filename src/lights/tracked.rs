@@ -103,6 +103,7 @@ mod tests {
             intensity: DVec3::splat(power),
             radius: 0.1,
             soft_radius: 0.0,
+            rhythm: None,
         };
         Lights {
             lamps: lamps.iter().map(lamp).collect(),

@@ -34,6 +34,7 @@ const VARIABILITY_BYTES: u64 = VARIABILITY_VECTORS * 16;
 pub const PLACE_BYTES: u64 = 16;
 /// Irradiance along six axes (f16), and whether the probe gives any.
 const CUBE_BYTES: u64 = CUBE_VECTORS * 16;
+const RHYTHM_CUBE_BYTES: u64 = RHYTHM_VECTORS as u64 * 16;
 /// Per probe: an entry of the active list and the frames of the last requests by pixels and by rays
 /// (pass `surface_cache/trace` has all of this of its own, pass `view/shade` the first two), and the progress of its source
 /// walk.
@@ -50,8 +51,11 @@ crate::shared! {
     const VARIABILITY_VECTORS: u64 = VARIABILITY_MEANS + 1 + (VARIABILITY_MEANS + 1).div_ceil(4);
 
     /// Vectors of a packed cube, one for each axis: three halves low, three halves high, and a word
-    /// that is 1.0 if the probe gives any light.
+    /// that says whether the probe gives any light.
     const CUBE_VECTORS: u64 = 3;
+
+    /// The same where lamps have rhythms: one for each direction along an axis.
+    const RHYTHM_VECTORS: u32 = 6;
 }
 
 /// Memory of a probe field on the GPU, in bytes.
@@ -68,6 +72,10 @@ pub struct ProbeMemory {
     pub variability: u64,
     pub places: u64,
     pub ambient_cubes: u64,
+    /// Which shares of the radiance of rays come from lamps that have rhythms: behind the kept hits in their buffer.
+    pub ray_shares: u64,
+    /// The same of the light of probes.
+    pub rhythms: u64,
     /// Visibility bits of the probes under exact visibility; not part of the atlas.
     pub visibility_bits: u64,
     /// The octree's cells and slots; not part of the atlas.
@@ -78,6 +86,23 @@ pub struct ProbeMemory {
 }
 
 impl ProbeMemory {
+    /// The same for probes that tell apart lamps of so many rhythms, whose power goes up and down.
+    #[must_use]
+    pub fn with_rhythms(self, layout: &AtlasLayout, rhythms: u32) -> Self {
+        let slots = u64::from(layout.slots);
+        Self {
+            ray_shares: self.rays,
+            rhythms: slots * RHYTHM_CUBE_BYTES * u64::from(rhythms),
+            ambient_cubes: slots * RHYTHM_CUBE_BYTES,
+            ..self
+        }
+    }
+
+    /// Of the buffer of the rays, and of what lies behind them.
+    pub fn ray_buffer(&self) -> u64 {
+        self.rays + self.kept_hits + self.ray_shares
+    }
+
     pub fn total(&self) -> u64 {
         self.irradiance_maps
             + self.distance_atlas
@@ -88,6 +113,8 @@ impl ProbeMemory {
             + self.variability
             + self.places
             + self.ambient_cubes
+            + self.ray_shares
+            + self.rhythms
             + self.visibility_bits
             + self.octree
             + self.occlusion
@@ -161,11 +188,6 @@ impl AtlasLayout {
         ]
     }
 
-    /// Bytes of the ambient cubes of all probes.
-    pub fn ambient_cube_bytes(&self) -> u64 {
-        u64::from(self.slots) * CUBE_BYTES
-    }
-
     /// All memory of the field with the rays of `parameters`.
     pub fn memory(&self, parameters: &ProbeParameters) -> ProbeMemory {
         let slots = u64::from(self.slots);
@@ -182,7 +204,9 @@ impl AtlasLayout {
             states: slots * STATE_BYTES,
             variability: slots * VARIABILITY_BYTES,
             places: slots * PLACE_BYTES,
-            ambient_cubes: self.ambient_cube_bytes(),
+            ambient_cubes: slots * CUBE_BYTES,
+            ray_shares: 0,
+            rhythms: 0,
             visibility_bits: 0,
             octree: 0,
             occlusion: 0,

@@ -114,6 +114,14 @@ pub struct Sky {
     pub ground: Vec3,
 }
 
+impl Sky {
+    /// Whether it gives no light at all.
+    pub fn is_dark(&self) -> bool {
+        let colours = [self.zenith, self.horizon, self.ground];
+        colours.iter().all(|colour| *colour == Vec3::ZERO)
+    }
+}
+
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     pub name: String,

@@ -64,6 +64,7 @@ fn lamps(count: usize, kind: Kind, step: usize) -> Vec<LampState> {
                 Kind::All if number.is_multiple_of(2) => 1.5,
                 _ => 0.0,
             },
+            rhythm: None,
         }
     };
     let mut all: Vec<_> = (0..count).map(lamp).collect();

@@ -72,6 +72,7 @@ fn lamp(position_ws: DVec3, intensity: f64) -> LampState {
         intensity: DVec3::splat(intensity),
         radius: 0.1,
         soft_radius: 0.0,
+        rhythm: None,
     }
 }
 

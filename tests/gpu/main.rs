@@ -29,6 +29,7 @@ mod placed_lamps;
 mod pops;
 mod probe_views;
 mod probes;
+mod rhythms;
 mod seen_lamps;
 mod soft_shadows;
 mod tonemap;

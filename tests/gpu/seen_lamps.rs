@@ -43,6 +43,7 @@ fn lamp(position: [f64; 3], watts: f64) -> LampState {
         intensity: DVec3::splat(watts / (4.0 * std::f64::consts::PI)),
         radius: 0.5,
         soft_radius: 0.0,
+        rhythm: None,
     }
 }
 

@@ -102,8 +102,9 @@ fn lights_are_a_header_lamps_and_lists() {
         sight_shift,
         first_shadow,
         shadows_known,
-        _pad0,
-        _pad1
+        has_steady,
+        _pad,
+        rhythms
     });
     header
         .members

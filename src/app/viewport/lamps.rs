@@ -62,7 +62,11 @@ pub(super) fn stage(gpu: &Gpu, world: &World, choice: &Choice) -> Result<Stage, 
 }
 
 fn kinds(world: &World, choice: &Choice) -> LampKinds {
-    LampKinds::of_lamps(world, chosen(world, choice).1)
+    LampKinds {
+        // To hang a torch makes no kernels anew: light that they cannot tell apart is followed as it comes.
+        rhythms: false,
+        ..LampKinds::of_lamps(world, chosen(world, choice).1)
+    }
 }
 
 /// The name of the chosen preset, and its lamps up to the number that the parameters allow.

@@ -16,7 +16,7 @@ use crate::{
     passes::{
         probes::{
             blend::ProbeBlend, classify::ProbeClassify, forget_hits::ForgetHits,
-            occlusion_blend::OcclusionBlend, occlusion_rays::OcclusionRays,
+            occlusion_blend::OcclusionBlend, occlusion_rays::OcclusionRays, rhythms::ProbeRhythms,
             schedule::ProbeSchedule, seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
             visibility::ProbeVisibility,
         },
@@ -49,6 +49,7 @@ pub(super) struct Passes {
     probe_trace: ProbeTrace,
     occlusion: (Option<OcclusionRays>, Option<OcclusionBlend>),
     blend: ProbeBlend,
+    rhythms: Option<ProbeRhythms>,
     face_lamps: SurfaceLamps,
     allocate: SurfaceAllocate,
     surface_trace: SurfaceTrace,
@@ -100,6 +101,7 @@ impl Passes {
             let occlusion_rays = threads.spawn(|| OcclusionRays::new(gpu, field, &offer));
             let occlusion_blend = threads.spawn(|| OcclusionBlend::new(gpu, field));
             let blend = threads.spawn(|| ProbeBlend::new(gpu, field, &scene.constants));
+            let rhythms = threads.spawn(|| ProbeRhythms::new(gpu, field, resources));
             let surface_trace = threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &of_faces));
             let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
             let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));
@@ -142,6 +144,7 @@ impl Passes {
                 probe_trace: made(probe_trace)?,
                 occlusion: (made(occlusion_rays)?, made(occlusion_blend)?),
                 blend: made(blend)?,
+                rhythms: made(rhythms)?,
                 face_lamps: made(face_lamps)?,
                 allocate: made(allocate)?,
                 surface_trace: made(surface_trace)?,

@@ -167,6 +167,9 @@ impl Passes {
         (self.occlusion.0.iter()).for_each(|rays| rays.record(recorder));
         (self.occlusion.1.iter()).for_each(|blend| blend.record(recorder));
         self.blend.record(recorder);
+        if let Some(rhythms) = &self.rhythms {
+            rhythms.record(recorder);
+        }
         if let Some(walk) = &self.walk {
             walk.record(recorder);
         }

@@ -14,6 +14,7 @@ mod occlusion;
 pub mod occlusion_blend;
 pub mod occlusion_rays;
 mod octree;
+pub mod rhythms;
 pub mod schedule;
 pub mod seed;
 mod source;

@@ -76,7 +76,7 @@ impl GpuLights {
 
     /// The constants of kernels that are made for these lights.
     pub fn constants(&self) -> [(&'static str, f64); 2] {
-        let LampKinds { spheres, lists } = self.kinds;
+        let LampKinds { spheres, lists, .. } = self.kinds;
         [
             ("SPHERES", f64::from(u8::from(spheres))),
             ("LISTS", f64::from(u8::from(lists))),

@@ -1,9 +1,6 @@
 //! Pass `view/state_view`: the states of the probes that light each point, in place of the picture.
 
-use crate::{
-    gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle},
-    probes::AtlasLayout,
-};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
 pub struct StateView {
     paint: (Kernel, Bindings),
@@ -17,7 +14,7 @@ pub struct StateView {
 
 impl StateView {
     /// Draws over `hdr` (`rgba16float`), a picture of `surfaces`. `offer` is that of the voxels, the view and the
-    /// probes.
+    /// probes, whose number is `slots`, and whose cubes take `cube_bytes`.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`], [`GpuError::Shader`].
@@ -25,10 +22,11 @@ impl StateView {
         gpu: &Gpu,
         hdr: &wgpu::Texture,
         surfaces: &wgpu::Buffer,
-        atlas: &AtlasLayout,
+        slots: u32,
+        cube_bytes: u64,
         offer: &Offer<'_>,
     ) -> Result<Self, GpuError> {
-        let cubes = gpu.storage_buffer("painted_cubes", atlas.ambient_cube_bytes())?;
+        let cubes = gpu.storage_buffer("painted_cubes", cube_bytes)?;
         let kernel = |entry| {
             let spec = KernelSpec {
                 shader: "view/state_view",
@@ -50,7 +48,7 @@ impl StateView {
         let main = kernel("main")?;
         let [columns, rows] = main.groups_of([hdr.width(), hdr.height()]);
         Ok(Self {
-            probes: rectangle(atlas.slots.div_ceil(paint.workgroup_size[0])),
+            probes: rectangle(slots.div_ceil(paint.workgroup_size[0])),
             tiles: rectangle(columns * rows),
             paint: (paint, painting),
             main: (main.clone(), main.bind(gpu, &painted.resources)),

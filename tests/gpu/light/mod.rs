@@ -92,6 +92,7 @@ fn lamps() -> Vec<LampState> {
         intensity,
         radius: 0.5,
         soft_radius: 0.0,
+        rhythm: None,
     };
     let spot = LampShape::Spot {
         cos_inner: 0.9,

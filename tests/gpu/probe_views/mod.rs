@@ -301,7 +301,8 @@ fn painted_cubes_count_as_the_states_do() {
     );
     let scene = frame::scene(&watched.frame.stage, &view, &lights);
     let offer = frame::offer(field, watched.frame.faces(), &scene);
-    let paint = StateView::new(gpu, &hdr, &surfaces, field.atlas(), &offer).expect("it fits");
+    let (slots, cube_bytes) = (field.atlas().slots, field.memory().ambient_cubes);
+    let paint = StateView::new(gpu, &hdr, &surfaces, slots, cube_bytes, &offer).expect("it fits");
     let mut recorder = Recorder::new(gpu, None);
     paint.record(&mut recorder);
     recorder.submit(gpu).expect("submits");

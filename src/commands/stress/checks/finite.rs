@@ -1,7 +1,5 @@
 //! No NaN, no infinity and no negative light in any buffer of light, tested by bits.
 
-use half::f16;
-
 use super::super::play::Play;
 use crate::{
     commands::Failure,
@@ -49,8 +47,7 @@ pub fn buffers(play: &Play<'_>) -> Result<Result<(), String>, Failure> {
     if let bad @ Err(_) = finite("the variability of probes", variability.into_iter()) {
         return Ok(bad);
     }
-    let cubes: Vec<f16> = gpu.read_buffer(field.ambient_cubes())?;
-    let cubes: Vec<f32> = cubes.into_iter().map(f16::to_f32).collect();
+    let cubes = field.light_along_axes(gpu)?;
     if let bad @ Err(_) = light("the light of probes along the axes", &cubes) {
         return Ok(bad);
     }

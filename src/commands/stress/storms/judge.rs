@@ -157,7 +157,7 @@ fn different_emitters(gpu: &Gpu, frame: &Frame, found: &Emitters) -> Result<u64,
 pub fn not_finite(gpu: &Gpu, frame: &Frame) -> Result<u64, GpuError> {
     let picture = frame.read_radiance(gpu)?;
     let rays = frame.field().new_rays(gpu)?;
-    let cubes: Vec<half::f16> = gpu.read_buffer(frame.field().ambient_cubes())?;
+    let cubes = frame.field().light_along_axes(gpu)?;
     let bad = picture
         .rgb
         .iter()

@@ -99,8 +99,8 @@ impl ProbeField {
     }
 
     /// The constants of kernels that gather.
-    pub fn gather_constants(&self) -> [(&'static str, f64); 6] {
-        let [octree] = self.layout_constants();
+    pub fn gather_constants(&self) -> [(&'static str, f64); 7] {
+        let [octree, rhythms] = self.layout_constants();
         let visits_all = self
             .volume
             .octree()
@@ -117,14 +117,16 @@ impl ProbeField {
             ("NESTED", f64::from(u8::from(nested))),
             ("VISITS_ALL", f64::from(u8::from(visits_all))),
             octree,
+            rhythms,
         ]
     }
 
-    /// The constants of kernels that know where probes are.
-    pub fn layout_constants(&self) -> [(&'static str, f64); 1] {
-        [(
-            "OCTREE",
-            f64::from(u8::from(self.volume.octree().is_some())),
-        )]
+    /// The constants of kernels that know where probes are and how their light is stored.
+    pub fn layout_constants(&self) -> [(&'static str, f64); 2] {
+        let is_octree = self.volume.octree().is_some();
+        [
+            ("OCTREE", f64::from(u8::from(is_octree))),
+            ("RHYTHMS", f64::from(u8::from(self.rhythms.is_some()))),
+        ]
     }
 }

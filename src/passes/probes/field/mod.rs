@@ -1,11 +1,10 @@
 //! The probe field on the GPU: what the passes that trace, blend and gather probes share.
 
 mod bindings;
+mod places;
 mod read_back;
 
 use std::mem::offset_of;
-
-use glam::{IVec3, Vec3};
 
 use super::{
     GpuChanges, GpuProbeInfo, GpuProbePlace, GpuProbeState,
@@ -17,12 +16,12 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError},
+    lights::table::RHYTHMS_KNOWN,
     parameters::{ProbeHits, ProbeParameters, Visibility},
     probes::{
-        AtlasLayout, Changes, Layout as _, Motion, OcclusionLayout, Octree, ProbeError,
-        VisibilityBits, Volume, atlas::ProbeMemory, repeats::RAY_SETS, sampling,
+        AtlasLayout, Changes, Layout as _, Motion, OcclusionLayout, ProbeError, VisibilityBits,
+        Volume, atlas::ProbeMemory, repeats::RAY_SETS, sampling,
     },
-    world::voxels::Voxels,
 };
 
 /// Why a probe field cannot be made.
@@ -71,6 +70,8 @@ pub struct ProbeField {
     places: wgpu::Buffer,
     visibility_buffer: wgpu::Buffer,
     ambient_cubes: wgpu::Buffer,
+    /// Of each probe: see pass `probes/rhythms`.
+    rhythms: Option<wgpu::Buffer>,
     distance_atlas: wgpu::Texture,
     distance_view: wgpu::TextureView,
 }
@@ -82,6 +83,20 @@ impl ProbeField {
         gpu: &Gpu,
         volume: Volume,
         parameters: &ProbeParameters,
+    ) -> Result<Self, ProbeFieldError> {
+        Self::with_rhythms(gpu, volume, parameters, false)
+    }
+
+    /// The same; `rhythms`: for kernels that tell lamps apart whose power goes up and down
+    /// ([`LampKinds::rhythms`](crate::lights::LampKinds)).
+    ///
+    /// # Errors
+    /// As [`ProbeField::new`].
+    pub fn with_rhythms(
+        gpu: &Gpu,
+        volume: Volume,
+        parameters: &ProbeParameters,
+        rhythms: bool,
     ) -> Result<Self, ProbeFieldError> {
         let parameters = &*parameters.effective();
         // Bits that do not fit are an error only under `exact`. Otherwise visibility is estimated from distances.
@@ -111,13 +126,18 @@ impl ProbeField {
             octree: GpuOctree::bytes(&volume),
             ..atlas.memory(parameters)
         };
+        let memory = if rhythms {
+            memory.with_rhythms(&atlas, RHYTHMS_KNOWN)
+        } else {
+            memory
+        };
         let rays = match parameters.hits {
             ProbeHits::Traced => "the rays of all probes (probes.rays)",
             ProbeHits::Kept => KEPT_HITS,
         };
         let parts = [
             (VISIBILITY_BITS, memory.visibility_bits),
-            (rays, memory.rays + memory.kept_hits),
+            (rays, memory.ray_buffer()),
             ("the irradiance maps of all probes", memory.irradiance_maps),
         ];
         for (what, bytes) in parts {
@@ -158,6 +178,9 @@ impl ProbeField {
             visibility_bits,
             visibility_buffer: gpu.storage_buffer("probe_visibility", memory.visibility_bits)?,
             ambient_cubes: gpu.storage_buffer("ambient_cubes", memory.ambient_cubes)?,
+            rhythms: (memory.rhythms > 0)
+                .then(|| gpu.storage_buffer("probe_rhythms", memory.rhythms))
+                .transpose()?,
             changes: Changes::default(),
             update_schedule: UpdateSchedule::new(
                 gpu,
@@ -171,7 +194,7 @@ impl ProbeField {
                 "ray_directions",
                 u64::from(RAY_SETS * parameters.rays) * DIRECTION_BYTES,
             )?,
-            rays: gpu.storage_buffer("probe_rays", memory.rays + memory.kept_hits)?,
+            rays: gpu.storage_buffer("probe_rays", memory.ray_buffer())?,
             irradiance_maps: gpu.storage_buffer("irradiance_maps", memory.irradiance_maps)?,
             states: gpu.storage_buffer("probe_states", memory.states)?,
             variability: gpu.storage_buffer("probe_variability", memory.variability)?,
@@ -192,60 +215,6 @@ impl ProbeField {
             atlas,
             memory,
         })
-    }
-
-    /// Moves a volume that follows the camera, before frame `frame`. Returns whether the move discards the light
-    /// of all probes; the next frame then counts as the first.
-    pub fn follow(&mut self, eye_ws: Vec3, frame: u64) -> bool {
-        if self.volume.octree().is_some() {
-            return false;
-        }
-        self.motion.follow(&mut self.volume, eye_ws, frame)
-    }
-
-    /// Divides an octree again where voxels have changed (grid space, both ends inclusive), before the next frame.
-    pub fn regrow(&mut self, gpu: &Gpu, voxels: &Voxels, first: IVec3, last: IVec3) {
-        self.end_growth(gpu);
-        if let Some(octree) = self.volume.octree_mut()
-            && octree.regrow(voxels, first, last)
-        {
-            self.tree.write(gpu, octree);
-        }
-    }
-
-    /// Before each frame: probes of an octree that the last frame has shown are not new any more.
-    pub fn end_growth(&mut self, gpu: &Gpu) {
-        if self.shows_growth
-            && let Some(octree) = self.volume.octree_mut()
-        {
-            octree.settle_down();
-            self.tree.write(gpu, octree);
-            self.shows_growth = false;
-        }
-    }
-
-    /// Probes that are new since the last move, or since an edit changed an octree.
-    pub fn fresh(&self) -> u32 {
-        self.volume
-            .octree()
-            .map_or(self.motion.fresh(), Octree::fresh)
-    }
-
-    /// Whether passes `probes/classify` and `probes/visibility` must run in this frame: probes are new, have moved, or
-    /// are near an edit.
-    pub fn misplaced(&self) -> bool {
-        self.update_schedule.places_all()
-            || self.changes.shown_first().is_some()
-            || self.fresh() > 0
-    }
-
-    /// Notes that those passes have been recorded.
-    pub fn set_placed(&mut self) {
-        self.update_schedule.set_placed();
-        self.shows_growth = self
-            .volume
-            .octree()
-            .is_some_and(|octree| octree.fresh() > 0);
     }
 
     /// Writes the uniform and rotates the rays for a frame. Must be called once before each submission that updates
@@ -370,9 +339,9 @@ impl ProbeField {
         &self.variability
     }
 
-    /// The light that each probe gives to faces of voxels: `shaders/probes/probe_cube.wesl`, all in half floats.
-    pub fn ambient_cubes(&self) -> &wgpu::Buffer {
-        &self.ambient_cubes
+    /// What pass `probes/rhythms` keeps; `None` where lamps are not told apart.
+    pub(super) fn rhythms(&self) -> Option<&wgpu::Buffer> {
+        self.rhythms.as_ref()
     }
 
     /// Distances: r32uint, which [`distances_of`](crate::probes::packed::distances_of) unpacks; one texel where

@@ -43,6 +43,22 @@ impl ProbeField {
             .collect())
     }
 
+    /// The light that probes give to faces of voxels: linear RGB, for each probe two colours along each axis.
+    ///
+    /// # Errors
+    /// [`GpuError::Device`] when the device is lost.
+    pub fn light_along_axes(&self, gpu: &Gpu) -> Result<Vec<f32>, GpuError> {
+        let vectors: Vec<[u32; 4]> = gpu.read_buffer(&self.ambient_cubes)?;
+        let vectors = vectors.into_iter();
+        Ok(if self.rhythms.is_some() {
+            vectors
+                .flat_map(|[light, ..]| packed::radiance_of(light))
+                .collect()
+        } else {
+            vectors.flat_map(packed::axis).collect()
+        })
+    }
+
     /// How many probes are in each state, and how many were active in the last update.
     ///
     /// # Errors
