@@ -28,7 +28,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let light = one_seen_lamp(
         list_at(voxel), vec3f(4.5, 4.0, 4.5), start_in(voxel), vec3f(0.0, 1.0, 0.0), random, false, hash(id.x / 64u),
     );
-    found[id.x] = vec4f(light, 0.0);
+    found[id.x] = vec4f(light.irradiance, 0.0);
 }
 ";
 
