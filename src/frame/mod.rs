@@ -168,12 +168,12 @@ impl Frame {
         let jittered = (self.antialiasing).next(shot, &inspected, Some(lights), is_warming);
         self.look(gpu, shot, jittered.as_ref());
         let emits = self.stage.emits();
-        let tells_apart = self.lights.kinds().rhythms;
+        let told = self.lights.kinds().rhythms;
         let LightsKept {
             lights,
             gain,
             rhythms,
-        } = self.gain.keep(lights, emits, tells_apart);
+        } = self.gain.keep(lights, emits, told);
         let light_change = self.recent_lights.change(&lights);
         let light_change = light_change.max(change_of_bodies(bodies_moved));
         self.field.end_growth(gpu);

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Lights, Rhythms};
+use super::{Lights, Rhythms, RhythmsTold};
 
 /// Gains of two lamps that differ by less than this share are one gain.
 const SAME: f64 = 1e-6;
@@ -32,9 +32,9 @@ pub struct LightsKept {
 
 impl CommonGain {
     /// Takes out of the lights by what their power changes, so far as that is known. `emits`: as in [`split`](Self::split);
-    /// `tells_apart`: kernels know [`Rhythms`].
-    pub fn keep(&mut self, lights: &Lights, emits: bool, tells_apart: bool) -> LightsKept {
-        let apart = tells_apart.then(|| Rhythms::split(lights, emits)).flatten();
+    /// `told`: what kernels know of [`Rhythms`].
+    pub fn keep(&mut self, lights: &Lights, emits: bool, told: RhythmsTold) -> LightsKept {
+        let apart = Rhythms::split(lights, emits, told);
         let ((lights, gain), rhythms) = match apart {
             Some((at_full, rhythms)) => ((at_full, Vec3::ONE), rhythms),
             None => (self.split(lights, emits), Rhythms::default()),

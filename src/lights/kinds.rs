@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{LampState, Lights, motion, rhythms, table::KNOWN_LAMPS};
+use super::{LampState, Lights, RhythmsTold, motion, rhythms, table::KNOWN_LAMPS};
 use crate::world::{Lamp, World};
 
 /// Kinds of lamps beside a few points, spots and suns.
@@ -13,7 +13,7 @@ pub struct LampKinds {
     /// So many lamps that each cell of the world has a [list](super::lists).
     pub lists: bool,
     /// Lamps whose power goes up and down, few enough to be told apart: see [`super::rhythms`].
-    pub rhythms: bool,
+    pub rhythms: RhythmsTold,
 }
 
 impl LampKinds {
@@ -21,7 +21,7 @@ impl LampKinds {
     pub const ALL: Self = Self {
         spheres: true,
         lists: true,
-        rhythms: false,
+        rhythms: RhythmsTold::None,
     };
 
     /// What these lights need.
@@ -29,7 +29,7 @@ impl LampKinds {
         Self {
             spheres: lights.has_spheres(),
             lists: lights.lamps.len() > KNOWN_LAMPS as usize,
-            rhythms: false,
+            rhythms: RhythmsTold::None,
         }
     }
 
@@ -57,8 +57,11 @@ impl LampKinds {
             spheres: lamps.iter().any(Lamp::is_sphere)
                 || placed.iter().any(|lamp| lamp.block.is_soft()),
             lists: count > KNOWN_LAMPS as usize,
-            rhythms: rhythms::are_told_apart(&of_lamps)
-                && !(rhythms::is_one(&of_lamps) && is_dark_without_lamps(world)),
+            rhythms: if rhythms::is_one(&of_lamps) && is_dark_without_lamps(world) {
+                RhythmsTold::None
+            } else {
+                RhythmsTold::needed(&of_lamps)
+            },
         }
     }
 
@@ -68,7 +71,7 @@ impl LampKinds {
         Self {
             spheres: self.spheres || other.spheres,
             lists: self.lists || other.lists,
-            rhythms: self.rhythms || other.rhythms,
+            rhythms: self.rhythms.max(other.rhythms),
         }
     }
 }
@@ -123,6 +126,7 @@ mod tests {
 
     #[test]
     fn lamps_that_pulse_are_told_apart_while_they_are_few_and_not_all_light() {
+        use RhythmsTold::{ByBrightness, ByChannel, None as Not};
         let pulse = |phase| Motion::Pulse {
             amount: 0.5,
             rate: 1.0,
@@ -146,18 +150,19 @@ mod tests {
             phases.iter().map(lamp).collect()
         };
         for (phases, told_apart) in [
-            (&[None][..], false),
-            (&[Some(0.0)], false),
-            (&[Some(0.0), Some(0.0)], false),
-            (&[Some(0.0), None], true),
-            (&[Some(0.0), Some(1.0), Some(2.0)], true),
-            (&[Some(0.0), Some(1.0), Some(2.0), Some(3.0)], false),
+            (&[None][..], Not),
+            (&[Some(0.0)], Not),
+            (&[Some(0.0), Some(0.0)], Not),
+            (&[Some(0.0), None], ByChannel),
+            (&[Some(0.0), Some(1.0), Some(2.0)], ByChannel),
+            (&[Some(0.0), Some(1.0), Some(2.0), Some(3.0)], ByBrightness),
         ] {
             let kinds = LampKinds::of_lamps(&world, &lamps(phases));
             assert_eq!(kinds.rhythms, told_apart, "{phases:?}");
         }
         world.sky.zenith = Vec3::ONE;
-        assert!(LampKinds::of_lamps(&world, &lamps(&[Some(0.0)])).rhythms);
+        let kinds = LampKinds::of_lamps(&world, &lamps(&[Some(0.0)]));
+        assert_eq!(kinds.rhythms, ByChannel);
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub use lamp::{LampRay, LampShape, LampState, Rhythm, evaluate};
 pub use lists::LampRanks;
 pub use recent::RecentLights;
 pub use rest::RestingLamps;
-pub use rhythms::Rhythms;
+pub use rhythms::{Rhythms, RhythmsTold};
 pub use shadows::CellShadows;
 pub use tracked::{TrackedLamp, TrackedLamps};
 

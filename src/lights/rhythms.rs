@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::{
     LampState, Lights,
-    table::{GpuRhythm, KNOWN_LAMPS, RHYTHMS_KNOWN},
+    table::{GpuRhythm, KNOWN_LAMPS, RHYTHMS_KNOWN, TOLD_BY_CHANNEL},
 };
 
 /// The lamps of each rhythm in a frame.
@@ -29,16 +29,37 @@ struct OfLamps {
     /// One bit for each lamp.
     lamps: u64,
     gain: f64,
-    /// Sum of the channels of their intensities at full power.
-    full: f64,
+    /// Sum of their intensities at full power.
+    full: DVec3,
 }
 
-/// Whether light of lamps with these rhythms ([`super::Rhythm::number`]) can be told apart: some have one, and there are few.
-pub fn are_told_apart(lamps: &[Option<u32>]) -> bool {
-    let mut numbers: Vec<u32> = lamps.iter().copied().flatten().collect();
-    numbers.sort_unstable();
-    numbers.dedup();
-    lamps.len() <= KNOWN_LAMPS as usize && (1..=RHYTHMS_KNOWN as usize).contains(&numbers.len())
+/// How kernels tell apart the light of lamps that have rhythms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum RhythmsTold {
+    /// Not at all.
+    #[default]
+    None,
+    /// Up to [`TOLD_BY_CHANNEL`], by their share of each colour channel.
+    ByChannel,
+    /// Up to [`RHYTHMS_KNOWN`], by their share of the brightness: their light counts as coloured as the lamps are.
+    ByBrightness,
+}
+
+impl RhythmsTold {
+    /// What lamps with these rhythms ([`super::Rhythm::number`]) need. None, where they are too many.
+    pub fn needed(lamps: &[Option<u32>]) -> Self {
+        let mut numbers: Vec<u32> = lamps.iter().copied().flatten().collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let count = numbers.len() as u32;
+        if count == 0 || count > RHYTHMS_KNOWN || lamps.len() > KNOWN_LAMPS as usize {
+            Self::None
+        } else if count <= TOLD_BY_CHANNEL {
+            Self::ByChannel
+        } else {
+            Self::ByBrightness
+        }
+    }
 }
 
 /// Whether all lamps have the same rhythm: then they have a [`CommonGain`](super::CommonGain) where there is no other light.
@@ -57,12 +78,13 @@ impl Default for Rhythms {
 }
 
 impl Rhythms {
-    /// The lights at full power, and how far from it each rhythm is; `None` where lamps cannot be told apart. `emits`: voxels
-    /// emit light.
-    pub fn split(lights: &Lights, emits: bool) -> Option<(Lights, Self)> {
+    /// The lights at full power, and how far from it each rhythm is; `None` where kernels that know `told` cannot tell the lamps
+    /// apart. `emits`: voxels emit light.
+    pub fn split(lights: &Lights, emits: bool, told: RhythmsTold) -> Option<(Lights, Self)> {
         let lamps = &lights.lamps;
         let numbers = lamps.iter().map(|lamp| lamp.rhythm.map(|own| own.number));
-        if !are_told_apart(&numbers.collect::<Vec<_>>()) {
+        let needed = RhythmsTold::needed(&numbers.collect::<Vec<_>>());
+        if needed == RhythmsTold::None || needed > told {
             return None;
         }
         let mut by_number = BTreeMap::<u32, OfLamps>::new();
@@ -72,7 +94,7 @@ impl Rhythms {
                 let all = by_number.entry(own.number).or_default();
                 all.lamps |= 1 << index;
                 all.gain = own.gain;
-                all.full += own.full.element_sum();
+                all.full += own.full;
                 lamp.intensity = own.full;
             }
         }
@@ -92,15 +114,27 @@ impl Rhythms {
         self.has_steady
     }
 
+    /// The gain of each of the first lamps.
+    pub(super) fn lamp_gains(&self) -> [[f32; 4]; KNOWN_LAMPS as usize / 4] {
+        let gain = |lamp: usize| {
+            let own = |of: &&OfLamps| of.lamps >> lamp & 1 == 1;
+            let found = self.of_lamps.iter().find(own);
+            found.map_or(1.0, |of| of.gain as f32)
+        };
+        std::array::from_fn(|four| std::array::from_fn(|lamp| gain(4 * four + lamp)))
+    }
+
     pub(super) fn to_gpu(self) -> [GpuRhythm; RHYTHMS_KNOWN as usize] {
-        let all: f64 = self.of_lamps.iter().map(|own| own.full).sum();
-        self.of_lamps.map(|own| {
-            let share = own.full / all.max(f64::MIN_POSITIVE);
-            GpuRhythm {
-                lamps: [own.lamps as u32, (own.lamps >> 32) as u32],
-                gain: own.gain as f32,
-                power: share as f32,
-            }
+        let power = |own: &OfLamps| own.full.element_sum();
+        let all: f64 = self.of_lamps.iter().map(power).sum();
+        self.of_lamps.map(|own| GpuRhythm {
+            lamps: [own.lamps as u32, (own.lamps >> 32) as u32],
+            gain: own.gain as f32,
+            power: (power(&own) / all.max(f64::MIN_POSITIVE)) as f32,
+            colour: (own.full / power(&own).max(f64::MIN_POSITIVE))
+                .as_vec3()
+                .to_array(),
+            ..GpuRhythm::default()
         })
     }
 }
@@ -127,36 +161,45 @@ mod tests {
     #[test]
     fn rays_know_lamps_at_full_power() {
         let now = lights(&[None, Some(7), Some(3), Some(7)]);
-        let (at_full, rhythms) = Rhythms::split(&now, false).expect("they are few");
+        let told = RhythmsTold::ByChannel;
+        let (at_full, rhythms) = Rhythms::split(&now, false, told).expect("they are few");
         for (lamp, full) in now.lamps.iter().zip(&at_full.lamps) {
             let factor = if lamp.rhythm.is_some() { 2.0 } else { 1.0 };
             assert_eq!(full.intensity, lamp.intensity * factor);
         }
-        let [first, second, third] = rhythms.to_gpu();
-        assert_eq!(
-            (first.lamps, second.lamps, third.lamps),
-            ([4, 0], [10, 0], [0, 0])
-        );
+        let [first, second, third, ..] = rhythms.to_gpu();
+        let lamps = [first.lamps, second.lamps, third.lamps];
+        assert_eq!(lamps, [[4, 0], [10, 0], [0, 0]]);
         assert_eq!((first.gain, second.gain), (0.5, 0.5));
+        assert_eq!(rhythms.lamp_gains()[..2], [[1.0, 0.5, 0.5, 0.5], [1.0; 4]]);
         assert_eq!(first.power + second.power, 1.0);
+        assert!((first.colour.iter().sum::<f32>() - 1.0).abs() < 1e-6);
     }
 
     #[test]
     fn a_few_rhythms_are_told_apart() {
-        for (numbers, few) in [
-            (vec![], false),
-            (vec![None], false),
-            (vec![Some(1)], true),
-            (vec![Some(1), Some(2), Some(3), None], true),
-            (vec![Some(1), Some(2), Some(3), Some(4)], false),
-            (vec![Some(1); 64], true),
-            (vec![Some(1); 65], false),
+        use RhythmsTold::{ByBrightness, ByChannel, None as Not};
+        let rhythms = |count: u32| (0..count).map(Some).collect::<Vec<_>>();
+        for (numbers, needed) in [
+            (vec![], Not),
+            (vec![None], Not),
+            (vec![Some(1)], ByChannel),
+            (vec![Some(1), Some(2), Some(3), None], ByChannel),
+            (rhythms(4), ByBrightness),
+            (rhythms(9), ByBrightness),
+            (rhythms(10), Not),
+            (vec![Some(1); 64], ByChannel),
+            (vec![Some(1); 65], Not),
         ] {
-            assert_eq!(
-                Rhythms::split(&lights(&numbers), false).is_some(),
-                few,
-                "{numbers:?}"
-            );
+            assert_eq!(RhythmsTold::needed(&numbers), needed, "{numbers:?}");
+            for told in [Not, ByChannel, ByBrightness] {
+                let split = Rhythms::split(&lights(&numbers), false, told);
+                assert_eq!(
+                    split.is_some(),
+                    needed != Not && needed <= told,
+                    "{numbers:?}"
+                );
+            }
         }
     }
 }

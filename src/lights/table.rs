@@ -56,7 +56,10 @@ crate::shared! {
     }
 
     /// Rhythms that are told apart ([`super::rhythms`]).
-    pub const RHYTHMS_KNOWN as RHYTHMS_KNOWN: u32 = 3;
+    pub const RHYTHMS_KNOWN as RHYTHMS_KNOWN: u32 = 9;
+
+    /// So many are told apart by their share of each colour channel ([`super::RhythmsTold`]).
+    pub const TOLD_BY_CHANNEL as TOLD_BY_CHANNEL: u32 = 3;
 
     /// The lamps of a rhythm.
     pub struct GpuRhythm as Rhythm {
@@ -66,6 +69,9 @@ crate::shared! {
         pub gain: f32,
         /// Their share of the power of all lamps that have rhythms.
         pub power: f32,
+        /// Linear RGB, with a sum of 1.
+        pub colour: [f32; 3],
+        pub _pad: f32,
     }
 
     /// A place in the list of a cell.
@@ -125,6 +131,8 @@ pub struct GpuLightsHeader {
     pub _pad: u32,
     /// See [`Rhythms`].
     pub rhythms: [GpuRhythm; RHYTHMS_KNOWN as usize],
+    /// Of the first [`KNOWN_LAMPS`] lamps: by what their light is multiplied.
+    pub lamp_gains: [[f32; 4]; KNOWN_LAMPS as usize / 4],
 }
 
 /// The frame since which a lamp rests that never does.
@@ -216,6 +224,7 @@ impl Lights {
             has_steady: u32::from(of_frame.rhythms.has_steady()),
             _pad: 0,
             rhythms: of_frame.rhythms.to_gpu(),
+            lamp_gains: of_frame.rhythms.lamp_gains(),
         };
         [
             bytemuck::bytes_of(&header),

@@ -56,6 +56,9 @@ crate::shared! {
 
     /// The same where lamps have rhythms: one for each direction along an axis.
     const RHYTHM_VECTORS: u32 = 6;
+
+    /// Words of the shares of a light that come from lamps of each rhythm: of three numbers each.
+    const RHYTHM_PARTS: u32 = 3;
 }
 
 /// Memory of a probe field on the GPU, in bytes.
@@ -86,13 +89,13 @@ pub struct ProbeMemory {
 }
 
 impl ProbeMemory {
-    /// The same for probes that tell apart lamps of so many rhythms, whose power goes up and down.
+    /// The same for probes that tell apart lamps whose power goes up and down.
     #[must_use]
-    pub fn with_rhythms(self, layout: &AtlasLayout, rhythms: u32) -> Self {
+    pub fn with_rhythms(self, layout: &AtlasLayout) -> Self {
         let slots = u64::from(layout.slots);
         Self {
             ray_shares: self.rays,
-            rhythms: slots * RHYTHM_CUBE_BYTES * u64::from(rhythms),
+            rhythms: slots * RHYTHM_CUBE_BYTES * u64::from(RHYTHM_PARTS),
             ambient_cubes: slots * RHYTHM_CUBE_BYTES,
             ..self
         }

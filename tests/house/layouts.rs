@@ -104,7 +104,8 @@ fn lights_are_a_header_lamps_and_lists() {
         shadows_known,
         has_steady,
         _pad,
-        rhythms
+        rhythms,
+        lamp_gains
     });
     header
         .members

@@ -6,7 +6,7 @@ use super::{Choice, Viewport};
 use crate::{
     frame::{FrameError, Stage},
     gpu::Gpu,
-    lights::LampKinds,
+    lights::{LampKinds, RhythmsTold},
     world::{Lamp, LampPreset, PlacedLamp, World, placed},
 };
 
@@ -64,7 +64,7 @@ pub(super) fn stage(gpu: &Gpu, world: &World, choice: &Choice) -> Result<Stage, 
 fn kinds(world: &World, choice: &Choice) -> LampKinds {
     LampKinds {
         // To hang a torch makes no kernels anew: light that they cannot tell apart is followed as it comes.
-        rhythms: false,
+        rhythms: RhythmsTold::None,
         ..LampKinds::of_lamps(world, chosen(world, choice).1)
     }
 }

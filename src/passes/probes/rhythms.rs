@@ -29,6 +29,7 @@ impl ProbeRhythms {
             &KernelSpec {
                 shader: "probes/rhythms",
                 overrides: &[("HIT_SETS", f64::from(sets))],
+                offered: &field.layout_constants(),
                 ..Default::default()
             },
         )?;

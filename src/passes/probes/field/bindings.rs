@@ -1,7 +1,7 @@
 //! What a probe field offers to kernels: buffers, textures and constants, by name.
 
 use super::{ProbeField, Source};
-use crate::probes::VisibilityBits;
+use crate::{lights::RhythmsTold, probes::VisibilityBits};
 
 impl ProbeField {
     /// The bindings of `shaders/probes/field.wesl`: what kernels that gather read.
@@ -99,8 +99,8 @@ impl ProbeField {
     }
 
     /// The constants of kernels that gather.
-    pub fn gather_constants(&self) -> [(&'static str, f64); 7] {
-        let [octree, rhythms] = self.layout_constants();
+    pub fn gather_constants(&self) -> [(&'static str, f64); 8] {
+        let [octree, rhythms, by_channel] = self.layout_constants();
         let visits_all = self
             .volume
             .octree()
@@ -118,15 +118,18 @@ impl ProbeField {
             ("VISITS_ALL", f64::from(u8::from(visits_all))),
             octree,
             rhythms,
+            by_channel,
         ]
     }
 
     /// The constants of kernels that know where probes are and how their light is stored.
-    pub fn layout_constants(&self) -> [(&'static str, f64); 2] {
+    pub fn layout_constants(&self) -> [(&'static str, f64); 3] {
         let is_octree = self.volume.octree().is_some();
+        let by_channel = self.told == RhythmsTold::ByChannel;
         [
             ("OCTREE", f64::from(u8::from(is_octree))),
             ("RHYTHMS", f64::from(u8::from(self.rhythms.is_some()))),
+            ("BY_CHANNEL", f64::from(u8::from(by_channel))),
         ]
     }
 }

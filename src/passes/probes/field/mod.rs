@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError},
-    lights::table::RHYTHMS_KNOWN,
+    lights::RhythmsTold,
     parameters::{ProbeHits, ProbeParameters, Visibility},
     probes::{
         AtlasLayout, Changes, Layout as _, Motion, OcclusionLayout, ProbeError, VisibilityBits,
@@ -70,7 +70,8 @@ pub struct ProbeField {
     places: wgpu::Buffer,
     visibility_buffer: wgpu::Buffer,
     ambient_cubes: wgpu::Buffer,
-    /// Of each probe: see pass `probes/rhythms`.
+    /// How kernels tell apart lamps whose power goes up and down, and what pass `probes/rhythms` keeps of each probe.
+    told: RhythmsTold,
     rhythms: Option<wgpu::Buffer>,
     distance_atlas: wgpu::Texture,
     distance_view: wgpu::TextureView,
@@ -84,11 +85,10 @@ impl ProbeField {
         volume: Volume,
         parameters: &ProbeParameters,
     ) -> Result<Self, ProbeFieldError> {
-        Self::with_rhythms(gpu, volume, parameters, false)
+        Self::with_rhythms(gpu, volume, parameters, RhythmsTold::None)
     }
 
-    /// The same; `rhythms`: for kernels that tell lamps apart whose power goes up and down
-    /// ([`LampKinds::rhythms`](crate::lights::LampKinds)).
+    /// The same; `told`: how kernels tell lamps apart whose power goes up and down.
     ///
     /// # Errors
     /// As [`ProbeField::new`].
@@ -96,7 +96,7 @@ impl ProbeField {
         gpu: &Gpu,
         volume: Volume,
         parameters: &ProbeParameters,
-        rhythms: bool,
+        told: RhythmsTold,
     ) -> Result<Self, ProbeFieldError> {
         let parameters = &*parameters.effective();
         // Bits that do not fit are an error only under `exact`. Otherwise visibility is estimated from distances.
@@ -126,8 +126,8 @@ impl ProbeField {
             octree: GpuOctree::bytes(&volume),
             ..atlas.memory(parameters)
         };
-        let memory = if rhythms {
-            memory.with_rhythms(&atlas, RHYTHMS_KNOWN)
+        let memory = if told != RhythmsTold::None {
+            memory.with_rhythms(&atlas)
         } else {
             memory
         };
@@ -145,7 +145,8 @@ impl ProbeField {
         }
         let what = format!("a layout of {} probes", volume.probes());
         gpu.making(&what, memory.total(), || {
-            Self::make(gpu, volume, visibility_bits, atlas, memory, parameters)
+            let made = Self::make(gpu, volume, visibility_bits, atlas, memory, parameters)?;
+            Ok(Self { told, ..made })
         })
     }
 
@@ -178,6 +179,7 @@ impl ProbeField {
             visibility_bits,
             visibility_buffer: gpu.storage_buffer("probe_visibility", memory.visibility_bits)?,
             ambient_cubes: gpu.storage_buffer("ambient_cubes", memory.ambient_cubes)?,
+            told: RhythmsTold::None,
             rhythms: (memory.rhythms > 0)
                 .then(|| gpu.storage_buffer("probe_rhythms", memory.rhythms))
                 .transpose()?,
