@@ -7,8 +7,6 @@
 //!
 //! [`CommonGain`]: super::CommonGain
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 
 use super::{
@@ -24,7 +22,7 @@ pub struct Rhythms {
 }
 
 /// Lamps whose gain is the same at all times.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct OfLamps {
     /// One bit for each lamp.
     lamps: u64,
@@ -67,11 +65,20 @@ pub fn is_one(lamps: &[Option<u32>]) -> bool {
     lamps.windows(2).all(|pair| pair[0] == pair[1])
 }
 
+impl OfLamps {
+    /// No lamps. Their gain is 1: probes may still have shares for them, and that light stays as it is until rays say more.
+    const NONE: Self = Self {
+        lamps: 0,
+        gain: 1.0,
+        full: DVec3::ZERO,
+    };
+}
+
 impl Default for Rhythms {
     /// No lamp has a rhythm.
     fn default() -> Self {
         Self {
-            of_lamps: Default::default(),
+            of_lamps: [OfLamps::NONE; RHYTHMS_KNOWN as usize],
             has_steady: true,
         }
     }
@@ -87,11 +94,17 @@ impl Rhythms {
         if needed == RhythmsTold::None || needed > told {
             return None;
         }
-        let mut by_number = BTreeMap::<u32, OfLamps>::new();
+        // In the order of the lamps: those that a player hangs come last, and leave the others' shares theirs.
+        let mut found = Vec::<(u32, OfLamps)>::new();
         let mut at_full = lights.clone();
         for (index, lamp) in at_full.lamps.iter_mut().enumerate() {
             if let Some(own) = lamp.rhythm {
-                let all = by_number.entry(own.number).or_default();
+                let known = found.iter().position(|(number, _)| *number == own.number);
+                let place = known.unwrap_or_else(|| {
+                    found.push((own.number, OfLamps::NONE));
+                    found.len() - 1
+                });
+                let all = &mut found[place].1;
                 all.lamps |= 1 << index;
                 all.gain = own.gain;
                 all.full += own.full;
@@ -103,7 +116,7 @@ impl Rhythms {
             has_steady: emits || !lights.sky.is_dark() || lamps.iter().any(is_steady),
             ..Self::default()
         };
-        for (known, found) in rhythms.of_lamps.iter_mut().zip(by_number.into_values()) {
+        for (known, (_, found)) in rhythms.of_lamps.iter_mut().zip(found) {
             *known = found;
         }
         Some((at_full, rhythms))
@@ -169,7 +182,12 @@ mod tests {
         }
         let [first, second, third, ..] = rhythms.to_gpu();
         let lamps = [first.lamps, second.lamps, third.lamps];
-        assert_eq!(lamps, [[4, 0], [10, 0], [0, 0]]);
+        assert_eq!(
+            lamps,
+            [[10, 0], [4, 0], [0, 0]],
+            "in the order of the lamps"
+        );
+        assert_eq!(third.gain, 1.0, "what no lamp gives stays as it is");
         assert_eq!((first.gain, second.gain), (0.5, 0.5));
         assert_eq!(rhythms.lamp_gains()[..2], [[1.0, 0.5, 0.5, 0.5], [1.0; 4]]);
         assert_eq!(first.power + second.power, 1.0);
