@@ -13,13 +13,14 @@ impl Frame {
         self.know_lamps(gpu, self.lights.kinds().with(kinds))
     }
 
-    /// Makes every pass again, for these kinds of lamps alone, unless that is how they are.
+    /// Makes every pass again, for these kinds of lamps alone, unless that is how they are. What the frame was made to know of
+    /// rhythms stays.
     ///
     /// # Errors
     /// As [`Frame::allow_lamps`].
     pub fn know_lamps(&mut self, gpu: &Gpu, kinds: LampKinds) -> Result<(), FrameError> {
         let before = self.lights.kinds();
-        // The probes were made with it or without.
+        // How probes tell rhythms apart was fixed when they were made.
         let kinds = LampKinds {
             rhythms: before.rhythms,
             ..kinds

@@ -28,13 +28,13 @@ pub fn apply(motions: &[Motion], start: Moment, time_s: f64, seed: u32) -> Momen
 pub fn rhythm(motions: &[Motion], seed: u32) -> Option<u32> {
     let numbers = motions.iter().filter_map(|motion| match *motion {
         Motion::Flicker { amount, rate } => {
-            (amount != 0.0).then(|| vec![0, amount.to_bits(), rate.to_bits(), seed])
+            (amount != 0.0).then(|| [0, amount.to_bits(), rate.to_bits(), seed])
         }
         Motion::Pulse {
             amount,
             rate,
             phase,
-        } => (amount != 0.0).then(|| vec![1, amount.to_bits(), rate.to_bits(), phase.to_bits()]),
+        } => (amount != 0.0).then(|| [1, amount.to_bits(), rate.to_bits(), phase.to_bits()]),
         Motion::Travel(_) | Motion::HueCycle { .. } => None,
     });
     numbers.flatten().fold(None, |known, number| {

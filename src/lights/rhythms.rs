@@ -89,6 +89,9 @@ impl Rhythms {
     /// apart. `emits`: voxels emit light.
     pub fn split(lights: &Lights, emits: bool, told: RhythmsTold) -> Option<(Lights, Self)> {
         let lamps = &lights.lamps;
+        if told == RhythmsTold::None || lamps.len() > KNOWN_LAMPS as usize {
+            return None;
+        }
         let numbers = lamps.iter().map(|lamp| lamp.rhythm.map(|own| own.number));
         let needed = RhythmsTold::needed(&numbers.collect::<Vec<_>>());
         if needed == RhythmsTold::None || needed > told {
