@@ -2,6 +2,7 @@
 //! shader.
 
 use std::{
+    borrow::Cow,
     collections::HashSet,
     hash::{DefaultHasher, Hash as _, Hasher as _},
     num::NonZeroU64,
@@ -15,9 +16,12 @@ use super::{
     ahead::OwnedSpec,
     dispatch_chunks::{self, ChunkTime, FIRST_ROW},
     made,
-    reflect::{Group, reflect},
+    reflect::{Group, SPACER, reflect},
     shader::base_name,
 };
+
+/// The constant of `shaders/math/per_thread.wesl`.
+const IN_SOFTWARE: &str = "IN_SOFTWARE";
 
 /// A shader with the values of its constants.
 #[derive(Clone, Copy, Default)]
@@ -134,7 +138,7 @@ impl Kernel {
             .iter()
             .position(|point| point.name == entry)
             .ok_or_else(|| fault(spec, format!("has no entry point `{entry}`")))?;
-        let constants = constants(composed, spec);
+        let constants = constants(composed, spec, gpu.summary.is_software());
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let groups = reflect(gpu, composed, index, label);
         let layouts: Vec<_> = groups.iter().map(|group| Some(&group.layout)).collect();
@@ -180,14 +184,12 @@ impl Kernel {
     /// # Panics
     /// If a resource of the shader is not among `resources`: that is a caller's bug.
     pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource<'_>)]) -> Bindings {
-        let first_row = (
-            FIRST_ROW,
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &gpu.first_rows,
-                offset: 0,
-                size: NonZeroU64::new(size_of::<u32>() as u64),
-            }),
-        );
+        let first_row = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &gpu.first_rows,
+            offset: 0,
+            size: NonZeroU64::new(size_of::<u32>() as u64),
+        });
+        let of_all = [(FIRST_ROW, first_row.clone()), (SPACER, first_row)];
         let bind_group = |group: &Group| {
             let entries: Vec<_> = group
                 .slots
@@ -196,7 +198,7 @@ impl Kernel {
                     binding: *binding,
                     resource: resources
                         .iter()
-                        .chain([&first_row])
+                        .chain(&of_all)
                         .find(|(known, _)| known == name)
                         .unwrap_or_else(|| panic!("`{}` lacks the resource `{name}`", self.label))
                         .1
@@ -303,7 +305,7 @@ impl Module {
     fn new(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
         let composed = gpu.compose(spec.shader, spec.generated)?;
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let module = create_module(gpu, spec.shader, &composed.wgsl);
+        let module = create_module(gpu, spec.shader, &composed.module);
         match pollster::block_on(scope.pop()) {
             Some(error) => Err(fault(spec, error.to_string())),
             None => Ok(Self { composed, module }),
@@ -336,10 +338,13 @@ fn fault(spec: &KernelSpec<'_>, message: String) -> GpuError {
 }
 
 /// The one place that makes shader modules.
-fn create_module(gpu: &Gpu, label: &str, wgsl: &str) -> wgpu::ShaderModule {
+///
+/// It takes what has been parsed already. wgpu would parse the text again, and where it checks itself it would note the line
+/// of each statement for debuggers, which took an eighth of the CPU time of a start.
+fn create_module(gpu: &Gpu, label: &str, module: &naga::Module) -> wgpu::ShaderModule {
     let descriptor = wgpu::ShaderModuleDescriptor {
         label: Some(label),
-        source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+        source: wgpu::ShaderSource::Naga(Cow::Owned(module.clone())),
     };
     match gpu.checks {
         ShaderChecks::Checked => gpu.device.create_shader_module(descriptor),
@@ -353,7 +358,11 @@ fn create_module(gpu: &Gpu, label: &str, wgsl: &str) -> wgpu::ShaderModule {
 }
 
 /// The values of the shader's `override` declarations, by their names in the composed text.
-fn constants<'a>(composed: &'a Composed, spec: &KernelSpec<'_>) -> Vec<(&'a str, f64)> {
+fn constants<'a>(
+    composed: &'a Composed,
+    spec: &KernelSpec<'_>,
+    in_software: bool,
+) -> Vec<(&'a str, f64)> {
     let declared = |name: &str| {
         let overrides = composed.module.overrides.iter();
         let mut names = overrides.filter_map(|(_, declared)| declared.name.as_deref());
@@ -366,5 +375,6 @@ fn constants<'a>(composed: &'a Composed, spec: &KernelSpec<'_>) -> Vec<(&'a str,
     });
     let offered = spec.offered.iter();
     let taken = offered.filter_map(|(name, value)| Some((declared(name)?, *value)));
-    own.chain(taken).collect()
+    let in_software = declared(IN_SOFTWARE).map(|name| (name, f64::from(in_software)));
+    own.chain(taken).chain(in_software).collect()
 }

@@ -6,6 +6,17 @@ use naga::{AddressSpace, ImageClass, TypeInner};
 
 use super::{Composed, Gpu, dispatch_chunks::FIRST_ROW, shader::base_name};
 
+/// Name of a uniform buffer that no shader declares and only software devices have.
+///
+/// Mesa's lavapipe (22.3, lvp_inline_uniforms.c) notes of each condition which uniforms it depends on. The notes of the fourth
+/// uniform buffer of a kernel lie on the counts of all notes, because two tables disagree about their strides; where
+/// such a condition depends on more than uniforms, the wrong counts remain, and the first dispatch reads far beyond a table. So
+/// the fourth buffer is one of which nothing can be noted. Those of later ones fall on what compute pipelines do not use.
+pub(super) const SPACER: &str = "spacer";
+
+/// The place of the [`SPACER`] among uniform buffers.
+const SPACER_PLACE: usize = 3;
+
 /// A bind group of a shader.
 pub(super) struct Group {
     pub(super) layout: wgpu::BindGroupLayout,
@@ -25,7 +36,7 @@ pub(super) fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str)
     let uses = composed.info.get_entry_point(entry);
     // Formats without filtering (32-bit float) may be bound to textures that are only loaded from.
     let filtered = |texture| uses.sampling_set.iter().any(|key| key.image == texture);
-    let mut groups: BTreeMap<u32, Vec<(wgpu::BindGroupLayoutEntry, String)>> = BTreeMap::new();
+    let mut groups = BTreeMap::<u32, Vec<(wgpu::BindGroupLayoutEntry, String)>>::new();
     for (handle, variable) in composed.module.global_variables.iter() {
         let Some(place) = &variable.binding else {
             continue;
@@ -43,6 +54,9 @@ pub(super) fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str)
             },
             name.to_owned(),
         ));
+    }
+    if gpu.summary.is_software() {
+        add_spacer(&mut groups, label);
     }
     let last = groups.keys().next_back().map_or(0, |last| last + 1);
     (0..last)
@@ -66,23 +80,73 @@ pub(super) fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str)
         .collect()
 }
 
+/// Puts the [`SPACER`] before the fourth uniform buffer, if there are as many. Buffers are counted by their bindings.
+///
+/// # Panics
+/// If there is no number left between the bindings of the third and the fourth: that is a fault of the shader.
+fn add_spacer(groups: &mut BTreeMap<u32, Vec<(wgpu::BindGroupLayoutEntry, String)>>, label: &str) {
+    let is_uniform = |entry: &wgpu::BindGroupLayoutEntry| {
+        matches!(
+            entry.ty,
+            wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                ..
+            }
+        )
+    };
+    let mut places = Vec::new();
+    for (group, entries) in groups.iter() {
+        let uniforms = entries.iter().filter(|(entry, _)| is_uniform(entry));
+        places.extend(uniforms.map(|(entry, _)| (*group, entry.binding)));
+    }
+    places.sort_unstable();
+    let (Some(&before), Some(&after)) = (places.get(SPACER_PLACE - 1), places.get(SPACER_PLACE))
+    else {
+        return;
+    };
+    let entries = groups.entry(before.0).or_default();
+    let is_free = |binding: &u32| entries.iter().all(|(entry, _)| entry.binding != *binding);
+    let binding = (before.1 + 1..)
+        .take_while(|binding| (before.0, *binding) < after)
+        .find(is_free)
+        .unwrap_or_else(|| {
+            panic!("`{label}` has no binding left between {before:?} and {after:?}")
+        });
+    entries.push((
+        wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: uniform_buffer(false),
+            count: None,
+        },
+        SPACER.to_owned(),
+    ));
+}
+
+fn uniform_buffer(has_dynamic_offset: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset,
+        min_binding_size: None,
+    }
+}
+
 fn binding_type(
     module: &naga::Module,
     variable: &naga::GlobalVariable,
     name: &str,
     filterable: bool,
 ) -> wgpu::BindingType {
-    let buffer = |ty| wgpu::BindingType::Buffer {
-        ty,
-        has_dynamic_offset: name == FIRST_ROW,
-        min_binding_size: None,
-    };
     match variable.space {
-        AddressSpace::Uniform => return buffer(wgpu::BufferBindingType::Uniform),
+        AddressSpace::Uniform => return uniform_buffer(name == FIRST_ROW),
         AddressSpace::Storage { access } => {
-            return buffer(wgpu::BufferBindingType::Storage {
-                read_only: !access.contains(naga::StorageAccess::STORE),
-            });
+            return wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage {
+                    read_only: !access.contains(naga::StorageAccess::STORE),
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            };
         }
         _ => {}
     }
@@ -146,5 +210,63 @@ fn storage_format(format: naga::StorageFormat) -> wgpu::TextureFormat {
         naga::StorageFormat::R32Float => wgpu::TextureFormat::R32Float,
         naga::StorageFormat::R32Uint => wgpu::TextureFormat::R32Uint,
         other => panic!("no pass stores to {other:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn groups(places: &[(u32, u32)]) -> BTreeMap<u32, Vec<(wgpu::BindGroupLayoutEntry, String)>> {
+        let mut groups = BTreeMap::<_, Vec<_>>::new();
+        for (group, binding) in places {
+            let entry = wgpu::BindGroupLayoutEntry {
+                binding: *binding,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: uniform_buffer(false),
+                count: None,
+            };
+            let name = format!("{group}.{binding}");
+            groups.entry(*group).or_default().push((entry, name));
+        }
+        groups
+    }
+
+    #[test]
+    fn the_spacer_is_the_fourth_uniform_buffer() {
+        for places in [
+            &[(0, 0), (0, 4), (0, 7), (0, 9)][..],
+            &[(0, 0), (0, 4), (0, 7), (2, 0), (3, 0)],
+            &[(0, 1), (2, 0), (2, 10), (2, 12)],
+            &[(3, 7), (3, 5), (3, 2), (3, 0)],
+        ] {
+            let mut groups = groups(places);
+            add_spacer(&mut groups, "a kernel");
+            let mut all: Vec<_> = groups
+                .iter()
+                .flat_map(|(group, entries)| {
+                    let found = entries.iter();
+                    found.map(move |(entry, name)| ((*group, entry.binding), name.as_str()))
+                })
+                .collect();
+            all.sort_unstable();
+            assert_eq!(all[SPACER_PLACE].1, SPACER, "{all:?}");
+            assert_eq!(all.len(), places.len() + 1, "{all:?}");
+            all.dedup_by_key(|(place, _)| *place);
+            assert_eq!(all.len(), places.len() + 1, "a place for each: {all:?}");
+        }
+    }
+
+    #[test]
+    fn few_uniform_buffers_need_no_spacer() {
+        let mut few = groups(&[(0, 0), (0, 4), (2, 0)]);
+        add_spacer(&mut few, "a kernel");
+        assert!(few.values().flatten().all(|(_, name)| name != SPACER));
+    }
+
+    #[test]
+    #[should_panic(expected = "`a kernel` has no binding left")]
+    fn a_shader_must_leave_room_for_the_spacer() {
+        add_spacer(&mut groups(&[(0, 0), (0, 1), (0, 2), (0, 3)]), "a kernel");
     }
 }

@@ -11,6 +11,7 @@ mod imports;
 mod layouts;
 mod shaders;
 mod source;
+mod uniform_branches;
 mod world_files;
 mod worlds;
 
