@@ -79,7 +79,7 @@ fn parts_make_the_whole_byte_for_byte() {
     let at = |name: &str| folder.path().join(name);
     // With failures, whose files must be joined too.
     let scenes = [
-        "--scenes", "4", "--seed", "12", "--plant", "order", "--tries", "0",
+        "--scenes", "3", "--seed", "17", "--plant", "order", "--tries", "0",
     ];
     let run = |name: &str, more: &[&str]| {
         let (code, _, stderr) = stress(&at(name), &[&scenes, more].concat());
@@ -101,8 +101,8 @@ fn parts_make_the_whole_byte_for_byte() {
     };
     let whole = relative("whole");
     assert!(
-        whole.len() >= 5,
-        "a report and four scenes that fail: {}",
+        whole.len() >= 4,
+        "a report and three scenes that fail: {}",
         whole.len()
     );
     assert!(
@@ -214,7 +214,7 @@ fn plant(fault: &str, seed: u32, check: Check) {
 
 #[test]
 fn a_planted_nan_is_found() {
-    plant("nan", 2, Check::Finite);
+    plant("nan", 19, Check::Finite);
 }
 
 #[test]
@@ -229,15 +229,15 @@ fn a_planted_wrong_distance_is_found() {
 
 #[test]
 fn a_planted_buffer_that_stays_is_found() {
-    plant("buffer", 2, Check::Memory);
+    plant("buffer", 19, Check::Memory);
 }
 
 #[test]
 fn a_planted_slow_dispatch_is_found() {
-    plant("slow", 2, Check::Dispatch);
+    plant("slow", 19, Check::Dispatch);
 }
 
 #[test]
 fn a_planted_order_is_found() {
-    plant("order", 2, Check::Repeat);
+    plant("order", 19, Check::Repeat);
 }
