@@ -9,24 +9,29 @@ use crate::support::shipped;
 /// Number of compositions of each shader. Every new hash map has another order, within one process too.
 const TIMES: usize = 20;
 
-#[test]
-fn every_shader_is_composed_to_the_same_bytes() {
-    let shape = shape_module(&shipped("cave"));
-    let library = ShaderLibrary::embedded();
-    let passes: Vec<&str> = library
-        .names()
+/// The shaders of all passes that compute.
+pub fn kernels(library: &ShaderLibrary) -> Vec<&str> {
+    let names = library.names();
+    let kernels: Vec<&str> = names
         .filter(|name| {
             library
                 .text(name)
                 .is_some_and(|text| text.contains("@compute"))
         })
         .collect();
-    assert!(passes.len() > 15, "{passes:?}");
+    assert!(kernels.len() > 15, "{kernels:?}");
+    kernels
+}
+
+#[test]
+fn every_shader_is_composed_to_the_same_bytes() {
+    let shape = shape_module(&shipped("cave"));
+    let library = ShaderLibrary::embedded();
     let compose = |name: &str| {
         let composed = library.compose(name, &[("shape", &shape)]);
         composed.unwrap_or_else(|error| panic!("{error}")).wgsl
     };
-    for name in passes {
+    for name in kernels(&library) {
         let texts: BTreeSet<String> = (0..TIMES).map(|_| compose(name)).collect();
         assert_eq!(texts.len(), 1, "{name}");
     }
