@@ -8,7 +8,7 @@ use crate::{
     measure::picture::Picture,
     passes::{
         path_trace::trace::Resolve,
-        view::{Shot, tonemap::Tonemap},
+        view::{Display, Shot, tonemap::Tonemap},
     },
     world::View,
 };
@@ -18,6 +18,7 @@ pub struct ReferenceView {
     traced: TracedFrame,
     resolve: Resolve,
     tonemap: Tonemap,
+    display: Display,
     size: [u32; 2],
 }
 
@@ -26,11 +27,13 @@ impl ReferenceView {
     /// [`GpuError`] when the adapter cannot hold the picture, and when a shader does not compile.
     pub fn new(gpu: &Gpu, stage: &Stage, size: [u32; 2]) -> Result<Self, GpuError> {
         let traced = TracedFrame::new(gpu, stage, size, false)?;
-        let (resolve, tonemap) = traced.display(gpu, stage, size)?;
+        let display = Display::new(gpu, size)?;
+        let (resolve, tonemap) = traced.display(gpu, stage, &display)?;
         Ok(Self {
             traced,
             resolve,
             tonemap,
+            display,
             size,
         })
     }
@@ -52,7 +55,7 @@ impl ReferenceView {
         }
         self.traced.record(gpu, recorder, &shot, lights)?;
         self.resolve.record(recorder);
-        self.tonemap.record(recorder, 0);
+        self.tonemap.record(recorder);
         Ok(())
     }
 
@@ -80,7 +83,7 @@ impl ReferenceView {
 
     /// As [`crate::frame::Frame::display`].
     pub fn display(&self) -> &wgpu::Texture {
-        &self.tonemap.display
+        &self.display.picture
     }
 
     /// As [`crate::frame::Frame::read_display`].
@@ -88,6 +91,6 @@ impl ReferenceView {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn read_display(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
-        self.tonemap.read_back(gpu)
+        self.display.read_back(gpu)
     }
 }

@@ -322,7 +322,7 @@ impl Frame {
         let Some(jittered) = self.antialiasing.next(shot, &inspected, None, false) else {
             return false;
         };
-        self.look(gpu, shot, Some(&jittered));
+        self.look(gpu, shot, Some(&jittered), false);
         self.passes.record_picture(recorder, shot, self.drawn);
         true
     }
@@ -331,12 +331,19 @@ impl Frame {
     /// anti-aliasing, with all pixels. The shot's size must be the frame's.
     pub fn show(&mut self, gpu: &Gpu, recorder: &mut Recorder<'_>, shot: &Shot) {
         debug_assert_eq!(shot.size, self.size, "the shot's size is the frame's");
-        self.look(gpu, shot, None);
+        self.look(gpu, shot, None, false);
         self.passes.record_picture(recorder, shot, self.drawn);
     }
 
-    /// Tells the GPU about the next picture.
-    pub(super) fn look(&mut self, gpu: &Gpu, shot: &Shot, jittered: Option<&Jittered>) {
+    /// Tells the GPU about the next picture. One that is shaded early is shown by a pass of its own: there is time for it beside
+    /// later passes, and shading is what other passes wait for.
+    pub(super) fn look(
+        &mut self,
+        gpu: &Gpu,
+        shot: &Shot,
+        jittered: Option<&Jittered>,
+        shades_early: bool,
+    ) {
         let mut uniform = match jittered {
             Some(jittered) => shot.to_gpu_jittered(
                 jittered.size,
@@ -347,12 +354,18 @@ impl Frame {
             None => shot.to_gpu(),
         };
         uniform.body_tiles = uniform.tiles_around(&self.stage.voxels.bodies.boxes());
+        let is_finished = jittered.is_none()
+            && !shades_early
+            && !self.passes.inspect.draws(shot.view)
+            && !self.draws_bits(shot.view);
+        uniform.is_finished = u32::from(is_finished);
         gpu.queue
             .write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         self.drawn = Drawn {
             size: jittered.map_or(shot.size, |jittered| jittered.size),
             body_tiles: uniform.body_tiles,
             smoothed: jittered.map(|jittered| jittered.which),
+            is_finished,
         };
         if let (Some(jittered), Some(pass)) = (jittered, &self.passes.antialias) {
             pass.set(gpu, &jittered.history);

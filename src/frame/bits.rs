@@ -1,7 +1,11 @@
 //! What a frame draws besides voxels: bits that fly, and the bulbs of lamps.
 
 use super::{Frame, FrameError};
-use crate::{gpu::Gpu, passes::view::bits::GpuBit};
+use crate::{
+    gpu::Gpu,
+    passes::view::bits::{Bits, GpuBit},
+    world::View,
+};
 
 /// The bits of the next pictures.
 #[derive(Default)]
@@ -43,6 +47,11 @@ impl Frame {
         self.bits.all.clear();
         self.bits.all.extend_from_slice(bits);
         Ok(())
+    }
+
+    /// Whether bits are drawn over the next picture, if it shows `view`.
+    pub(super) fn draws_bits(&self, view: View) -> bool {
+        Bits::are_in(view) && self.passes.bits.is_some() && !self.bits.all.is_empty()
     }
 
     pub(super) fn upload_bits(&mut self, gpu: &Gpu) {

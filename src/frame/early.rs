@@ -4,12 +4,13 @@ use crate::{gpu::EarlyShaders, passes::scene::voxelise::Voxelise, world::World};
 
 /// The shaders of every world's first frame, the longest first. Others, as those of a world's bodies, are composed
 /// when their passes are made.
-pub(super) const SHADERS: [&str; 18] = [
+pub(super) const SHADERS: [&str; 19] = [
     "view/shade",
     "probes/trace",
     "surface_cache/trace",
     "surface_cache/lamps",
     "surface_cache/resolve",
+    "surface_cache/estimate",
     "surface_cache/allocate",
     "view/camera_rays",
     "probes/visibility",

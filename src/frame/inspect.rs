@@ -76,6 +76,11 @@ impl Inspect {
         }
     }
 
+    /// Whether anything but pass `view/shade` draws on pictures that show `view`.
+    pub fn draws(&self, view: View) -> bool {
+        view == View::States || self.probes.is_some() || self.atlas.is_some()
+    }
+
     /// Draws over the picture.
     pub fn draw(&self, recorder: &mut Recorder<'_>) {
         if let Some(probes) = &self.probes {

@@ -10,8 +10,8 @@
 //!     └ probes/forget_hits (`probes.hits=kept`) ─ which kept hits are still true
 //! probes/trace ─ radiance, distance ─ probes/blend ─ atlas ──┬────────────────┐    (then probes/rhythms: which lamps it comes from)
 //!     └────────────── atlas of the last frame ◄───────────┤                │
-//! view/camera_rays ─ surfaces ─ surface_cache/{lamps, body_shafts, allocate ─ trace ─ resolve} ─ view/shade ─ hdr ─ view/antialias ─ view/tonemap
-//!                        └────────────────────────────────────────────────────┘    └ views of the probes       display
+//! view/camera_rays ─ surfaces ─ surface_cache/{lamps, body_shafts, allocate ─ trace, estimate ─ resolve} ─ view/shade ─ hdr ─ view/antialias ─ display
+//!                        └────────────────────────────────────────────────────┘    └ views of the probes, view/tonemap
 //! ```
 
 mod antialias;
@@ -138,6 +138,7 @@ impl Frame {
                 size,
                 body_tiles: [0; 4],
                 smoothed: None,
+                is_finished: false,
             },
         })
     }
@@ -166,7 +167,6 @@ impl Frame {
         let inspected = self.passes.inspect.wanted;
         let is_warming = self.frames < probes.warmup_frames;
         let jittered = (self.antialiasing).next(shot, &inspected, Some(lights), is_warming);
-        self.look(gpu, shot, jittered.as_ref());
         let emits = self.stage.emits();
         let told = self.lights.kinds().rhythms;
         let LightsKept {
@@ -228,6 +228,8 @@ impl Frame {
             .begin_frame(gpu, probes, u64::from(shot.seed), u64::from(self.frames));
         let is_settled = SurfaceCache::is_settled(probes, self.frames);
         let is_calm = is_settled && !changes_greatly;
+        let shades_early = self.order.shades_early(is_calm);
+        self.look(gpu, shot, jittered.as_ref(), shades_early);
         let next = NextFrame {
             size: shot.size,
             seed: shot.seed,
@@ -255,7 +257,8 @@ impl Frame {
                 .asks_faces(self.frames, sight_changes, bodies_moved > 0.0),
             moves_bodies: bodies_moved > 0.0,
             finds_shafts: bodies_moved > 0.0 || lamps_have_changed || self.frames == 0,
-            shades_early: self.order.shades_early(is_calm),
+            estimates_early: is_calm,
+            shades_early,
         };
         self.field.set_placed();
         self.passes.record(recorder, update, shot, self.drawn);

@@ -9,7 +9,7 @@ use crate::{
 impl Frame {
     /// The picture after tone mapping: `rgba8unorm`, sRGB-encoded.
     pub fn display(&self) -> &wgpu::Texture {
-        &self.passes.tonemap.display
+        &self.passes.display.picture
     }
 
     /// The picture after tone mapping, as display values in [0, 1].
@@ -17,7 +17,7 @@ impl Frame {
     /// # Errors
     /// [`GpuError::Device`] when the device is lost.
     pub fn read_display(&self, gpu: &Gpu) -> Result<Picture, GpuError> {
-        self.passes.tonemap.read_back(gpu)
+        self.passes.display.read_back(gpu)
     }
 
     /// The linear radiance before tone mapping, after anti-aliasing.

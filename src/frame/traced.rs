@@ -13,7 +13,7 @@ use crate::{
             trace::{PathTrace, Resolve},
         },
         scene::{GpuBodies, GpuLights},
-        view::{GpuShot, Shot, tonemap::Tonemap},
+        view::{Display, GpuShot, Shot, tonemap::Tonemap},
     },
     world::{Camera, View},
 };
@@ -150,7 +150,7 @@ impl TracedFrame {
         })
     }
 
-    /// Makes the passes that show the picture so far, as linear HDR and on a display.
+    /// Makes the passes that show the picture so far, as linear HDR and on `display`.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -158,12 +158,11 @@ impl TracedFrame {
         &self,
         gpu: &Gpu,
         stage: &Stage,
-        size: [u32; 2],
+        display: &Display,
     ) -> Result<(Resolve, Tonemap), GpuError> {
         let resources = scene(stage, &self.view, &self.lights).resources;
         let resolve = self.pass.resolve(gpu, &resources)?;
-        let hdr = resolve.hdr.create_view(&Default::default());
-        let tonemap = Tonemap::new(gpu, size, &[hdr], &resources)?;
+        let tonemap = Tonemap::new(gpu, display, &resolve.hdr, &resources)?;
         Ok((resolve, tonemap))
     }
 

@@ -30,7 +30,9 @@ pub(super) struct Update {
     pub has_fresh: bool,
     /// Faces may not know which lamps they see: pass `surface_cache/lamps` must run.
     pub asks_faces: bool,
-    /// The picture is lit by the light of the frame before, while the rays of this frame are traced.
+    /// Faces compare their light with that of the probes in the frame before, while the rays of this frame are traced.
+    pub estimates_early: bool,
+    /// The same, and the picture is lit by the light of the frame before, while the rays of this frame are traced.
     pub shades_early: bool,
 }
 
@@ -44,6 +46,8 @@ pub(super) struct Drawn {
     /// Index of the anti-aliased picture, of the frame's size, that is written and shown; `None` shows the picture as it
     /// is shaded.
     pub smoothed: Option<usize>,
+    /// Pass `view/shade` shows the picture: nothing is drawn over it, nor is it anti-aliased or shaded early.
+    pub is_finished: bool,
 }
 
 // Values of a frame. Their data lies in the buffers and textures that the passes bind by name.
@@ -63,6 +67,8 @@ pub(super) struct Surfaces;
 pub(super) struct SeenFaces;
 pub(super) struct ListedFaces;
 pub(super) struct FaceRays;
+/// The light of the listed faces, as the probes tell it.
+pub(super) struct FaceEstimates;
 /// For each listed face, the irradiance of each quadrant.
 pub(super) struct FaceLight;
 /// Linear HDR radiance of each pixel.

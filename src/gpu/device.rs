@@ -405,7 +405,6 @@ mod tests {
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
         let kernel = KernelSpec {
             shader: "view/tonemap",
-            overrides: &[("data_modes", 0.0)],
             ..KernelSpec::default()
         };
         Kernel::new(&gpu, &kernel).expect("compiles");

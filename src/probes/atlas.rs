@@ -36,9 +36,11 @@ pub const PLACE_BYTES: u64 = 16;
 const CUBE_BYTES: u64 = CUBE_VECTORS * 16;
 const RHYTHM_CUBE_BYTES: u64 = RHYTHM_VECTORS as u64 * 16;
 /// Per probe: an entry of the active list and the frames of the last requests by pixels and by rays
-/// (pass `surface_cache/trace` has all of this of its own, pass `view/shade` the first two), and the progress of its source
+/// (passes `surface_cache/trace` and `surface_cache/estimate` have all of this of their own, pass `view/shade` the first two), and the progress of its source
 /// walk.
-const PLAN_BYTES: u64 = 2 * 3 * 4 + 2 * 4 + 8;
+const PLAN_BYTES: u64 = 3 * 3 * 4 + 2 * 4 + 8;
+/// Where probes keep distances: an entry of the list of those that measure them.
+const MEASURED_BYTES: u64 = 16;
 
 crate::shared! {
     in probes;
@@ -197,6 +199,11 @@ impl AtlasLayout {
         let rays = slots * u64::from(parameters.rays) * RAY_BYTES;
         let hit_sets = u64::from(parameters.kept_sets());
         let irradiance_texels = u64::from(self.irradiance_texels).pow(2);
+        let measured = if self.distance_texels > 0 {
+            MEASURED_BYTES
+        } else {
+            0
+        };
         let [width, height, layers] = self.layer_extent(self.distance_texels).map(u64::from);
         ProbeMemory {
             irradiance_maps: slots * irradiance_texels * IRRADIANCE_TEXEL_BYTES,
@@ -213,7 +220,7 @@ impl AtlasLayout {
             visibility_bits: 0,
             octree: 0,
             occlusion: 0,
-            update_schedule: slots * PLAN_BYTES,
+            update_schedule: slots * (PLAN_BYTES + measured),
         }
     }
 }

@@ -56,7 +56,6 @@ fn adds_up(row: &Value, runs: u32) {
         "probes/trace",
         "probes/blend",
         "view/shade",
-        "view/tonemap",
     ] {
         assert!(passes.contains_key(pass), "{id}: no {pass}");
     }

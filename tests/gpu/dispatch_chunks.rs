@@ -82,12 +82,12 @@ fn draw(gpu: &Gpu, timed: bool) -> Drawn {
             }
             passes.extend([
                 "surface_cache/lamps",
+                "surface_cache/estimate",
                 "surface_cache/resolve",
                 "surface_cache/allocate",
                 "surface_cache/place_requested",
                 "surface_cache/trace",
                 "view/shade",
-                "view/tonemap",
             ]);
             passes.sort();
             assert_eq!(labels, passes, "one row per pass, however it was split");

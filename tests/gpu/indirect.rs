@@ -9,21 +9,24 @@ use grotto::{
     parameters::{FinalGather, ProbeParameters, ProbeStates as States, Relocation},
     passes::{
         probes::{
-            ProbeField, blend::ProbeBlend, classify::ProbeClassify, schedule::ProbeSchedule,
-            trace::ProbeTrace, visibility::ProbeVisibility,
+            ProbeField, classify::ProbeClassify, schedule::ProbeSchedule, trace::ProbeTrace,
+            visibility::ProbeVisibility,
         },
         scene::{GpuLights, GpuMaterials, GpuVoxels},
         surface_cache::SurfaceCache,
-        view::{Shot, camera_rays::CameraRays, shade::Shade},
+        view::{Display, Shot, camera_rays::CameraRays, shade::Shade},
     },
     probes::Layout as _,
     world::{Camera, Material, View, materials::MaterialSet, voxels::Voxels},
 };
 use half::f16;
 
-use crate::support::{
-    self, frames,
-    scenes::{all_around, flat, lattice, uniform_sky, volume_of, voxels_from},
+use crate::{
+    probes::Blends,
+    support::{
+        self, frames,
+        scenes::{all_around, flat, lattice, uniform_sky, volume_of, voxels_from},
+    },
 };
 
 /// A small world, its probes and a camera.
@@ -35,7 +38,7 @@ struct Stage {
     field: ProbeField,
     schedule: ProbeSchedule,
     rays: ProbeTrace,
-    blend: ProbeBlend,
+    blend: Blends,
     parameters: ProbeParameters,
     frame: u64,
     seed: u64,
@@ -107,13 +110,13 @@ impl Stage {
             visibility_bits.record(&mut recorder);
         }
         recorder.submit(&gpu).expect("submits");
-        let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
+        let schedule = ProbeSchedule::new(&gpu, &field, &[]).expect("compiles");
         let offer = Offer {
             resources: resources.into_iter().chain(field.resources()).collect(),
             constants: field.gather_constants().to_vec(),
         };
         let rays = ProbeTrace::new(&gpu, &field, &offer).expect("compiles");
-        let blend = ProbeBlend::new(&gpu, &field, &[]).expect("compiles");
+        let blend = Blends::new(&gpu, &field, &[]);
         Self {
             voxels,
             materials,
@@ -179,7 +182,8 @@ impl Stage {
         let surfaces = &camera.surfaces;
         let offer = frame::offer(&self.field, &faces, &scene);
         let hdr = Shade::hdr(&self.gpu, size).expect("fits");
-        let shade = Shade::new(&self.gpu, hdr, surfaces, &offer).expect("compiles");
+        let display = Display::new(&self.gpu, size).expect("fits");
+        let shade = Shade::new(&self.gpu, hdr, surfaces, &display, &offer).expect("compiles");
         let mut recorder = Recorder::new(&self.gpu, None);
         camera.record(&mut recorder, size);
         shade.record(&mut recorder, size, [0; 4]);

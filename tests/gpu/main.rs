@@ -10,6 +10,7 @@ mod bodies;
 mod cascades;
 mod cell_shadows;
 mod dispatch_chunks;
+mod display;
 mod distances;
 mod edits;
 mod energy;

@@ -3,7 +3,7 @@
 use grotto::{
     gpu::{Gpu, Recorder},
     measure::{picture::Picture, picture_file, tonemap},
-    passes::view::{GpuShot, Shot, tonemap::Tonemap},
+    passes::view::{Display, GpuShot, Shot, tonemap::Tonemap},
     world::View,
 };
 
@@ -66,17 +66,18 @@ fn map_marked(gpu: &Gpu, exposure_ev: f32, view: View, alpha: f32) -> Picture {
         height: SIZE[1],
         exposure: exposure_ev.exp2(),
         mode: view as u32,
+        is_data: u32::from(view.is_data()),
         ..Default::default()
     };
     gpu.queue
         .write_buffer(&uniform, 0, bytemuck::bytes_of(&content));
     let resources = [("view", uniform.as_entire_binding())];
-    let lit = lit.create_view(&Default::default());
-    let pass = Tonemap::new(gpu, SIZE, &[lit], &resources).expect("compiles");
+    let display = Display::new(gpu, SIZE).expect("fits");
+    let pass = Tonemap::new(gpu, &display, &lit, &resources).expect("compiles");
     let mut recorder = Recorder::new(gpu, None);
-    pass.record(&mut recorder, 0);
+    pass.record(&mut recorder);
     recorder.submit(gpu).expect("submits");
-    pass.read_back(gpu).expect("reads back")
+    display.read_back(gpu).expect("reads back")
 }
 
 /// Largest difference of a channel.

@@ -15,19 +15,21 @@ use crate::{
     gpu::{Gpu, Offer, Recorder, made},
     passes::{
         probes::{
-            blend::ProbeBlend, classify::ProbeClassify, forget_hits::ForgetHits,
-            occlusion_blend::OcclusionBlend, occlusion_rays::OcclusionRays, rhythms::ProbeRhythms,
-            schedule::ProbeSchedule, seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
+            blend::ProbeBlend, blend_distances::ProbeBlendDistances, classify::ProbeClassify,
+            forget_hits::ForgetHits, occlusion_blend::OcclusionBlend,
+            occlusion_rays::OcclusionRays, rhythms::ProbeRhythms, schedule::ProbeSchedule,
+            seed::ProbeSeed, source_walk::SourceWalk, trace::ProbeTrace,
             visibility::ProbeVisibility,
         },
         scene::lamp_lists::LampLists,
         surface_cache::{
-            allocate::SurfaceAllocate, cell_shadows::SurfaceCellShadows, lamps::SurfaceLamps,
-            place_requested::PlaceRequested, resolve::SurfaceResolve, trace::SurfaceTrace,
+            allocate::SurfaceAllocate, cell_shadows::SurfaceCellShadows, estimate::SurfaceEstimate,
+            lamps::SurfaceLamps, place_requested::PlaceRequested, resolve::SurfaceResolve,
+            trace::SurfaceTrace,
         },
         view::{
-            Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays, shade::Shade,
-            tonemap::Tonemap,
+            Display, Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays,
+            shade::Shade, tonemap::Tonemap,
         },
     },
 };
@@ -49,17 +51,21 @@ pub(super) struct Passes {
     probe_trace: ProbeTrace,
     occlusion: (Option<OcclusionRays>, Option<OcclusionBlend>),
     blend: ProbeBlend,
+    /// Where probes keep distances.
+    blend_distances: Option<ProbeBlendDistances>,
     rhythms: Option<ProbeRhythms>,
     face_lamps: SurfaceLamps,
     allocate: SurfaceAllocate,
     surface_trace: SurfaceTrace,
+    estimate: SurfaceEstimate,
     place_requested: PlaceRequested,
     resolve: SurfaceResolve,
     pub shade: Shade,
     pub bits: Option<Bits>,
     pub inspect: Inspect,
     pub antialias: Option<TemporalAntialias>,
-    pub tonemap: Tonemap,
+    tonemap: Tonemap,
+    pub display: Display,
 }
 
 impl Passes {
@@ -83,9 +89,11 @@ impl Passes {
         let of_faces = offer.with([field.requests_of_faces(), lights.seen_by_faces()]);
         let of_cells = offer.with([lights.lists(), lights.cells_seen()]);
         let seen = scene.with([lights.cells_seen()]);
+        let of_quadrants = offer.with([field.requests_of_quadrants()]);
         let of_pixels = offer.with([field.requests_of_pixels()]);
         let surfaces = &CameraRays::surfaces(gpu, size)?;
         let hdr = &Shade::hdr(gpu, size)?;
+        let display = &Display::new(gpu, size)?;
         thread::scope(|threads| {
             let lamp_lists = threads.spawn(|| LampLists::new(gpu, lights, resources));
             let cell_shadows =
@@ -93,7 +101,7 @@ impl Passes {
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
             let bodies = threads.spawn(|| BodyPasses::new(gpu, bodies, field, &offer));
             let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));
-            let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field));
+            let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field, &scene.constants));
             let seed = threads.spawn(|| ProbeSeed::new(gpu, field, resources));
             let walk = threads.spawn(|| SourceWalk::new(gpu, field, resources));
             let forget_hits = threads.spawn(|| ForgetHits::new(gpu, field, resources));
@@ -101,34 +109,34 @@ impl Passes {
             let occlusion_rays = threads.spawn(|| OcclusionRays::new(gpu, field, &offer));
             let occlusion_blend = threads.spawn(|| OcclusionBlend::new(gpu, field));
             let blend = threads.spawn(|| ProbeBlend::new(gpu, field, &scene.constants));
+            let blend_distances =
+                threads.spawn(|| ProbeBlendDistances::new(gpu, field, &scene.constants));
             let rhythms = threads.spawn(|| ProbeRhythms::new(gpu, field, resources));
             let surface_trace = threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &of_faces));
+            let estimate = threads.spawn(|| SurfaceEstimate::new(gpu, size, cache, &of_quadrants));
             let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
             let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));
             let allocate =
                 threads.spawn(|| SurfaceAllocate::new(gpu, size, surfaces, cache, &seen));
             let place_requested = threads.spawn(|| PlaceRequested::new(gpu, cache, scene));
             let camera_rays = threads.spawn(|| CameraRays::new(gpu, surfaces.clone(), scene));
-            let shade = threads.spawn(|| Shade::new(gpu, hdr.clone(), surfaces, &of_pixels));
+            let shade =
+                threads.spawn(|| Shade::new(gpu, hdr.clone(), surfaces, display, &of_pixels));
             let bits = wanted
                 .bits
                 .then(|| Bits::new(gpu, hdr, surfaces, &offer))
                 .transpose()?;
             let upscales = wanted.smoothing.scale < 1.0;
             let antialias = (!wanted.smoothing.is_plain())
-                .then(|| TemporalAntialias::new(gpu, size, hdr, surfaces, upscales, &offer))
+                .then(|| TemporalAntialias::new(gpu, display, hdr, surfaces, upscales, &offer))
                 .transpose()?;
-            let smoothed = antialias.iter().flat_map(|pass| &pass.colours);
-            let lit: Vec<_> = std::iter::once(hdr)
-                .chain(smoothed)
-                .map(|texture| texture.create_view(&Default::default()))
-                .collect();
-            let tonemap = Tonemap::new(gpu, size, &lit, resources)?;
+            let tonemap = Tonemap::new(gpu, display, hdr, resources)?;
             let (camera_rays, shade) = (made(camera_rays)?, made(shade)?);
             let inspection = wanted.inspection;
             Ok(Self {
                 uses_cache: cache.is_used(),
                 tonemap,
+                display: display.clone(),
                 inspect: Inspect::new(gpu, inspection, &camera_rays, &shade, field, &offer)?,
                 antialias,
                 bits,
@@ -144,11 +152,13 @@ impl Passes {
                 probe_trace: made(probe_trace)?,
                 occlusion: (made(occlusion_rays)?, made(occlusion_blend)?),
                 blend: made(blend)?,
+                blend_distances: made(blend_distances)?,
                 rhythms: made(rhythms)?,
                 face_lamps: made(face_lamps)?,
                 allocate: made(allocate)?,
                 surface_trace: made(surface_trace)?,
                 place_requested: made(place_requested)?,
+                estimate: made(estimate)?,
                 resolve: made(resolve)?,
                 camera_rays,
                 shade,
@@ -202,27 +212,35 @@ impl Passes {
             (active, self.allocate_requested(recorder, seen_faces))
         });
         let before = (ProbeLight, FaceLight);
-        let (probe_rays, face_rays, early) = recorder.concurrent(|recorder| {
+        let (probe_rays, face_rays, estimates, early) = recorder.concurrent(|recorder| {
             let probe_rays = self.trace_probes(recorder, &active);
             let face_rays = self.trace_faces(recorder, &listed_faces);
+            let estimates = (update.estimates_early)
+                .then(|| self.estimate_faces(recorder, &listed_faces, &before.0));
             let shaded = || self.shade(recorder, &surfaces, &before, shot, drawn);
-            (probe_rays, face_rays, update.shades_early.then(shaded))
+            let early = update.shades_early.then(shaded);
+            (probe_rays, face_rays, estimates, early)
         });
-        if let Some(radiance) = early {
-            let radiance = self.draw_over(recorder, radiance, (surfaces, before), shot, drawn);
-            recorder.concurrent(|recorder| {
-                let probe_light = self.blend_probes(recorder, active, probe_rays);
-                self.place_requested(recorder, &face_rays);
-                self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
-                self.display(recorder, radiance, drawn);
-            });
-            return;
-        }
+        let estimates = match (early, estimates) {
+            (Some(radiance), Some(estimates)) => {
+                let radiance = self.draw_over(recorder, radiance, (surfaces, before), shot, drawn);
+                recorder.concurrent(|recorder| {
+                    self.blend_probes(recorder, active, probe_rays);
+                    self.resolve_faces(recorder, listed_faces, &face_rays, estimates);
+                    self.display(recorder, radiance, drawn);
+                    self.place_requested(recorder, &face_rays);
+                });
+                return;
+            }
+            (_, estimates) => estimates,
+        };
         let probe_light = recorder.concurrent(|recorder| {
             self.place_requested(recorder, &face_rays);
             self.blend_probes(recorder, active, probe_rays)
         });
-        let face_light = self.resolve_faces(recorder, listed_faces, face_rays, &probe_light);
+        let estimates =
+            estimates.unwrap_or_else(|| self.estimate_faces(recorder, &listed_faces, &probe_light));
+        let face_light = self.resolve_faces(recorder, listed_faces, &face_rays, estimates);
         self.show(recorder, surfaces, (probe_light, face_light), shot, drawn);
     }
 

@@ -2,8 +2,9 @@
 
 use super::{
     super::values::{
-        ActiveList, ClassifiedProbes, Drawn, FaceLight, FaceRays, ListedFaces, ListedProbes,
-        PlacedProbes, ProbeLight, ProbeRays, Radiance, SeenFaces, SightedProbes, Surfaces, Update,
+        ActiveList, ClassifiedProbes, Drawn, FaceEstimates, FaceLight, FaceRays, ListedFaces,
+        ListedProbes, PlacedProbes, ProbeLight, ProbeRays, Radiance, SeenFaces, SightedProbes,
+        Surfaces, Update,
     },
     Passes,
 };
@@ -151,6 +152,19 @@ impl Passes {
         FaceRays
     }
 
+    /// What the probes tell of the light of faces, in this frame or in the last one.
+    pub(super) fn estimate_faces(
+        &self,
+        recorder: &mut Recorder<'_>,
+        _: &ListedFaces,
+        _: &ProbeLight,
+    ) -> FaceEstimates {
+        if self.uses_cache {
+            self.estimate.record(recorder);
+        }
+        FaceEstimates
+    }
+
     /// Gives places to the faces that the rays request.
     pub(super) fn place_requested(&self, recorder: &mut Recorder<'_>, _: &FaceRays) {
         if self.uses_cache {
@@ -166,6 +180,9 @@ impl Passes {
     ) -> ProbeLight {
         (self.occlusion.0.iter()).for_each(|rays| rays.record(recorder));
         (self.occlusion.1.iter()).for_each(|blend| blend.record(recorder));
+        if let Some(distances) = &self.blend_distances {
+            distances.record(recorder);
+        }
         self.blend.record(recorder);
         if let Some(rhythms) = &self.rhythms {
             rhythms.record(recorder);
@@ -180,8 +197,8 @@ impl Passes {
         &self,
         recorder: &mut Recorder<'_>,
         _: ListedFaces,
-        _: FaceRays,
-        _: &ProbeLight,
+        _: &FaceRays,
+        _: FaceEstimates,
     ) -> FaceLight {
         if self.uses_cache {
             self.resolve.record(recorder);
@@ -236,8 +253,10 @@ impl Passes {
         radiance
     }
 
+    /// Shows the picture, unless the pass before has shown it.
     pub(super) fn tonemap(&self, recorder: &mut Recorder<'_>, _: Radiance, drawn: Drawn) {
-        let which = drawn.smoothed.map_or(0, |which| 1 + which);
-        self.tonemap.record(recorder, which);
+        if drawn.smoothed.is_none() && !drawn.is_finished {
+            self.tonemap.record(recorder);
+        }
     }
 }

@@ -1,6 +1,6 @@
-//! Pass `probes/blend`: averages the rays of a frame into the maps of each active probe.
+//! Pass `probes/blend`: averages the light of a frame's rays into the map of each active probe.
 
-use super::{ProbeField, source::Source};
+use super::ProbeField;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};
 
 pub struct ProbeBlend {
@@ -16,23 +16,16 @@ impl ProbeBlend {
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, field: &ProbeField, scene: &[(&str, f64)]) -> Result<Self, GpuError> {
-        let atlas = field.atlas();
-        let stands = field.source().is_none();
-        let parts = if gpu.summary.is_software() { 1 } else { 4 };
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
                 shader: "probes/blend",
                 overrides: &[
-                    ("IRRADIANCE_TEXELS", f64::from(atlas.irradiance_texels)),
-                    ("DISTANCE_TEXELS", f64::from(atlas.distance_texels.max(1))),
-                    ("DISTANCES", f64::from(u8::from(field.keeps_distances()))),
-                    ("PARTS", f64::from(parts)),
-                    ("PROBES_STAND", f64::from(u8::from(stands))),
                     (
-                        "REJECT_LONGER",
-                        f64::from(u8::from(field.source().is_some_and(Source::rejects))),
+                        "IRRADIANCE_TEXELS",
+                        f64::from(field.atlas().irradiance_texels),
                     ),
+                    ProbeField::parts(gpu),
                 ],
                 offered: &[scene, &field.layout_constants()[..]].concat(),
                 ..Default::default()

@@ -1,4 +1,4 @@
-//! What pass `probes/blend` knows of changes.
+//! What passes `probes/blend` and `probes/blend_distances` know of changes.
 
 use crate::{
     parameters::ProbeParameters,

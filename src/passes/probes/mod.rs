@@ -1,6 +1,7 @@
 //! The field of probes: which probes are updated, what their rays find, and the maps that store it.
 
 pub mod blend;
+pub mod blend_distances;
 pub mod body_light;
 mod changes;
 pub mod classify;

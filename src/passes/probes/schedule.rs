@@ -10,13 +10,20 @@ pub struct ProbeSchedule {
 }
 
 impl ProbeSchedule {
+    /// `scene`: the constants of the scene's offer.
+    ///
     /// # Errors
     /// [`GpuError::Shader`].
-    pub fn new(gpu: &Gpu, field: &ProbeField) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, field: &ProbeField, scene: &[(&str, f64)]) -> Result<Self, GpuError> {
         let mut resources = field.resources().to_vec();
         resources.extend(field.schedule_resources());
         let spec = KernelSpec {
             shader: "probes/schedule",
+            overrides: &[
+                ("DISTANCES", f64::from(u8::from(field.keeps_distances()))),
+                field.stands(),
+            ],
+            offered: &[scene, &field.layout_constants()[..]].concat(),
             ..Default::default()
         };
         let kernels = Kernel::of_entries(gpu, &spec, ["list", "arguments"])?;

@@ -72,7 +72,7 @@ impl Source {
         })
     }
 
-    /// Constant `REJECT_LONGER` of pass `probes/blend`.
+    /// Constant `REJECT_LONGER` of pass `probes/blend_distances`.
     pub fn rejects(&self) -> bool {
         self.depth == SourceDepth::Reject
     }

@@ -1,5 +1,5 @@
 //! When probes are updated, and what requests them: data that passes `probes/schedule`, `probes/classify`,
-//! `probes/trace` and `probes/blend` share.
+//! `probes/trace`, `probes/blend` and `probes/blend_distances` share.
 
 use glam::Vec3;
 
@@ -103,7 +103,23 @@ crate::shared! {
         pub(super) count: u32 => "atomic<u32>",
         /// Of passes with one workgroup per probe.
         pub(super) probe_groups: [u32; 3],
+        /// Counts while the list of probes grows whose distances are measured.
+        pub(super) measured: u32 => "atomic<u32>",
+        /// Of pass `probes/blend_distances`.
+        pub(super) distance_groups: [u32; 3],
         pub(super) _pad: u32,
+    }
+
+    /// A probe whose distances are measured in this frame, as it was before.
+    pub(super) struct GpuMeasuredProbe as MeasuredProbe {
+        /// Its slot and the set of directions of its rays, as in the list of active probes.
+        pub(super) entry: u32,
+        /// Its updates.
+        pub(super) updates: u32,
+        /// The last frame in which it was updated: a whole number.
+        pub(super) updated_in: f32,
+        /// The last frame in which a body was near; 0: none was.
+        pub(super) near_bodies: f32,
     }
 
     /// Set in an entry of the list: the rays of the probe request other probes.
@@ -141,14 +157,24 @@ pub(super) struct UpdateSchedule {
     uniform: wgpu::Buffer,
     work: wgpu::Buffer,
     face_requests: wgpu::Buffer,
+    quadrant_requests: wgpu::Buffer,
     /// Has no room for requests by rays.
     pixel_requests: wgpu::Buffer,
+    distance_list: wgpu::Buffer,
     dispatch: wgpu::Buffer,
 }
 
 impl UpdateSchedule {
-    pub fn new(gpu: &Gpu, slots: u32, rays: u32, has_cascades: bool) -> Result<Self, GpuError> {
+    /// `measures`: the probes keep distances.
+    pub fn new(
+        gpu: &Gpu,
+        slots: u32,
+        rays: u32,
+        has_cascades: bool,
+        measures: bool,
+    ) -> Result<Self, GpuError> {
         let all = u64::from(slots);
+        let measured = if measures { all } else { 1 };
         Ok(Self {
             slots,
             // The buffer of the rays fits a binding, so the number of rays fits a u32.
@@ -159,7 +185,12 @@ impl UpdateSchedule {
             uniform: gpu.uniform_buffer("update_schedule", &GpuUpdateSchedule::default()),
             work: gpu.storage_buffer("active_list", HEAD_BYTES + 3 * all * 4)?,
             face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + 3 * all * 4)?,
+            quadrant_requests: gpu.storage_buffer("quadrant_requests", HEAD_BYTES + 3 * all * 4)?,
             pixel_requests: gpu.storage_buffer("pixel_requests", HEAD_BYTES + 2 * all * 4)?,
+            distance_list: gpu.storage_buffer(
+                "distance_list",
+                HEAD_BYTES + measured * size_of::<GpuMeasuredProbe>() as u64,
+            )?,
             dispatch: gpu.storage_buffer("probe_dispatch", size_of::<GpuProbeDispatch>() as u64)?,
         })
     }
@@ -227,7 +258,12 @@ impl UpdateSchedule {
         if frame == 0 {
             // The probes start again, without requests.
             let none = vec![0; self.work.size() as usize];
-            for requests in [&self.work, &self.face_requests, &self.pixel_requests] {
+            for requests in [
+                &self.work,
+                &self.face_requests,
+                &self.quadrant_requests,
+                &self.pixel_requests,
+            ] {
                 gpu.queue
                     .write_buffer(requests, 0, &none[..requests.size() as usize]);
             }
@@ -250,10 +286,14 @@ impl UpdateSchedule {
         ]
     }
 
-    /// The requests that pass `probes/schedule` reads from passes `surface_cache/trace` and `view/shade`.
-    pub fn requests(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+    /// The requests that pass `probes/schedule` reads from passes `surface_cache/trace`, `surface_cache/estimate` and `view/shade`.
+    pub fn requests(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
         [
             ("face_requests", self.face_requests.as_entire_binding()),
+            (
+                "quadrant_requests",
+                self.quadrant_requests.as_entire_binding(),
+            ),
             ("pixel_requests", self.pixel_requests.as_entire_binding()),
         ]
     }
@@ -263,9 +303,19 @@ impl UpdateSchedule {
         ("active_list", self.face_requests.as_entire_binding())
     }
 
+    /// The buffer that pass `surface_cache/estimate` binds as `active_list`.
+    pub fn requests_of_quadrants(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("active_list", self.quadrant_requests.as_entire_binding())
+    }
+
     /// The buffer that pass `view/shade` binds as `active_list`.
     pub fn requests_of_pixels(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         ("active_list", self.pixel_requests.as_entire_binding())
+    }
+
+    /// The probes whose distances are measured.
+    pub fn distance_list(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        ("distance_list", self.distance_list.as_entire_binding())
     }
 
     pub fn dispatch(&self) -> &wgpu::Buffer {

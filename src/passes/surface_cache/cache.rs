@@ -1,12 +1,12 @@
 //! Faces of voxels that have light of their own: data that passes `surface_cache/lamps`, `surface_cache/allocate`,
-//! `surface_cache/trace`, `surface_cache/resolve` and `view/shade` share.
+//! `surface_cache/trace`, `surface_cache/estimate`, `surface_cache/resolve` and `view/shade` share.
 
 use std::mem::offset_of;
 
 use super::shared::{
     ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuFaceBatch, GpuFaceCounts, GpuFaceDispatch,
-    GpuFaceHistory, GpuListedFace, GpuRequestedFace, GpuSurfaceCacheInfo, LAMP_FACES_A_GROUP,
-    RAYS_A_GROUP, REQUEST_ROOM,
+    GpuFaceEstimate, GpuFaceHistory, GpuListedFace, GpuRequestedFace, GpuSurfaceCacheInfo,
+    LAMP_FACES_A_GROUP, RAYS_A_GROUP, REQUEST_ROOM,
 };
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
@@ -16,6 +16,7 @@ use crate::{
 };
 
 const LISTED_BYTES: u64 = size_of::<GpuListedFace>() as u64;
+const ESTIMATE_BYTES: u64 = size_of::<GpuFaceEstimate>() as u64;
 const BATCH_BYTES: u64 = size_of::<GpuFaceBatch>() as u64;
 const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
 /// The list of requests: a count, the faces, and their places in the table.
@@ -79,6 +80,7 @@ pub struct SurfaceCache {
     list: wgpu::Buffer,
     batches: wgpu::Buffer,
     rays: wgpu::Buffer,
+    estimates: wgpu::Buffer,
     requested: wgpu::Buffer,
     histories: wgpu::Buffer,
     dispatch: wgpu::Buffer,
@@ -89,7 +91,7 @@ impl SurfaceCache {
     pub const ENTRY_BYTES: u64 = 4 * ENTRY_WORDS as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/trace`.
     pub const RAYS_OFFSET: u64 = offset_of!(GpuFaceDispatch, ray_groups) as u64;
-    /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/resolve`.
+    /// Byte in [`Self::dispatch`] of the workgroups of passes `surface_cache/estimate` and `surface_cache/resolve`.
     pub const RESOLVE_OFFSET: u64 = offset_of!(GpuFaceDispatch, resolve_groups) as u64;
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/lamps` in the next frame.
     pub const LAMPS_OFFSET: u64 = offset_of!(GpuFaceDispatch, lamp_groups) as u64;
@@ -104,7 +106,7 @@ impl SurfaceCache {
         let all = u64::from(entries);
         let most_batches = entries.min(MOST_BATCHES);
         let batches = u64::from(most_batches);
-        let bytes = all * (Self::ENTRY_BYTES + LISTED_BYTES + HISTORY_BYTES)
+        let bytes = all * (Self::ENTRY_BYTES + LISTED_BYTES + ESTIMATE_BYTES + HISTORY_BYTES)
             + batches * (BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
             + REQUEST_LIST_BYTES;
         let what = "the faces of the final gather (probes.final_gather)";
@@ -126,6 +128,7 @@ impl SurfaceCache {
                 batches: gpu.storage_buffer("face_batches", (1 + batches) * BATCH_BYTES)?,
                 rays: gpu
                     .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
+                estimates: gpu.storage_buffer("face_estimates", all * ESTIMATE_BYTES)?,
                 requested: gpu.storage_buffer("requested_faces", REQUEST_LIST_BYTES)?,
                 histories: gpu.storage_buffer("face_histories", all * HISTORY_BYTES)?,
                 dispatch: gpu
@@ -227,7 +230,7 @@ impl SurfaceCache {
         rectangle((self.batches_of(size) * FACE_RAYS).div_ceil(RAYS_A_GROUP))
     }
 
-    /// Most workgroups of pass `surface_cache/resolve` for pictures of `size` pixels. One pixel of four lists its face in
+    /// Most workgroups of passes `surface_cache/estimate` and `surface_cache/resolve` for pictures of `size` pixels. One pixel of four lists its face in
     /// a frame, and rays request further faces.
     pub fn resolve_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         let seen = width.div_ceil(2) * height.div_ceil(2);
@@ -260,7 +263,7 @@ impl SurfaceCache {
     }
 
     /// All that the passes that light faces read and write.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 15] {
         let of = wgpu::Buffer::as_entire_binding;
         [
             ("face_info", of(&self.info)),
@@ -278,6 +281,8 @@ impl SurfaceCache {
             // Pass `surface_cache/trace` writes these.
             ("face_rays", of(&self.rays)),
             ("requested_faces", of(&self.requested)),
+            ("face_estimates_out", of(&self.estimates)),
+            ("face_estimates", of(&self.estimates)),
         ]
     }
 
@@ -316,6 +321,7 @@ impl SurfaceCache {
             &self.list,
             &self.batches,
             &self.rays,
+            &self.estimates,
             &self.requested,
             &self.histories,
         ];

@@ -5,6 +5,7 @@ pub mod body_lamps;
 pub mod body_shafts;
 mod cache;
 pub mod cell_shadows;
+pub mod estimate;
 pub mod lamps;
 pub mod place_requested;
 pub mod resolve;

@@ -11,7 +11,7 @@ pub struct SurfaceResolve {
 }
 
 impl SurfaceResolve {
-    /// For pictures of `size` pixels. `offer` is that of the scene and the probes.
+    /// For pictures of `size` pixels. `offer` is that of the scene.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
@@ -38,7 +38,7 @@ impl SurfaceResolve {
         })
     }
 
-    /// After pass `surface_cache/trace`.
+    /// After passes `surface_cache/trace` and `surface_cache/estimate`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
         let listed = (&self.dispatch, SurfaceCache::RESOLVE_OFFSET);
         recorder.run_indirect(&self.kernel, &self.bindings, self.most, listed);

@@ -58,7 +58,7 @@ crate::shared! {
     /// Threads of a workgroup of pass `surface_cache/trace`.
     pub(super) const RAYS_A_GROUP: u32 = 64;
 
-    /// Faces per workgroup of pass `surface_cache/resolve`.
+    /// Faces per workgroup of passes `surface_cache/estimate` and `surface_cache/resolve`.
     pub(super) const FACES_A_GROUP: u32 = 16;
 
     /// Faces per workgroup of pass `surface_cache/lamps`, and the crews of four threads that each face has.
@@ -86,7 +86,7 @@ crate::shared! {
         /// Of pass `surface_cache/trace`.
         pub(super) ray_groups: [u32; 3],
         pub(super) _pad0: u32,
-        /// Of pass `surface_cache/resolve`.
+        /// Of passes `surface_cache/estimate` and `surface_cache/resolve`.
         pub(super) resolve_groups: [u32; 3],
         pub(super) _pad1: u32,
         /// Of pass `surface_cache/lamps` in the next frame.
@@ -114,6 +114,15 @@ crate::shared! {
         pub is_seen: u32,
         /// How many of the batches, the first ones, the face has sent before, in its last update.
         pub repeated: u32,
+    }
+
+    /// The probes' estimate of the light of a listed face.
+    pub(super) struct GpuFaceEstimate as FaceEstimate {
+        /// Of each quadrant: three half floats.
+        pub quadrants: [[u32; 2]; 4],
+        /// See package::surface_cache::shares.
+        pub shares: [u32; 3],
+        pub _pad: u32,
     }
 
     /// Rays that a face sends together: `QUADRANT_RAYS` of each quadrant.

@@ -1,5 +1,6 @@
-//! Pass `view/antialias`: temporal anti-aliasing between shading and tone mapping.
+//! Pass `view/antialias`: temporal anti-aliasing of what was shaded. It shows the picture as well.
 
+use super::Display;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder};
 
 crate::shared! {
@@ -34,7 +35,7 @@ crate::shared! {
         pub size: [u32; 2],
     }
 
-    /// Alpha of a picture is this plus the number of rays in it: the tone mapper must not take a number for one of
+    /// Alpha of a picture is this plus the number of rays in it: tone mapping must not take a number for one of
     /// its marks (SHOWN_AS_ in shaders/frame/view.wesl).
     const COUNT_BASE: f32 = 3.0;
 }
@@ -57,7 +58,7 @@ impl TemporalAntialias {
     /// Bytes of GPU memory per pixel: two pictures and their surfaces.
     pub const BYTES_PER_PIXEL: u64 = 2 * (8 + 8);
 
-    /// For shown pictures of `size` pixels. `lit` is this frame's radiance and `surfaces` what its camera rays hit. Both have
+    /// For pictures of the size of `display`, where they are shown. `lit` is this frame's radiance and `surfaces` what its camera rays hit. Both have
     /// room for all pixels; with `upscales` the frame's view may say that fewer are rendered. `offer` is that of the voxels and
     /// the view.
     ///
@@ -65,7 +66,7 @@ impl TemporalAntialias {
     /// [`GpuError::Shader`], [`GpuError::TooLarge`].
     pub fn new(
         gpu: &Gpu,
-        size: [u32; 2],
+        display: &Display,
         lit: &wgpu::Texture,
         surfaces: &wgpu::Buffer,
         upscales: bool,
@@ -80,6 +81,7 @@ impl TemporalAntialias {
                 ..Default::default()
             },
         )?;
+        let size = [display.picture.width(), display.picture.height()];
         let colour = || {
             let format = wgpu::TextureFormat::Rgba16Float;
             gpu.texture("antialiased", [size[0], size[1], 1], format)
@@ -93,7 +95,7 @@ impl TemporalAntialias {
             .map(|texture| texture.create_view(&Default::default()));
         let lit = lit.create_view(&Default::default());
         let bindings = [0, 1].map(|which| {
-            let all = offer.with([
+            let own = [
                 ("history", uniform.as_entire_binding()),
                 ("surfaces", surfaces.as_entire_binding()),
                 ("lit", wgpu::BindingResource::TextureView(&lit)),
@@ -107,7 +109,8 @@ impl TemporalAntialias {
                     "colours_after",
                     wgpu::BindingResource::TextureView(&views[which]),
                 ),
-            ]);
+            ];
+            let all = offer.with(own.into_iter().chain(display.resources()));
             kernel.bind(gpu, &all.resources)
         });
         Ok(Self {

@@ -5,6 +5,7 @@ pub mod atlas_view;
 pub mod bits;
 mod body_tiles;
 pub mod camera_rays;
+mod display;
 mod inspection;
 pub mod overlay;
 pub mod probe_draw;
@@ -13,5 +14,6 @@ mod shot;
 pub mod state_view;
 pub mod tonemap;
 
+pub use display::Display;
 pub use inspection::{AtlasLayer, AtlasMap, Inspection, InspectionError, ProbeColour};
 pub use shot::{GpuShot, Shot};

@@ -2,6 +2,7 @@
 
 use std::thread;
 
+use super::Display;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, made, rectangle};
 
 /// The kernel and the picture that it writes.
@@ -39,7 +40,7 @@ impl Shade {
         gpu.texture("hdr", [size[0], size[1], 1], format)
     }
 
-    /// `surfaces` is what the camera rays hit; `offer` is that of the scene, the probes and the surface cache.
+    /// `surfaces` is what the camera rays hit, and `display` where finished pictures are shown; `offer` is that of the scene, the probes and the surface cache.
     ///
     /// # Errors
     /// [`GpuError::Shader`].
@@ -47,6 +48,7 @@ impl Shade {
         gpu: &Gpu,
         hdr: wgpu::Texture,
         surfaces: &wgpu::Buffer,
+        display: &Display,
         offer: &Offer<'_>,
     ) -> Result<Self, GpuError> {
         let kernel_of = |on_bodies| Kernel::new(gpu, &Self::spec(on_bodies, &offer.constants));
@@ -58,10 +60,11 @@ impl Shade {
             Ok::<_, GpuError>((kernel, on_bodies))
         })?;
         let hdr_view = hdr.create_view(&Default::default());
-        let all = offer.with([
+        let own = [
             ("surfaces", surfaces.as_entire_binding()),
             ("hdr", wgpu::BindingResource::TextureView(&hdr_view)),
-        ]);
+        ];
+        let all = offer.with(own.into_iter().chain(display.resources()));
         let bound = |kernel: Kernel| {
             let bindings = kernel.bind(gpu, &all.resources);
             (kernel, bindings)

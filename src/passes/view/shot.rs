@@ -38,6 +38,11 @@ crate::shared! {
         pub soft_rays: u32,
         /// Number of the picture among those that are averaged; 0 for a picture that stands alone.
         pub picture: u32,
+        /// 1: pass `view/shade` shows the picture, which no pass changes afterwards.
+        pub is_finished: u32,
+        /// 1: the view shows data, which gets neither exposure nor tone curve.
+        pub is_data: u32,
+        pub _pad: [u32; 2],
         /// First column and row of the tiles that may show bodies, and how many of each.
         pub body_tiles: [u32; 4],
     }
@@ -92,6 +97,9 @@ impl Shot {
             texture_pixels: 1.0,
             soft_rays: self.soft_rays * ALONE,
             picture: 0,
+            is_finished: 0,
+            is_data: u32::from(self.view.is_data()),
+            _pad: [0; 2],
             body_tiles: [0; 4],
         }
     }

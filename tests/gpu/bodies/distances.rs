@@ -108,7 +108,7 @@ fn forgets(way: Way, fault: Fault) {
 #[test]
 fn probes_forget_what_they_saw_of_a_body_that_has_jumped() {
     let fault = (
-        "probes/light_history.wesl",
+        "probes/distance_history.wesl",
         "max(u32(probe.near_bodies), changes.bodies_jumped)",
         "u32(probe.near_bodies)",
     );

@@ -5,11 +5,11 @@ use std::cell::Cell;
 use glam::{DVec3, IVec2, IVec3};
 use grotto::{
     parameters::ProbeParameters,
-    passes::{probes::blend::ProbeBlend, scene::BODIES},
+    passes::{probes::schedule::ProbeSchedule, scene::BODIES},
     probes::{Layout as _, octahedral, sampling},
 };
 
-use super::{Rig, texels, volume};
+use super::{Blends, Rig, texels, volume};
 
 #[test]
 fn nan_and_infinity_are_never_stored() {
@@ -273,7 +273,9 @@ fn distances_follow_bodies() {
         ..Default::default()
     };
     let mut rig = Rig::new(volume([1, 1, 1], 8.0), parameters);
-    rig.blend = ProbeBlend::new(&rig.gpu, &rig.field, &[(BODIES, 1.0)]).expect("compiles");
+    let with_bodies = [(BODIES, 1.0)];
+    rig.schedule = ProbeSchedule::new(&rig.gpu, &rig.field, &with_bodies).expect("compiles");
+    rig.blend = Blends::new(&rig.gpu, &rig.field, &with_bodies);
     let longest = 1.5 * 8.0 * 3f64.sqrt();
     for (length, jumps, expected) in [(3.0, true, 3.0), (9.0, false, 3.0), (6.0, true, 6.0)] {
         if jumps {

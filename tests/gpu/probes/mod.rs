@@ -16,7 +16,10 @@ use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder},
     parameters::{ProbeParameters, ProbeStates, Visibility},
     passes::{
-        probes::{ProbeField, blend::ProbeBlend, schedule::ProbeSchedule},
+        probes::{
+            ProbeField, blend::ProbeBlend, blend_distances::ProbeBlendDistances,
+            schedule::ProbeSchedule,
+        },
         scene::GpuVoxels,
     },
     probes::{Volume, octahedral, packed::distances_of, repeats::SETS_AT_A_TIME, sampling},
@@ -56,12 +59,35 @@ fn packed_radiance(radiance: [f32; 3]) -> u32 {
     steps[0] | steps[1] << 9 | steps[2] << 18 | ((exponent + 15) as u32) << 27
 }
 
+/// The passes that average the rays of probes.
+pub struct Blends {
+    light: ProbeBlend,
+    distances: Option<ProbeBlendDistances>,
+}
+
+impl Blends {
+    /// `scene`: constants of the scene.
+    pub fn new(gpu: &Gpu, field: &ProbeField, scene: &[(&str, f64)]) -> Self {
+        Self {
+            light: ProbeBlend::new(gpu, field, scene).expect("compiles"),
+            distances: ProbeBlendDistances::new(gpu, field, scene).expect("compiles"),
+        }
+    }
+
+    pub fn record(&self, recorder: &mut Recorder<'_>) {
+        if let Some(distances) = &self.distances {
+            distances.record(recorder);
+        }
+        self.light.record(recorder);
+    }
+}
+
 /// Probes whose rays the test makes up.
 struct Rig {
     gpu: Gpu,
     field: ProbeField,
     schedule: ProbeSchedule,
-    blend: ProbeBlend,
+    blend: Blends,
     voxels: GpuVoxels,
     parameters: ProbeParameters,
     frame: u64,
@@ -122,8 +148,8 @@ impl Rig {
         };
         let gpu = gpu.clone();
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
-        let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
-        let blend = ProbeBlend::new(&gpu, &field, &[]).expect("compiles");
+        let schedule = ProbeSchedule::new(&gpu, &field, &[]).expect("compiles");
+        let blend = Blends::new(&gpu, &field, &[]);
         let voxels = GpuVoxels::upload(&gpu, voxels, origin).expect("fits");
         Self {
             gpu,

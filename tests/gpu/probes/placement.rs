@@ -395,7 +395,7 @@ fn walking_probes_stop_where_their_rays_are_free() {
     let walk = SourceWalk::with_memory(&gpu, &field, &voxels.resources(), 0.0);
     let walk = walk.expect("compiles").expect("probes walk");
     begin(&gpu, &walk);
-    let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
+    let schedule = ProbeSchedule::new(&gpu, &field, &[]).expect("compiles");
     let reach = (MOVE_REACH * SPACING).as_ivec3();
     let voxel_of = |place: &[f32; 4]| Vec3::from_slice(place).floor().as_ivec3() - ORIGIN;
     let mut found: Vec<[f32; 4]> = Vec::new();
@@ -459,7 +459,7 @@ fn a_probe_walks_only_after_a_long_time_in_a_solid_voxel() {
     let walk = SourceWalk::new(&gpu, &field, &voxels.resources());
     let walk = walk.expect("compiles").expect("probes walk");
     begin(&gpu, &walk);
-    let schedule = ProbeSchedule::new(&gpu, &field).expect("compiles");
+    let schedule = ProbeSchedule::new(&gpu, &field, &[]).expect("compiles");
     let ray = [0.0, 0.0, 0.0, -1.0].map(f16::from_f32);
     let rays = vec![ray; volume().slots() as usize * 8];
     gpu.queue

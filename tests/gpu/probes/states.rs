@@ -7,10 +7,7 @@ use grotto::{
     gpu::{Gpu, Kernel, KernelSpec, Recorder},
     parameters::{ProbeParameters, ProbeStates as Sleep, Relocation, Visibility},
     passes::{
-        probes::{
-            ProbeField, StateCounts, blend::ProbeBlend, classify::ProbeClassify,
-            schedule::ProbeSchedule,
-        },
+        probes::{ProbeField, StateCounts, classify::ProbeClassify, schedule::ProbeSchedule},
         scene::GpuVoxels,
     },
     probes::Layout as _,
@@ -18,6 +15,7 @@ use grotto::{
 };
 use half::f16;
 
+use super::Blends;
 use crate::support::{
     gpu,
     scenes::{lattice, volume_of},
@@ -40,7 +38,7 @@ struct Slab {
     field: ProbeField,
     states: ProbeClassify,
     schedule: ProbeSchedule,
-    blend: ProbeBlend,
+    blend: Blends,
     parameters: ProbeParameters,
     frame: u64,
 }
@@ -68,8 +66,8 @@ impl Slab {
         let field = ProbeField::new(&gpu, volume, &parameters).expect("fits");
         let slab = Self {
             states: ProbeClassify::new(&gpu, &field, &voxels.resources()).expect("compiles"),
-            schedule: ProbeSchedule::new(&gpu, &field).expect("compiles"),
-            blend: ProbeBlend::new(&gpu, &field, &[]).expect("compiles"),
+            schedule: ProbeSchedule::new(&gpu, &field, &[]).expect("compiles"),
+            blend: Blends::new(&gpu, &field, &[]),
             gpu,
             on_cpu,
             voxels,

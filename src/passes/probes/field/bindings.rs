@@ -25,8 +25,8 @@ impl ProbeField {
         ]
     }
 
-    /// What an update of the field writes: rays, maps, and states.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 13] {
+    /// What an update of the field writes: rays, maps, and states; and which probes measure distances.
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 14] {
         use wgpu::BindingResource::TextureView;
         let [update_schedule, work] = self.update_schedule.resources();
         [
@@ -43,6 +43,7 @@ impl ProbeField {
             ("irradiance_out", self.irradiance_maps.as_entire_binding()),
             ("distance_out", TextureView(&self.distance_view)),
             ("ambient_cubes_out", self.ambient_cubes.as_entire_binding()),
+            self.update_schedule.distance_list(),
         ]
     }
 
@@ -73,17 +74,21 @@ impl ProbeField {
         ]
     }
 
-    /// What pass `probes/schedule` writes besides [`Self::resources`].
-    pub fn schedule_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
-        let [of_faces, of_pixels] = self.update_schedule.requests();
+    /// What pass `probes/schedule` reads and writes besides [`Self::resources`].
+    pub fn schedule_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
+        let [of_faces, of_quadrants, of_pixels] = self.update_schedule.requests();
         [
             of_faces,
+            of_quadrants,
             of_pixels,
             ("probe_states", self.states.as_entire_binding()),
             (
                 "probe_dispatch",
                 self.update_schedule.dispatch().as_entire_binding(),
             ),
+            ("probe_variability", self.variability.as_entire_binding()),
+            ("changes", self.changes_info.as_entire_binding()),
+            self.update_schedule.distance_list(),
         ]
     }
 
@@ -93,7 +98,12 @@ impl ProbeField {
         self.update_schedule.requests_of_faces()
     }
 
-    /// The request list of pass `view/shade`, which runs concurrently with both.
+    /// The request list of pass `surface_cache/estimate`, which runs concurrently with both.
+    pub fn requests_of_quadrants(&self) -> (&'static str, wgpu::BindingResource<'_>) {
+        self.update_schedule.requests_of_quadrants()
+    }
+
+    /// The request list of pass `view/shade`, which runs concurrently with all of them.
     pub fn requests_of_pixels(&self) -> (&'static str, wgpu::BindingResource<'_>) {
         self.update_schedule.requests_of_pixels()
     }

@@ -189,6 +189,7 @@ impl ProbeField {
                 atlas.slots,
                 parameters.rays,
                 volume.octree().is_none() && volume.levels().len() > 1,
+                atlas.distance_texels > 0,
             )?,
             places,
             info: gpu.uniform_buffer("probe_info", &GpuProbeInfo::default()),
@@ -261,6 +262,17 @@ impl ProbeField {
         self.visibility_bits.is_some()
     }
 
+    /// The constant of kernels that sum the rays of a probe: how many threads share those of the same texels. A CPU runs the threads of a
+    /// workgroup one after the other.
+    pub(super) fn parts(gpu: &Gpu) -> (&'static str, f64) {
+        ("PARTS", if gpu.summary.is_software() { 1.0 } else { 4.0 })
+    }
+
+    /// The constant of kernels that measure distances: whether probes stay where they are until an edit.
+    pub(super) fn stands(&self) -> (&'static str, f64) {
+        ("PROBES_STAND", f64::from(u8::from(self.source.is_none())))
+    }
+
     /// What the field has in addition when the algorithm is not grotto's own.
     pub(super) fn source(&self) -> Option<&Source> {
         self.source.as_ref()
@@ -297,7 +309,8 @@ impl ProbeField {
     }
 
     /// Workgroups for the active probes, as pass `probes/schedule` writes them: those of pass `probes/trace` at
-    /// [`Self::RAYS_OFFSET`], those of passes with a workgroup per probe at [`Self::PROBES_OFFSET`].
+    /// [`Self::RAYS_OFFSET`], those of passes with a workgroup per probe at [`Self::PROBES_OFFSET`], those of pass
+    /// `probes/blend_distances` at [`Self::DISTANCES_OFFSET`].
     pub fn dispatch(&self) -> &wgpu::Buffer {
         self.update_schedule.dispatch()
     }
@@ -305,6 +318,7 @@ impl ProbeField {
     /// Byte offsets in [`Self::dispatch`].
     pub const RAYS_OFFSET: u64 = offset_of!(GpuProbeDispatch, ray_groups) as u64;
     pub const PROBES_OFFSET: u64 = offset_of!(GpuProbeDispatch, probe_groups) as u64;
+    pub const DISTANCES_OFFSET: u64 = offset_of!(GpuProbeDispatch, distance_groups) as u64;
 
     /// The place of each probe, back-side probes after the others: [`GpuProbePlace`].
     pub fn places(&self) -> &wgpu::Buffer {
