@@ -108,7 +108,7 @@ impl Frame {
         let rhythms = stage.lamp_kinds.rhythms;
         let volume = stage.volume(gpu, layout)?;
         let field = ProbeField::with_rhythms(gpu, volume, probes, rhythms)?;
-        let faces = SurfaceCache::new(gpu, probes)?;
+        let faces = SurfaceCache::new(gpu, probes, rhythms)?;
         let scene = scene(&stage, &view, &lights);
         let wanted = Wanted::default();
         let subjects = Subjects {

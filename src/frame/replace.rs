@@ -23,7 +23,7 @@ impl Frame {
         let rhythms = self.lights.kinds().rhythms;
         let volume = self.stage.volume(gpu, layout)?;
         let field = ProbeField::with_rhythms(gpu, volume, probes, rhythms)?;
-        let faces = SurfaceCache::new(gpu, probes)?;
+        let faces = SurfaceCache::new(gpu, probes, rhythms)?;
         let scene = scene(&self.stage, &self.view, &self.lights);
         let wanted = Wanted {
             inspection: Inspection {

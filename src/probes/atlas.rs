@@ -1,7 +1,7 @@
 //! How the maps of many probes are arranged, and how much memory they take.
 
 use super::ProbeError;
-use crate::parameters::ProbeParameters;
+use crate::parameters::{Method, ProbeParameters};
 
 /// The maps of slot s lie in tile (s & (2^columns_log2 − 1), (s >> columns_log2) & (2^rows_log2 − 1))
 /// of layer s >> (columns_log2 + rows_log2). A tile holds a map and its border of one texel. Distances lie so in a texture;
@@ -35,10 +35,11 @@ pub const PLACE_BYTES: u64 = 16;
 /// Irradiance along six axes (f16), and whether the probe gives any.
 const CUBE_BYTES: u64 = CUBE_VECTORS * 16;
 const RHYTHM_CUBE_BYTES: u64 = RHYTHM_VECTORS as u64 * 16;
-/// Per probe: an entry of the active list and the frames of the last requests by pixels and by rays
-/// (passes `surface_cache/trace` and `surface_cache/estimate` have all of this of their own, pass `view/shade` the first two), and the progress of its source
-/// walk.
-const PLAN_BYTES: u64 = 3 * 3 * 4 + 2 * 4 + 8;
+/// Per probe: an entry of the active list, and the frames of the last requests by rays of probes, by rays of faces, by quadrants of
+/// faces that rays and that pixels request, and by pixels.
+const PLAN_BYTES: u64 = (1 + 1 + 1 + 2 + 1) * 4;
+/// Under [`Method::Source`]: what each probe knows about its place.
+pub const WALK_BYTES: u64 = 8;
 /// Where probes keep distances: an entry of the list of those that measure them.
 const MEASURED_BYTES: u64 = 16;
 
@@ -88,6 +89,8 @@ pub struct ProbeMemory {
     /// Maps and rays of the occlusion field; not part of the atlas.
     pub occlusion: u64,
     pub update_schedule: u64,
+    /// Under [`Method::Source`] alone.
+    pub walks: u64,
 }
 
 impl ProbeMemory {
@@ -124,6 +127,7 @@ impl ProbeMemory {
             + self.octree
             + self.occlusion
             + self.update_schedule
+            + self.walks
     }
 }
 
@@ -221,6 +225,10 @@ impl AtlasLayout {
             octree: 0,
             occlusion: 0,
             update_schedule: slots * (PLAN_BYTES + measured),
+            walks: match parameters.method {
+                Method::Source => slots * WALK_BYTES,
+                Method::Grotto => 0,
+            },
         }
     }
 }
@@ -290,7 +298,7 @@ mod tests {
         assert_eq!(memory.distance_atlas, 64 * 324 * 4);
         assert_eq!(
             memory.total(),
-            64 * (64 * 8 + 1296 + 800 + 16 + 144 + 16 + 48 + 68)
+            64 * (64 * 8 + 1296 + 800 + 16 + 144 + 16 + 48 + 40)
         );
         // Four sets of 100 hits of 8 bytes, and the place of each probe.
         let kept = layout.memory(&parameters(ProbeHits::Kept, 4));
@@ -302,7 +310,7 @@ mod tests {
     fn the_cascades_of_the_cavern_take_3_kb_per_probe() {
         let layout = layout(65_536, 16_384, 2048).expect("fits");
         let memory = layout.memory(&ProbeParameters::default());
-        assert_eq!(memory.total(), 65_536 * 3124);
-        assert!(memory.total() < 205_000_000, "{memory:?}");
+        assert_eq!(memory.total(), 65_536 * 3096);
+        assert!(memory.total() < 203_000_000, "{memory:?}");
     }
 }

@@ -191,6 +191,42 @@ fn a_share_of_the_budget_sends_fewer_rays() {
     assert!(0 < some && some < all, "{some} of {all}");
 }
 
+/// Where the list has room for half of the visible faces, all of them get light of their own in turn.
+#[test]
+fn faces_that_the_list_has_no_room_for_have_their_turn() {
+    let file = "surface_cache/allocate.wesl";
+    let lit = |room_for: &str| {
+        let fault = (file, "face_info.most_listed", room_for);
+        let gpu = support::with_faults(&support::gpu(), &[fault]);
+        let mut room = Room::on(gpu, ROOM, quick(), [96, 72]);
+        let picture = room.after(80);
+        // The four quadrants of a face send rays together.
+        (
+            picture,
+            room.samples().filter(|rays| *rays > 16.0).count() / 4,
+        )
+    };
+    let (all, _) = lit("face_info.most_listed");
+    let (in_turn, some) = lit("100u");
+    // Pixels see 211; faces that only rays hit come after them.
+    assert!((200..=211).contains(&some), "{some} faces");
+    let difference = apart(&in_turn, &all);
+    assert!(difference < 0.03, "{difference}");
+    // Without room for any there is light of probes alone.
+    let (by_probes, none) = lit("0u");
+    assert_eq!(none, 0);
+    assert!(
+        apart(&by_probes, &all) > 0.03,
+        "{}",
+        apart(&by_probes, &all)
+    );
+    println!(
+        "{some} {} {}",
+        apart(&in_turn, &all),
+        apart(&by_probes, &all)
+    );
+}
+
 /// Rays request entries for the faces that they hit, visible or not. Light of many bounces is therefore right even
 /// where the lattice of the probes is much too coarse for it.
 #[test]

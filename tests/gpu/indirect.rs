@@ -5,7 +5,7 @@ use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::{
     frame,
     gpu::{Gpu, Offer, Recorder},
-    lights::{LampShape, LampState, Lights, table::LightsOfFrame},
+    lights::{LampShape, LampState, Lights, RhythmsTold, table::LightsOfFrame},
     parameters::{FinalGather, ProbeParameters, ProbeStates as States, Relocation},
     passes::{
         probes::{
@@ -178,7 +178,7 @@ impl Stage {
             final_gather: FinalGather::Off,
             ..self.parameters.clone()
         };
-        let faces = SurfaceCache::new(&self.gpu, &probes_alone).expect("fits");
+        let faces = SurfaceCache::new(&self.gpu, &probes_alone, RhythmsTold::None).expect("fits");
         let surfaces = &camera.surfaces;
         let offer = frame::offer(&self.field, &faces, &scene);
         let hdr = Shade::hdr(&self.gpu, size).expect("fits");

@@ -24,8 +24,8 @@ use crate::{
         scene::lamp_lists::LampLists,
         surface_cache::{
             allocate::SurfaceAllocate, cell_shadows::SurfaceCellShadows, estimate::SurfaceEstimate,
-            lamps::SurfaceLamps, place_requested::PlaceRequested, resolve::SurfaceResolve,
-            trace::SurfaceTrace,
+            gains::SurfaceGains, lamps::SurfaceLamps, place_requested::PlaceRequested,
+            resolve::SurfaceResolve, trace::SurfaceTrace,
         },
         view::{
             Display, Shot, antialias::TemporalAntialias, bits::Bits, camera_rays::CameraRays,
@@ -58,6 +58,7 @@ pub(super) struct Passes {
     allocate: SurfaceAllocate,
     surface_trace: SurfaceTrace,
     estimate: SurfaceEstimate,
+    gains: Option<SurfaceGains>,
     place_requested: PlaceRequested,
     resolve: SurfaceResolve,
     pub shade: Shade,
@@ -114,6 +115,7 @@ impl Passes {
             let rhythms = threads.spawn(|| ProbeRhythms::new(gpu, field, resources));
             let surface_trace = threads.spawn(|| SurfaceTrace::new(gpu, size, cache, &of_faces));
             let estimate = threads.spawn(|| SurfaceEstimate::new(gpu, size, cache, &of_quadrants));
+            let gains = threads.spawn(|| SurfaceGains::new(gpu, cache, &offer));
             let resolve = threads.spawn(|| SurfaceResolve::new(gpu, size, cache, &offer));
             let face_lamps = threads.spawn(|| SurfaceLamps::new(gpu, size, cache, &offer));
             let allocate =
@@ -159,6 +161,7 @@ impl Passes {
                 surface_trace: made(surface_trace)?,
                 place_requested: made(place_requested)?,
                 estimate: made(estimate)?,
+                gains: made(gains)?,
                 resolve: made(resolve)?,
                 camera_rays,
                 shade,
@@ -185,6 +188,7 @@ impl Passes {
             ClassifiedProbes
         };
         let (surfaces, placed) = recorder.concurrent(|recorder| {
+            self.find_gains(recorder);
             let sighted = self.look_around(recorder, update, classified);
             if update.places_probes {
                 let surfaces = self.trace_camera(recorder, drawn);

@@ -95,6 +95,13 @@ impl Passes {
         }
     }
 
+    /// By what the light of faces is multiplied that were lit before.
+    pub(super) fn find_gains(&self, recorder: &mut Recorder<'_>) {
+        if let Some(gains) = &self.gains {
+            gains.record(recorder);
+        }
+    }
+
     pub(super) fn trace_camera(&self, recorder: &mut Recorder<'_>, drawn: Drawn) -> Surfaces {
         self.camera_rays.record(recorder, drawn.size);
         Surfaces

@@ -5,7 +5,7 @@ use crate::{
     parameters::{
         Method, ProbeParameters, SourceDepth, SourceParameters, SourceRelocation, SourceWeights,
     },
-    probes::MOVE_REACH,
+    probes::{MOVE_REACH, atlas::WALK_BYTES},
 };
 
 crate::shared! {
@@ -32,9 +32,6 @@ pub struct Source {
 }
 
 impl Source {
-    /// Bytes of each probe's walk.
-    const WALK_BYTES: u64 = 8;
-
     /// `None` for grotto's own algorithm.
     ///
     /// # Errors
@@ -52,7 +49,7 @@ impl Source {
         if parameters.method == Method::Grotto {
             return Ok(None);
         }
-        let bytes = u64::from(slots) * Self::WALK_BYTES;
+        let bytes = u64::from(slots) * WALK_BYTES;
         Ok(Some(Self {
             weights,
             depth,

@@ -158,7 +158,6 @@ pub(super) struct UpdateSchedule {
     work: wgpu::Buffer,
     face_requests: wgpu::Buffer,
     quadrant_requests: wgpu::Buffer,
-    /// Has no room for requests by rays.
     pixel_requests: wgpu::Buffer,
     distance_list: wgpu::Buffer,
     dispatch: wgpu::Buffer,
@@ -183,10 +182,12 @@ impl UpdateSchedule {
             is_placed: false,
             has_cascades,
             uniform: gpu.uniform_buffer("update_schedule", &GpuUpdateSchedule::default()),
-            work: gpu.storage_buffer("active_list", HEAD_BYTES + 3 * all * 4)?,
-            face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + 3 * all * 4)?,
-            quadrant_requests: gpu.storage_buffer("quadrant_requests", HEAD_BYTES + 3 * all * 4)?,
-            pixel_requests: gpu.storage_buffer("pixel_requests", HEAD_BYTES + 2 * all * 4)?,
+            // Requests of rays, and the list.
+            work: gpu.storage_buffer("active_list", HEAD_BYTES + 2 * all * 4)?,
+            face_requests: gpu.storage_buffer("face_requests", HEAD_BYTES + all * 4)?,
+            // Of rays and of pixels.
+            quadrant_requests: gpu.storage_buffer("quadrant_requests", HEAD_BYTES + 2 * all * 4)?,
+            pixel_requests: gpu.storage_buffer("pixel_requests", HEAD_BYTES + all * 4)?,
             distance_list: gpu.storage_buffer(
                 "distance_list",
                 HEAD_BYTES + measured * size_of::<GpuMeasuredProbe>() as u64,
@@ -287,6 +288,7 @@ impl UpdateSchedule {
     }
 
     /// The requests that pass `probes/schedule` reads from passes `surface_cache/trace`, `surface_cache/estimate` and `view/shade`.
+    /// Pass `probes/classify` adds to the last.
     pub fn requests(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
         [
             ("face_requests", self.face_requests.as_entire_binding()),
@@ -325,8 +327,8 @@ impl UpdateSchedule {
     /// Slots of the probes that were active, in no particular order.
     pub fn active_slots(&self, gpu: &Gpu) -> Result<Vec<u32>, GpuError> {
         let count = self.head(gpu)?.count as usize;
-        let list: Vec<u32> =
-            gpu.read_buffer_range(&self.work, HEAD_BYTES, u64::from(self.slots) * 4)?;
+        let bytes = u64::from(self.slots) * 4;
+        let list: Vec<u32> = gpu.read_buffer_range(&self.work, HEAD_BYTES + bytes, bytes)?;
         Ok(list[..count]
             .iter()
             .map(|word| word & ((1 << RAY_SET_SHIFT) - 1))

@@ -6,11 +6,11 @@ use std::mem::offset_of;
 use super::shared::{
     ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuFaceBatch, GpuFaceCounts, GpuFaceDispatch,
     GpuFaceEstimate, GpuFaceHistory, GpuListedFace, GpuRequestedFace, GpuSurfaceCacheInfo,
-    LAMP_FACES_A_GROUP, RAYS_A_GROUP, REQUEST_ROOM,
+    LAMP_FACES_A_GROUP, RAYS_A_GROUP, REQUEST_ROOM, SHARES_WORDS,
 };
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
-    lights::emitters::FACINGS,
+    lights::{RhythmsTold, emitters::FACINGS},
     parameters::{FinalGather, ProbeParameters},
     probes::Changes,
 };
@@ -19,11 +19,17 @@ const LISTED_BYTES: u64 = size_of::<GpuListedFace>() as u64;
 const ESTIMATE_BYTES: u64 = size_of::<GpuFaceEstimate>() as u64;
 const BATCH_BYTES: u64 = size_of::<GpuFaceBatch>() as u64;
 const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
+const SHARES_BYTES: u64 = SHARES_WORDS as u64 * 4;
+/// Three half floats.
+const GAIN_BYTES: u64 = 8;
 /// The list of requests: a count, the faces, and their places in the table.
 const REQUEST_LIST_BYTES: u64 =
     4 + (REQUEST_ROOM as usize * (size_of::<GpuRequestedFace>() + size_of::<u32>())) as u64;
 /// Places in the table for faces of one direction.
 const BUCKETS: u32 = 1 << 16;
+/// Most faces that a frame lists: twice as many as any picture of `cavern` has (53 000 at 1920×1080, 61 000 at 3840×2160). Where there
+/// are more they are listed in turn.
+const MOST_LISTED: u32 = 1 << 17;
 /// Batches of rays that faces can send in a frame, whatever the size of the picture: where more faces want rays, as in wide
 /// views, they take turns. Measured in docs/results/motion.md: with 32 768 a frame of `cavern` takes 0.28 ms longer.
 const MOST_BATCHES: u32 = 20 << 10;
@@ -71,7 +77,10 @@ pub struct NextFrame<'a> {
 /// The table, the list of a frame's faces, and what the rays of each face have found.
 pub struct SurfaceCache {
     is_used: bool,
+    /// Whether lamps are told apart whose power goes up and down.
+    tells_lamps: bool,
     entries: u32,
+    most_listed: u32,
     least_batches: u32,
     most_batches: u32,
     info: wgpu::Buffer,
@@ -83,6 +92,8 @@ pub struct SurfaceCache {
     estimates: wgpu::Buffer,
     requested: wgpu::Buffer,
     histories: wgpu::Buffer,
+    shares: wgpu::Buffer,
+    gains: wgpu::Buffer,
     dispatch: wgpu::Buffer,
 }
 
@@ -96,24 +107,37 @@ impl SurfaceCache {
     /// Byte in [`Self::dispatch`] of the workgroups of pass `surface_cache/lamps` in the next frame.
     pub const LAMPS_OFFSET: u64 = offset_of!(GpuFaceDispatch, lamp_groups) as u64;
 
-    /// An empty table. Without final gather, it takes next to no memory.
+    /// An empty table. Without final gather, it takes next to no memory. `told`: how kernels tell lamps apart whose power goes up and
+    /// down.
     ///
     /// # Errors
     /// [`GpuError`] when the adapter cannot hold it.
-    pub fn new(gpu: &Gpu, parameters: &ProbeParameters) -> Result<Self, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        parameters: &ProbeParameters,
+        told: RhythmsTold,
+    ) -> Result<Self, GpuError> {
         let is_used = parameters.effective().final_gather == FinalGather::On;
         let entries = FACINGS as u32 * if is_used { BUCKETS } else { 1 };
         let all = u64::from(entries);
+        let most_listed = entries.min(MOST_LISTED);
+        let listed = u64::from(most_listed);
         let most_batches = entries.min(MOST_BATCHES);
         let batches = u64::from(most_batches);
-        let bytes = all * (Self::ENTRY_BYTES + LISTED_BYTES + ESTIMATE_BYTES + HISTORY_BYTES)
+        let tells_lamps = told != RhythmsTold::None;
+        let of_lamps = if tells_lamps { all } else { 1 };
+        let bytes = all * (Self::ENTRY_BYTES + HISTORY_BYTES)
+            + of_lamps * (SHARES_BYTES + GAIN_BYTES)
+            + listed * (LISTED_BYTES + ESTIMATE_BYTES)
             + batches * (BATCH_BYTES + u64::from(FACE_RAYS) * RAY_BYTES)
             + REQUEST_LIST_BYTES;
         let what = "the faces of the final gather (probes.final_gather)";
         gpu.making(what, bytes, || {
             Ok(Self {
                 is_used,
+                tells_lamps,
                 entries,
+                most_listed,
                 least_batches: if gpu.summary.is_software() {
                     LEAST_IN_SOFTWARE
                 } else {
@@ -124,13 +148,15 @@ impl SurfaceCache {
                 table: gpu.storage_buffer("face_table", all * Self::ENTRY_BYTES)?,
                 counts: gpu.storage_buffer("face_counts", size_of::<GpuFaceCounts>() as u64)?,
                 // Lists begin with a count.
-                list: gpu.storage_buffer("face_list", (1 + all) * LISTED_BYTES)?,
+                list: gpu.storage_buffer("face_list", (1 + listed) * LISTED_BYTES)?,
                 batches: gpu.storage_buffer("face_batches", (1 + batches) * BATCH_BYTES)?,
                 rays: gpu
                     .storage_buffer("face_rays", batches * u64::from(FACE_RAYS) * RAY_BYTES)?,
-                estimates: gpu.storage_buffer("face_estimates", all * ESTIMATE_BYTES)?,
+                estimates: gpu.storage_buffer("face_estimates", listed * ESTIMATE_BYTES)?,
                 requested: gpu.storage_buffer("requested_faces", REQUEST_LIST_BYTES)?,
                 histories: gpu.storage_buffer("face_histories", all * HISTORY_BYTES)?,
+                shares: gpu.storage_buffer("face_shares", of_lamps * SHARES_BYTES)?,
+                gains: gpu.storage_buffer("face_gains", of_lamps * GAIN_BYTES)?,
                 dispatch: gpu
                     .storage_buffer("face_dispatch", size_of::<GpuFaceDispatch>() as u64)?,
             })
@@ -140,6 +166,16 @@ impl SurfaceCache {
     /// Whether faces are lit on their own at all.
     pub fn is_used(&self) -> bool {
         self.is_used
+    }
+
+    /// Whether the light of faces is multiplied by gains, because lamps go up and down.
+    pub fn has_gains(&self) -> bool {
+        self.is_used && self.tells_lamps
+    }
+
+    /// Workgroups of this many threads, one thread per entry of the table.
+    pub fn groups_of_entries(&self, threads: u32) -> [u32; 2] {
+        rectangle(self.entries.div_ceil(threads))
     }
 
     /// Forgets all faces, as if the table were new.
@@ -211,6 +247,8 @@ impl SurfaceCache {
                 ANY_STEP
             },
             steadiness: next.steadiness,
+            most_listed: self.most_listed,
+            ..Default::default()
         };
         gpu.queue
             .write_buffer(&self.info, 0, bytemuck::bytes_of(&info));
@@ -231,7 +269,8 @@ impl SurfaceCache {
     }
 
     /// Most workgroups of passes `surface_cache/estimate` and `surface_cache/resolve` for pictures of `size` pixels. One pixel of four lists its face in
-    /// a frame, and rays request further faces.
+    /// a frame, and rays request further faces. As if the list had room for all: with half the rows, workgroups of neighbouring faces
+    /// run farther apart, and pass `surface_cache/lamps` takes 10 to 20 % longer.
     pub fn resolve_most(&self, [width, height]: [u32; 2]) -> [u32; 2] {
         let seen = width.div_ceil(2) * height.div_ceil(2);
         let listed = self.entries.min(seen + REQUEST_ROOM);
@@ -255,15 +294,16 @@ impl SurfaceCache {
     }
 
     /// The bindings of `shaders/surface_cache/table.wesl`: what kernels that look up a face's light read.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 3] {
         [
             ("face_info", self.info.as_entire_binding()),
             ("face_table", self.table.as_entire_binding()),
+            ("face_gains", self.gains.as_entire_binding()),
         ]
     }
 
     /// All that the passes that light faces read and write.
-    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 15] {
+    pub fn update_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 18] {
         let of = wgpu::Buffer::as_entire_binding;
         [
             ("face_info", of(&self.info)),
@@ -283,6 +323,9 @@ impl SurfaceCache {
             ("requested_faces", of(&self.requested)),
             ("face_estimates_out", of(&self.estimates)),
             ("face_estimates", of(&self.estimates)),
+            ("face_shares", of(&self.shares)),
+            ("face_shares_out", of(&self.shares)),
+            ("face_gains_out", of(&self.gains)),
         ]
     }
 
@@ -297,7 +340,7 @@ impl SurfaceCache {
     /// [`GpuError::Device`] when the device is lost.
     pub fn listed(&self, gpu: &Gpu) -> Result<u32, GpuError> {
         let counts: Vec<GpuFaceCounts> = gpu.read_buffer(&self.counts)?;
-        Ok(counts[0].listed)
+        Ok(counts[0].listed.min(self.most_listed))
     }
 
     /// How many rays faces sent in the last frame.
@@ -324,6 +367,8 @@ impl SurfaceCache {
             &self.estimates,
             &self.requested,
             &self.histories,
+            &self.shares,
+            &self.gains,
         ];
         buffers.iter().map(|buffer| buffer.size()).sum()
     }

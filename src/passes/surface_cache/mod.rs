@@ -6,6 +6,7 @@ pub mod body_shafts;
 mod cache;
 pub mod cell_shadows;
 pub mod estimate;
+pub mod gains;
 pub mod lamps;
 pub mod place_requested;
 pub mod resolve;

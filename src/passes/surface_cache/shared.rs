@@ -44,6 +44,9 @@ crate::shared! {
         pub most_step: f32,
         /// How steadily the power of lamps rises or falls, 0 to 1.
         pub steadiness: f32,
+        /// Most faces that a frame lists.
+        pub most_listed: u32,
+        pub _pad: [u32; 3],
     }
 
     /// Words of an entry of the table.
@@ -64,6 +67,9 @@ crate::shared! {
     /// Faces per workgroup of pass `surface_cache/lamps`, and the crews of four threads that each face has.
     pub(super) const LAMP_FACES_A_GROUP: u32 = 2;
     pub(super) const LAMP_CREWS: u32 = 8;
+
+    /// Words of a face's shares: see package::surface_cache::shares.
+    pub(super) const SHARES_WORDS: u32 = 3;
 
     /// Cells among which a workgroup of pass `surface_cache/cell_shadows` looks for those that are seen.
     pub(super) const CELLS_A_GROUP: u32 = 16;
@@ -120,9 +126,6 @@ crate::shared! {
     pub(super) struct GpuFaceEstimate as FaceEstimate {
         /// Of each quadrant: three half floats.
         pub quadrants: [[u32; 2]; 4],
-        /// See package::surface_cache::shares.
-        pub shares: [u32; 3],
-        pub _pad: u32,
     }
 
     /// Rays that a face sends together: `QUADRANT_RAYS` of each quadrant.

@@ -5,6 +5,9 @@ use std::thread;
 use super::Display;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, made, rectangle};
 
+/// Its requests for probes come from pixels alone: package::probes::requests.
+const OF_PIXELS: (&str, f64) = ("FIRST_REQUESTER", 1.0);
+
 /// The kernel and the picture that it writes.
 pub struct Shade {
     kernel: Kernel,
@@ -19,8 +22,8 @@ impl Shade {
     /// `offered`: the constants of the offer. `on_bodies`: for the pixels on bodies.
     pub fn spec<'a>(on_bodies: bool, offered: &'a [(&'a str, f64)]) -> KernelSpec<'a> {
         let (entry, overrides): (_, &[_]) = match on_bodies {
-            true => ("on_bodies", &[("ON_BODIES", 1.0)]),
-            false => ("main", &[("ON_BODIES", 0.0)]),
+            true => ("on_bodies", &[("ON_BODIES", 1.0), OF_PIXELS]),
+            false => ("main", &[("ON_BODIES", 0.0), OF_PIXELS]),
         };
         KernelSpec {
             shader: "view/shade",

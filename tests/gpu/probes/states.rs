@@ -154,27 +154,31 @@ impl Slab {
 
     /// Gathers for a pixel that shows this point of a surface, as in pass `view/shade`.
     fn look_at(&self, point: Vec3, normal: Vec3) {
-        self.ask(point, normal, 0.0);
+        self.ask(point, normal, false);
     }
 
-    /// Gathers at a point. `by_ray`: 1 for the hit of a probe's ray, 0 for a pixel.
-    fn ask(&self, point: Vec3, normal: Vec3, by_ray: f32) {
+    /// Gathers at a point: for the hit of a probe's ray, or for a pixel.
+    fn ask(&self, point: Vec3, normal: Vec3, by_ray: bool) {
+        let (requester, number) = if by_ray { ("RAY", 0.0) } else { ("PIXEL", 1.0) };
+        let look = LOOK.replace("REQUESTER", requester);
         let kernel = Kernel::new(
             &self.gpu,
             &KernelSpec {
                 shader: "generated/look",
-                generated: &[("look", LOOK)],
+                generated: &[("look", &look)],
+                overrides: &[("FIRST_REQUESTER", number)],
                 ..Default::default()
             },
         )
         .expect("compiles");
-        let places = [
-            point.extend(0.0).to_array(),
-            normal.extend(by_ray).to_array(),
-        ];
+        let places = [point.extend(0.0).to_array(), normal.extend(0.0).to_array()];
         let place = self.gpu.storage_buffer_of("place", &places).expect("fits");
         let mut resources = self.voxels.resources().to_vec();
         resources.extend(self.field.resources());
+        if !by_ray {
+            resources.retain(|(name, _)| *name != "active_list");
+            resources.push(self.field.requests_of_pixels());
+        }
         resources.push(("place", place.as_entire_binding()));
         let bindings = kernel.bind(&self.gpu, &resources);
         let mut recorder = Recorder::new(&self.gpu, None);
@@ -190,13 +194,12 @@ impl Slab {
 }
 
 const LOOK: &str = "
-import package::probes::requests::{PIXEL, RAY};
+import package::probes::requests::REQUESTER;
 import package::probes::gather::gather;
 @group(3) @binding(0) var<storage, read_write> place: array<vec4f>;
 @compute @workgroup_size(1)
 fn main() {
-    let requester = select(PIXEL, RAY, place[1].w > 0.0);
-    place[0] = vec4f(gather(place[0].xyz, place[1].xyz, requester), 0.0);
+    place[0] = vec4f(gather(place[0].xyz, place[1].xyz, REQUESTER), 0.0);
 }
 ";
 
@@ -311,7 +314,7 @@ fn indirect_only_probes_are_active_at_once_when_light_changes() {
     for _ in 0..2 {
         slab.update();
     }
-    slab.ask(Vec3::new(16.0, 24.5, 24.5), Vec3::X, 1.0);
+    slab.ask(Vec3::new(16.0, 24.5, 24.5), Vec3::X, true);
     let indirect_only: BTreeSet<u32> = [(0, 0), (1, 0), (0, 1), (1, 1)]
         .map(|(y, z)| 2 + 6 * (y + 3 * z))
         .into();

@@ -47,11 +47,13 @@ impl ProbeField {
         ]
     }
 
-    /// What the passes `probes/classify` and `probes/visibility` read and write of each probe: its place, its state
-    /// and its visibility bits.
-    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 8] {
+    /// What the passes `probes/classify` and `probes/visibility` read and write of each probe: its place, its state,
+    /// its visibility bits, and requests.
+    pub fn state_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 9] {
         let [update_schedule, work] = self.update_schedule.resources();
+        let [_, _, of_pixels] = self.update_schedule.requests();
         [
+            of_pixels,
             update_schedule,
             work,
             ("probe_tree", self.tree.rows.as_entire_binding()),
