@@ -41,6 +41,9 @@ crate::shared! {
         pub back_side_share: f32,
         /// Rays of a probe that the buffers have room for.
         pub ray_room: u32,
+        /// Corners of a cage: 8. A loop that ends here is not unrolled, for compilers do not know the number.
+        pub cage_corners: u32,
+        pub _pad: [u32; 3],
     }
 }
 
@@ -87,6 +90,8 @@ impl GpuProbeInfo {
                 Some(visibility_bits) if visibility_bits.back_side() => BACK_SIDE_SHARE,
                 _ => 1.0,
             },
+            cage_corners: 8,
+            _pad: [0; 3],
         }
     }
 }
