@@ -220,11 +220,6 @@ fn faces_that_the_list_has_no_room_for_have_their_turn() {
         "{}",
         apart(&by_probes, &all)
     );
-    println!(
-        "{some} {} {}",
-        apart(&in_turn, &all),
-        apart(&by_probes, &all)
-    );
 }
 
 /// Rays request entries for the faces that they hit, visible or not. Light of many bounces is therefore right even
