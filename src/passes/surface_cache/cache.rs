@@ -5,8 +5,8 @@ use std::mem::offset_of;
 
 use super::shared::{
     ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuFaceBatch, GpuFaceCounts, GpuFaceDispatch,
-    GpuFaceEstimate, GpuFaceHistory, GpuListedFace, GpuRequestedFace, GpuSurfaceCacheInfo,
-    LAMP_FACES_A_GROUP, RAYS_A_GROUP, REQUEST_ROOM, SHARES_WORDS,
+    GpuFaceEstimate, GpuFaceHistory, GpuFaceShares, GpuListedFace, GpuRequestedFace,
+    GpuSurfaceCacheInfo, LAMP_FACES_A_GROUP, RAYS_A_GROUP, REQUEST_ROOM,
 };
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
@@ -19,7 +19,7 @@ const LISTED_BYTES: u64 = size_of::<GpuListedFace>() as u64;
 const ESTIMATE_BYTES: u64 = size_of::<GpuFaceEstimate>() as u64;
 const BATCH_BYTES: u64 = size_of::<GpuFaceBatch>() as u64;
 const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
-const SHARES_BYTES: u64 = SHARES_WORDS as u64 * 4;
+const SHARES_BYTES: u64 = size_of::<GpuFaceShares>() as u64;
 /// Three half floats.
 const GAIN_BYTES: u64 = 8;
 /// The list of requests: a count, the faces, and their places in the table.

@@ -68,8 +68,11 @@ crate::shared! {
     pub(super) const LAMP_FACES_A_GROUP: u32 = 2;
     pub(super) const LAMP_CREWS: u32 = 8;
 
-    /// Words of a face's shares: see package::surface_cache::shares.
-    pub(super) const SHARES_WORDS: u32 = 3;
+    /// Which shares of a face's light come from lamps that have rhythms: see package::surface_cache::shares.
+    pub(super) struct GpuFaceShares as FaceShares {
+        /// See package::light::rhythms::packed_shares.
+        pub packed: [u32; 3] => "array<u32, 3>",
+    }
 
     /// Cells among which a workgroup of pass `surface_cache/cell_shadows` looks for those that are seen.
     pub(super) const CELLS_A_GROUP: u32 = 16;
