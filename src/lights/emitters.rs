@@ -86,20 +86,48 @@ impl Emitters {
         let low = low.saturating_sub(UVec3::ONE) / CELL;
         let high = (high + 1).min(voxels.size() - 1) / CELL;
         let mut found = found_in(voxels, &self.weights, low, high);
-        let is_old = |face: &u64| {
-            let cell = voxel_at(voxels, *face as u32) / CELL;
-            cell.cmpge(low).all() && cell.cmple(high).all()
-        };
         found.sort_unstable();
-        let (old, mut sorted): (Vec<u64>, Vec<u64>) =
-            self.sorted.iter().partition(|face| is_old(face));
-        if found == old {
+        let old = self.within(voxels, low, high);
+        let went = old.iter().filter(|face| found.binary_search(face).is_err());
+        let came = found.iter().filter(|face| old.binary_search(face).is_err());
+        let mut changed: Vec<u64> = went.chain(came).copied().collect();
+        if changed.is_empty() {
             return None;
         }
-        sorted.extend(found);
-        // The old entries are one sorted run: this merges the new ones into it.
-        sorted.sort();
+        changed.sort_unstable();
+        let mut rest = &self.sorted[..];
+        let mut sorted = Vec::with_capacity(rest.len() + changed.len());
+        for face in changed {
+            let (before, after) = rest.split_at(rest.partition_point(|other| *other < face));
+            sorted.extend_from_slice(before);
+            rest = match after.split_first() {
+                Some((first, after)) if *first == face => after,
+                _ => {
+                    sorted.push(face);
+                    after
+                }
+            };
+        }
+        sorted.extend_from_slice(rest);
         Some(Self::grouped(sorted, self.weights.clone()))
+    }
+
+    /// The faces of a box of cells (both ends inclusive), ascending.
+    fn within(&self, voxels: &Voxels, low: UVec3, high: UVec3) -> Vec<u64> {
+        let shifts = shifts(voxels);
+        // The faces of a group ascend by their voxels: those of the box lie between its lowest and its highest plane of z.
+        let plane = |z: u32| u64::from(z * CELL) << (shifts.x + shifts.y);
+        let (first, end) = (plane(low.z), plane(high.z + 1));
+        let mut faces = Vec::new();
+        for group in &self.groups {
+            let group = &self.sorted[group.first as usize..(group.first + group.count) as usize];
+            let below = |limit: u64| group.partition_point(|face| u64::from(*face as u32) < limit);
+            faces.extend(group[below(first)..below(end)].iter().filter(|face| {
+                let cell = voxel_at(voxels, **face as u32) / CELL;
+                cell.cmpge(low).all() && cell.cmple(high).all()
+            }));
+        }
+        faces
     }
 
     fn grouped(sorted: Vec<u64>, weights: Vec<f64>) -> Self {
@@ -160,25 +188,30 @@ pub fn weights(materials: &[Material]) -> Vec<f64> {
 }
 
 /// The exposed emissive faces of a box of cells (both ends inclusive), in the form of
-/// [`Emitters::sorted`], unordered.
+/// [`Emitters::sorted`], unordered. In parallel where there are many.
 fn found_in(voxels: &Voxels, weights: &[f64], low: UVec3, high: UVec3) -> Vec<u64> {
+    /// To wake other threads takes longer than to look through so many rows of cells.
+    const FEW: u32 = 64;
     let emits = |material: u8| material != 0 && weights[usize::from(material) - 1] > 0.0;
     let shifts = shifts(voxels);
     let cells = high + 1 - low;
-    (0..cells.y * cells.z)
-        .into_par_iter()
-        .flat_map_iter(|row| {
-            (0..cells.x).flat_map(move |x| {
-                let cell = low + UVec3::new(x, row % cells.y, row / cells.y);
-                exposed(voxels, cell, emits).map(move |(facing, material, voxel)| {
-                    let index = voxel.x | voxel.y << shifts.x | voxel.z << (shifts.x + shifts.y);
-                    (facing as u64) << FACING_BIT
-                        | u64::from(material) << MATERIAL_BIT
-                        | u64::from(index)
-                })
+    let of_row = |row: u32| {
+        (0..cells.x).flat_map(move |x| {
+            let cell = low + UVec3::new(x, row % cells.y, row / cells.y);
+            exposed(voxels, cell, emits).map(move |(facing, material, voxel)| {
+                let index = voxel.x | voxel.y << shifts.x | voxel.z << (shifts.x + shifts.y);
+                (facing as u64) << FACING_BIT
+                    | u64::from(material) << MATERIAL_BIT
+                    | u64::from(index)
             })
         })
-        .collect()
+    };
+    let rows = 0..cells.y * cells.z;
+    if rows.end <= FEW {
+        rows.flat_map(of_row).collect()
+    } else {
+        rows.into_par_iter().flat_map_iter(of_row).collect()
+    }
 }
 
 /// Numbers of bits that x, y and z take in the index of a voxel.

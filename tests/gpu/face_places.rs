@@ -10,10 +10,11 @@ use grotto::{
 
 use crate::support;
 
-/// A face has one of `FACINGS` directions. Its entry is searched in `REACH` buckets, beginning with its own.
+/// A face has one of `FACINGS` directions. Its entry is searched in `REACH` buckets, beginning with its own, which is one of
+/// the first `BUCKETS`.
 const FACINGS: usize = 6;
 const REACH: usize = 8;
-const BUCKETS: u32 = 16;
+const BUCKETS: u32 = 24;
 /// Frames without a pixel on a face after which its entry may be taken.
 const FORGOTTEN: u32 = 64;
 const WORDS: usize = SurfaceCache::ENTRY_BYTES as usize / 4;
@@ -38,7 +39,7 @@ impl Table {
             },
         )
         .expect("compiles");
-        let words = vec![0u32; FACINGS * BUCKETS as usize * WORDS];
+        let words = vec![0u32; FACINGS * (BUCKETS as usize + REACH - 1) * WORDS];
         let table = gpu
             .storage_buffer_of("face_table_atomic", &words)
             .expect("fits");
@@ -49,7 +50,7 @@ impl Table {
     fn see(&self, frame: u32, faces: &[(u32, u32)]) -> Vec<u32> {
         let info = GpuSurfaceCacheInfo {
             frame,
-            bucket_mask: BUCKETS - 1,
+            buckets: BUCKETS,
             ..Default::default()
         };
         let info = self.gpu.uniform_buffer("face_info", &info);
@@ -104,10 +105,29 @@ fn main() {
 /// Set for an entry that had light already.
 const LIT: u32 = 1 << 31;
 
+/// Keys whose faces are first looked for in this bucket.
+fn keys_of(bucket: u32) -> impl Iterator<Item = u32> {
+    (1..).filter(move |key| ((hash(*key) >> 16) * BUCKETS) >> 16 == bucket)
+}
+
+#[test]
+fn the_last_bucket_has_as_many_places_as_any() {
+    let table = Table::new();
+    let faces: Vec<(u32, u32)> = keys_of(BUCKETS - 1)
+        .map(|key| (key, 4))
+        .take(REACH + 1)
+        .collect();
+    let mut expected: Vec<u32> = (BUCKETS - 1..BUCKETS - 1 + REACH as u32)
+        .map(|bucket| bucket * 6 + 4)
+        .collect();
+    expected.push(NO_ENTRY);
+    assert_eq!(table.see(1, &faces), expected);
+}
+
 #[test]
 fn a_full_table_gives_the_entry_seen_longest_ago_and_only_once_it_is_forgotten() {
     let table = Table::new();
-    let mut same_bucket = (1u32..).filter(|key| hash(*key) % BUCKETS == 3);
+    let mut same_bucket = keys_of(3);
     let mut next = || same_bucket.next().expect("there are many");
     let mut faces: Vec<(u32, u32)> = iter::repeat_with(|| (next(), 2)).take(REACH).collect();
     let places = table.see(1, &faces);

@@ -47,6 +47,8 @@ enum Suite {
     Maps(speed::Arguments),
     /// By lamps: still, flickering, moving, still with a radius
     Lights(speed::Arguments),
+    /// By what is edited at once: nothing, a ball, a box of 32³ voxels, a thousand single voxels
+    Edits(speed::Arguments),
     /// With block textures and without
     Textures(speed::Arguments),
     /// By the picture's size
@@ -119,6 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Suite::Rays(arguments) => speed::run(Speed::Rays, arguments),
         Suite::Maps(arguments) => speed::run(Speed::Maps, arguments),
         Suite::Lights(arguments) => speed::run(Speed::Lights, arguments),
+        Suite::Edits(arguments) => speed::run(Speed::Edits, arguments),
         Suite::Textures(arguments) => speed::run(Speed::Textures, arguments),
         Suite::Resolution(arguments) => speed::run(Speed::Resolution, arguments),
         Suite::States(arguments) => speed::run(Speed::States, arguments),

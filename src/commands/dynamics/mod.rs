@@ -5,7 +5,7 @@ mod edits;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::digging::{Ball, Digging};
+pub use self::digging::{Digging, Edited, Stroke};
 use self::edits::{Opening, moved_lamp};
 use super::{Failure, frame_loop::FrameLoop, test_case::TestCase};
 use crate::{

@@ -10,7 +10,7 @@ use clap::ValueEnum;
 use super::{
     super::{
         Failure,
-        dynamics::Ball,
+        dynamics::Stroke,
         options::RunOptions,
         output,
         reference::{content, sources},
@@ -43,7 +43,7 @@ pub struct Film<'a> {
     /// World time (seconds), which says where bodies are.
     pub time_s: f64,
     /// Edits of the world, which the stage has too.
-    pub edits: &'a [Ball],
+    pub edits: &'a [Stroke],
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Paths per pixel.
@@ -213,8 +213,8 @@ impl<'a> Tracer<'a> {
         let world = self.world;
         let unedited = self.voxels.get_or_insert_with(|| generate::generate(world));
         let mut voxels = Cow::Borrowed(&*unedited);
-        for ball in film.edits {
-            ball.fill(voxels.to_mut());
+        for stroke in film.edits {
+            stroke.apply(voxels.to_mut());
         }
         let materials = MaterialSet::bake(&world.materials, world.seed);
         let poses = world.bodies.poses(film.time_s);

@@ -13,8 +13,9 @@ crate::shared! {
         pub edited_high_gs: [f32; 3],
         /// The frame of the latest edit; 0: none yet.
         pub edited_frame: u32,
-        /// Places for faces of one direction, minus 1: a power of two minus 1.
-        pub bucket_mask: u32,
+        /// Buckets where faces of one direction are first looked for, at most 65 536: those behind the last have room for REACH − 1
+        /// more.
+        pub buckets: u32,
         /// Most batches of rays that faces send in a frame. `rays_rows` and `resolve_rows` are the rows of workgroups
         /// of the passes over rays and over faces.
         pub most_batches: u32,
@@ -48,6 +49,9 @@ crate::shared! {
         pub most_listed: u32,
         pub _pad: [u32; 3],
     }
+
+    /// A face is in one of so many consecutive buckets.
+    pub(super) const REACH: u32 = 8;
 
     /// Words of an entry of the table.
     pub(super) const ENTRY_WORDS: u32 = 48;

@@ -46,6 +46,9 @@ pub struct Run {
     pub samples: Vec<FrameSample>,
     /// Times of the frames that were timed pass by pass.
     pub passes: Vec<PassTimes>,
+    /// For each edit: how long the CPU took to change its copy of the voxels and to tell the frame, in milliseconds. This is a part
+    /// of the frame's CPU time.
+    pub edits_ms: Vec<f64>,
 }
 
 /// Everything that the frames of a run share, whatever the spec.
@@ -208,9 +211,9 @@ impl<'a> Rig<'a> {
         length: Length,
     ) -> Result<Run, Failure> {
         self.prepare(spec, spec.size)?;
-        if condition != Condition::Edits {
+        let Condition::Edits(edited) = condition else {
             return self.frames(spec, condition, length, None);
-        }
+        };
         let stage = stage_for(self.gpu, self.scene, spec)?;
         // A GPU numbers bricks in the order in which its threads come: the edits of one copy would hit others' bricks.
         let voxels = stage.read_back(self.gpu)?;
@@ -218,7 +221,7 @@ impl<'a> Rig<'a> {
         let mut own = Frame::new(self.gpu, stage, &spec.layout, probes, spec.size)?;
         own.antialias(self.gpu, spec.smoothing())?;
         std::mem::swap(&mut own, &mut self.frame);
-        let mut digging = Digging::new(&self.scene.world, &voxels, &spec.camera);
+        let mut digging = Digging::new(edited, &self.scene.world, &voxels, &spec.camera);
         let result = self.frames(spec, condition, length, Some(&mut digging));
         std::mem::swap(&mut own, &mut self.frame);
         let run = result?;
@@ -244,6 +247,7 @@ impl<'a> Rig<'a> {
         let mut pending = VecDeque::new();
         let mut times = Vec::new();
         let mut samples = Vec::new();
+        let mut edits_ms = Vec::new();
         let all = length.settling + length.measured;
         let mut last_end = Instant::now();
         for index in 0..all {
@@ -263,6 +267,7 @@ impl<'a> Rig<'a> {
                 && let Some(edit) = digging.step(index - length.settling)
             {
                 self.frame.apply(gpu, digging.voxels(), &edit)?;
+                edits_ms.push(start.elapsed().as_secs_f64() * 1e3);
             }
             // A fresh field learns how long its passes take before frames are measured.
             let by_pass = index.is_multiple_of(BY_PASS_INTERVAL) || index < length.settling / 4;
@@ -306,6 +311,7 @@ impl<'a> Rig<'a> {
                 .skip(from)
                 .filter(|frame| !frame.passes_ms.is_empty())
                 .collect(),
+            edits_ms,
         })
     }
 }

@@ -8,7 +8,7 @@ use super::{
             Failure,
             record::{ProbeCounts, median_passes, mrays_per_s},
         },
-        model::{Adapter, Probes, Row, Timing},
+        model::{Adapter, Figure, Probes, Row, Timing},
         results::FrameSample,
     },
     rig::{Length, Rig, Run},
@@ -147,8 +147,35 @@ impl Measured {
             passes,
             probes: Some(facts.probes),
             memory_bytes: facts.memory_bytes.clone(),
+            figures: self.edits(),
             ..blank(spec, seed, adapter, clock)
         })
+    }
+
+    /// The CPU's time for an edit; nothing where there are none.
+    fn edits(&self) -> BTreeMap<String, Figure> {
+        let edits: Vec<f64> = self
+            .runs
+            .iter()
+            .flat_map(|run| &run.edits_ms)
+            .copied()
+            .collect();
+        let Some(statistics) = FrameStatistics::of(&edits) else {
+            return BTreeMap::new();
+        };
+        let figures = [
+            ("edit_cpu_ms", statistics.median),
+            ("edit_cpu_worst_ms", statistics.worst),
+        ];
+        figures
+            .map(|(name, value)| {
+                let figure = Figure {
+                    value,
+                    half_width: None,
+                };
+                (name.to_owned(), figure)
+            })
+            .into()
     }
 
     fn timing(&self, all: &FrameStatistics) -> Option<Timing> {

@@ -8,6 +8,7 @@ use std::{
 use super::super::{
     super::{
         Failure,
+        dynamics::Edited,
         judge::cache::fnv1a,
         options::{choose, load_world},
     },
@@ -97,19 +98,24 @@ pub enum Condition {
     Moving,
     /// Like `Moving`, and the camera flies its path.
     Flight,
-    /// Like `Moving`, and every tenth frame a ball is dug or built.
-    Edits,
+    /// Like `Moving`, and every tenth frame voxels are edited.
+    Edits(Edited),
 }
 
 impl Condition {
-    pub const ALL: [Self; 4] = [Self::Still, Self::Moving, Self::Flight, Self::Edits];
+    pub const ALL: [Self; 4] = [
+        Self::Still,
+        Self::Moving,
+        Self::Flight,
+        Self::Edits(Edited::Ball),
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Still => "still",
             Self::Moving => "moving",
             Self::Flight => "flight",
-            Self::Edits => "edits",
+            Self::Edits(_) => "edits",
         }
     }
 }

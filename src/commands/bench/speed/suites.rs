@@ -1,7 +1,7 @@
 //! The rows of each suite.
 
 use super::{
-    super::super::Failure,
+    super::super::{Failure, dynamics::Edited},
     spec::{BenchScene, Condition, RowSpec, Work},
 };
 use crate::world::{Camera, Lamp, LampPreset, LayoutSpec, Motion, Travel};
@@ -276,6 +276,26 @@ fn lamps(wanted: &Wanted<'_>, conditions: &[&str]) -> Rows {
     Ok(rows)
 }
 
+/// What is edited at once, beside the same frames without edits.
+pub fn edits(wanted: &Wanted<'_>) -> Rows {
+    let mut rows = Vec::new();
+    for (index, scene, camera, layout) in wanted.scenes() {
+        let of_edits = [Edited::Ball, Edited::Box, Edited::Crumbs].map(Some);
+        for edited in [None].into_iter().chain(of_edits) {
+            let condition = edited.map_or(Condition::Moving, Condition::Edits);
+            let work = Work::Frames(condition);
+            let spec = RowSpec::new("edits", (index, scene), camera, layout, wanted.size, work)?;
+            let edit = edited.map_or("none", Edited::name);
+            let spec = spec.varying("edit", edit);
+            rows.push(spec.called(
+                &scene.world.name,
+                &format!("edit {edit}/{}", condition.name()),
+            ));
+        }
+    }
+    Ok(rows)
+}
+
 /// From the start of a process to its first frame and beyond.
 pub fn start(wanted: &Wanted<'_>) -> Rows {
     let mut rows = Vec::new();
@@ -376,7 +396,7 @@ mod tests {
         let wanted = wanted(&scenes);
         let mut names = BTreeSet::new();
         for suite in [
-            layouts, rays, maps, textures, states, resolution, cascades, lights,
+            layouts, rays, maps, textures, states, resolution, cascades, lights, edits,
         ] {
             let rows = suite(&wanted).expect("sound");
             assert!(!rows.is_empty());

@@ -6,7 +6,7 @@ use super::{
     super::{
         super::{
             Failure,
-            dynamics::{Ball, Digging, RATE},
+            dynamics::{Digging, Edited, RATE, Stroke},
             frame_loop::FrameLoop,
             options::RunOptions,
             output,
@@ -33,7 +33,7 @@ use crate::{
 struct Scenery {
     lights: Lights,
     poses: Vec<Pose>,
-    edits: Vec<Ball>,
+    edits: Vec<Stroke>,
 }
 
 /// The references of one camera, which its rows share.
@@ -88,7 +88,7 @@ struct Now {
     frame: u32,
     time_s: f64,
     lights: Lights,
-    edits: Vec<Ball>,
+    edits: Vec<Stroke>,
 }
 
 impl Judging<'_, '_> {
@@ -182,7 +182,7 @@ impl Judging<'_, '_> {
             &self.plan.moments,
             self.turn_deg,
         );
-        let mut digging = Digging::new(&case.world, &voxels, camera);
+        let mut digging = Digging::new(Edited::Ball, &case.world, &voxels, camera);
         self.settle(frame_loop, &case.lights, case.time_s(), bar)?;
         let is_still = !moves.lamps && !moves.camera && !moves.edits;
         let mut judged = Vec::new();
@@ -210,7 +210,7 @@ impl Judging<'_, '_> {
                     frame,
                     time_s,
                     lights,
-                    edits: digging.balls().to_vec(),
+                    edits: digging.strokes().to_vec(),
                 };
                 let moment = self.judged(frame_loop, &now)?;
                 judged.push((now, moment));
@@ -233,8 +233,8 @@ impl Judging<'_, '_> {
             edits => {
                 own = frame_loop.in_own_world(&self.names.case.world)?;
                 let mut voxels = own.voxels()?;
-                for ball in edits {
-                    let edit = ball.fill(&mut voxels);
+                for stroke in edits {
+                    let edit = stroke.apply(&mut voxels);
                     own.apply(&voxels, &edit)?;
                 }
                 &mut own
