@@ -219,6 +219,30 @@ fn what_varies_does_so_and_nothing_else() {
 }
 
 #[test]
+fn edits_are_measured_by_what_is_edited_at_once() {
+    let folder = folder();
+    let world = with_few_probes(folder.path());
+    let report = tiny(&["edits", &world], &["--runs", "1", "--layout", "one"]).json();
+    let kinds: Vec<&str> = rows(&report)
+        .iter()
+        .map(|row| row["varied"]["edit"].as_str().expect("a word"))
+        .collect();
+    assert_eq!(kinds, ["none", "ball", "box", "crumbs"]);
+    for (row, kind) in rows(&report).iter().zip(kinds) {
+        adds_up(row, 1);
+        let cpu = &row["figures"];
+        if kind == "none" {
+            assert!(cpu["edit_cpu_ms"].is_null(), "{row}");
+            continue;
+        }
+        assert_eq!(row["condition"], "edits", "{kind}");
+        let [usual, worst] =
+            ["edit_cpu_ms", "edit_cpu_worst_ms"].map(|name| number(&cpu[name]["value"]));
+        assert!(usual > 0.0 && usual <= worst, "{kind}: {usual} {worst}");
+    }
+}
+
+#[test]
 fn rows_without_frames_have_figures() {
     let report = tiny(
         &["world", MINIMAL],

@@ -156,16 +156,22 @@ impl Digging {
 
     /// Edits the voxels if an edit is due in this frame, and returns what has changed.
     pub fn step(&mut self, frame: u32) -> Option<Edit> {
+        self.due(frame).map(|stroke| self.apply(stroke))
+    }
+
+    /// The edit that is due in this frame: looking for its place is no part of an edit.
+    pub fn due(&mut self, frame: u32) -> Option<Stroke> {
         if !frame.is_multiple_of(INTERVAL) {
             return None;
         }
-        let stroke = match self.undo.take() {
-            Some(undo) => undo,
-            None => self.next_stroke()?,
-        };
+        self.undo.take().or_else(|| self.next_stroke())
+    }
+
+    /// Edits the voxels, and returns what has changed.
+    pub fn apply(&mut self, stroke: Stroke) -> Edit {
         let edit = stroke.apply(&mut self.voxels);
         self.strokes.push(stroke);
-        Some(edit)
+        edit
     }
 
     fn next_stroke(&mut self) -> Option<Stroke> {

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use glam::UVec3;
 
-use super::voxels::{GpuGridInfo, MASK_BYTES, MATERIAL_BYTES};
+use super::voxels::{GpuGridInfo, MASK_BYTES, MATERIAL_BYTES, with_spare_bricks};
 use super::{GpuBodies, GpuVoxels};
 use crate::gpu::{Bindings, EarlyShaders, Gpu, GpuError, Kernel, KernelSpec, Recorder, Timing};
 use crate::world::World;
@@ -215,8 +215,9 @@ impl Voxelise {
         let counted = work.counted()?;
 
         let bricks = u64::from(counted.mixed) + u64::from(counted.varied);
-        let masks = held.take(gpu, "masks", bricks * MASK_BYTES)?;
-        let materials = held.take(gpu, "voxel_materials", bricks * MATERIAL_BYTES)?;
+        let room = with_spare_bricks(gpu, bricks);
+        let masks = held.take(gpu, "masks", room * MASK_BYTES)?;
+        let materials = held.take(gpu, "voxel_materials", room * MATERIAL_BYTES)?;
         let parts = [(&mixed, counted.mixed, 0), (&varied, counted.varied, 1)];
         // All bricks are filled before any is placed: until then the grid tells which cells are solid.
         for stage in [Stage::Fill, Stage::Place] {

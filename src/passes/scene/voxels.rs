@@ -68,6 +68,22 @@ pub struct GpuVoxels {
 pub const MASK_BYTES: u64 = size_of::<[u32; 16]>() as u64;
 pub const MATERIAL_BYTES: u64 = size_of::<Brick>() as u64;
 
+/// Spare bricks of a new world. Whoever outgrows the buffers waits until all passes are bound anew (4 to 14 ms), so nobody's first
+/// strokes should: a ball of radius 2 takes at most eight new bricks, and all of these take 2.4 MB.
+const SPARE_BRICKS: u64 = 4096;
+
+/// Bricks that buffers for a new world of `bricks` bricks have room for.
+pub(super) fn with_spare_bricks(gpu: &Gpu, bricks: u64) -> u64 {
+    room_for(gpu, bricks, SPARE_BRICKS)
+}
+
+/// The spare bricks, too, if the adapter can hold them.
+fn room_for(gpu: &Gpu, bricks: u64, spare: u64) -> u64 {
+    let ample = bricks + spare;
+    let fits = gpu.check_buffer("voxel_materials", ample * MATERIAL_BYTES);
+    if fits.is_ok() { ample } else { bricks }
+}
+
 impl GpuVoxels {
     /// Uploads the CPU's copy.
     ///
@@ -119,9 +135,7 @@ impl GpuVoxels {
             return Ok(None);
         }
         // Half as many again, so that continued digging does not allocate buffers at every stroke.
-        let ample = needed * 3 / 2;
-        let fits = gpu.check_buffer("voxel_materials", ample * MATERIAL_BYTES);
-        let bricks = if fits.is_ok() { ample } else { needed };
+        let bricks = room_for(gpu, needed, needed / 2);
         let masks = gpu.storage_buffer("masks", bricks * MASK_BYTES)?;
         let materials = gpu.storage_buffer("voxel_materials", bricks * MATERIAL_BYTES)?;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -142,17 +156,18 @@ impl GpuVoxels {
     /// Without room for the bricks: see [`Self::with_room_for`].
     pub fn write(&self, gpu: &Gpu, voxels: &Voxels, edit: &Edit) {
         let (grid, masks, materials) = voxels.raw();
-        for brick in &edit.bricks {
-            let (index, offset) = (*brick as usize, u64::from(*brick));
+        for range in &edit.bricks {
+            let (first, end) = (range.start as u64, range.end as u64);
             assert!(
-                (offset + 1) * MATERIAL_BYTES <= self.materials.size(),
-                "no room for brick {brick}"
+                end * MATERIAL_BYTES <= self.materials.size(),
+                "no room for the bricks {range:?}"
             );
-            let mask: &[u8] = bytemuck::cast_slice(&masks[index]);
+            let masks: &[u8] = bytemuck::cast_slice(&masks[range.clone()]);
+            let materials: &[u8] = bytemuck::cast_slice(&materials[range.clone()]);
             gpu.queue
-                .write_buffer(&self.masks, offset * MASK_BYTES, mask);
+                .write_buffer(&self.masks, first * MASK_BYTES, masks);
             gpu.queue
-                .write_buffer(&self.materials, offset * MATERIAL_BYTES, &materials[index]);
+                .write_buffer(&self.materials, first * MATERIAL_BYTES, materials);
         }
         for range in &edit.grid {
             let words: &[u8] = bytemuck::cast_slice(&grid[range.clone()]);

@@ -4,15 +4,16 @@ use glam::{IVec3, UVec3, Vec3};
 
 use super::{BRICK, CELL, SOLID, Voxels, brick_index};
 
-/// Most words of the grid that are copied in vain between two that have changed.
-const JOINED: usize = 256;
+/// Most words of the grid, and most bricks, that are copied in vain between two that have changed.
+const JOINED_WORDS: usize = 256;
+const JOINED_BRICKS: usize = 16;
 
 /// What an edit changed, so that the GPU's copy can be updated.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Edit {
-    /// Bricks whose masks and materials changed.
-    pub bricks: Vec<u32>,
-    /// Indices of the grid's words that have changed, and of some between them, as disjoint ascending ranges.
+    /// Bricks whose masks and materials have changed, and some between them, as disjoint ascending ranges.
+    pub bricks: Vec<std::ops::Range<usize>>,
+    /// Indices of the grid's words that have changed, and of some between them, likewise.
     pub grid: Vec<std::ops::Range<usize>>,
     /// Voxels (grid space, both ends inclusive) that may have changed.
     pub region: Option<(UVec3, UVec3)>,
@@ -72,7 +73,7 @@ impl Voxels {
                         *slot = change(voxel.as_ivec3(), *slot);
                     }
                     self.keep_original(cell, &content);
-                    bricks.extend(self.store(cell, &content));
+                    bricks.extend(self.store(cell, &content).map(|brick| brick as usize));
                     let is_empty = self.grid[index] & SOLID == 0;
                     if is_empty != (before & SOLID == 0) {
                         let (first, last) = flipped.unwrap_or((cell, cell));
@@ -91,8 +92,8 @@ impl Voxels {
             self.rebuild_distances_within(first, last, |index| words.push(index));
         }
         Edit {
-            bricks,
-            grid: ranges(words),
+            bricks: ranges(bricks, JOINED_BRICKS),
+            grid: ranges(words, JOINED_WORDS),
             region: Some((min, max)),
         }
     }
@@ -134,12 +135,12 @@ impl Voxels {
 }
 
 /// The ranges of these indices; where few indices lie between two, they are joined: each range costs a copy to the GPU.
-fn ranges(mut indices: Vec<usize>) -> Vec<std::ops::Range<usize>> {
+fn ranges(mut indices: Vec<usize>, joined: usize) -> Vec<std::ops::Range<usize>> {
     indices.sort_unstable();
     let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
     for index in indices {
         match ranges.last_mut() {
-            Some(range) if index <= range.end + JOINED => range.end = range.end.max(index + 1),
+            Some(range) if index <= range.end + joined => range.end = range.end.max(index + 1),
             _ => ranges.push(index..index + 1),
         }
     }
@@ -227,8 +228,8 @@ mod tests {
         for range in &edit.grid {
             copy.grid[range.clone()].copy_from_slice(&edited.grid[range.clone()]);
         }
-        for brick in &edit.bricks {
-            copy.masks[*brick as usize] = edited.masks[*brick as usize];
+        for range in &edit.bricks {
+            copy.masks[range.clone()].copy_from_slice(&edited.masks[range.clone()]);
         }
     }
 

@@ -262,10 +262,14 @@ impl<'a> Rig<'a> {
             let mut shot = self.shot(spec, spec.size, View::Full, time_s);
             shot.camera = track.at(flown_s);
             shot.frame = self.frame.frames();
+            let digs = digging.as_deref_mut().filter(|_| index >= length.settling);
+            let due = digs.and_then(|digging| {
+                let stroke = digging.due(index - length.settling)?;
+                Some((digging, stroke))
+            });
             let start = Instant::now();
-            if let Some(digging) = digging.as_deref_mut().filter(|_| index >= length.settling)
-                && let Some(edit) = digging.step(index - length.settling)
-            {
+            if let Some((digging, stroke)) = due {
+                let edit = digging.apply(stroke);
                 self.frame.apply(gpu, digging.voxels(), &edit)?;
                 edits_ms.push(start.elapsed().as_secs_f64() * 1e3);
             }
