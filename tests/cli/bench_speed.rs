@@ -222,7 +222,7 @@ fn what_varies_does_so_and_nothing_else() {
 fn edits_are_measured_by_what_is_edited_at_once() {
     let folder = folder();
     let world = with_few_probes(folder.path());
-    let report = tiny(&["edits", &world], &["--runs", "1", "--layout", "one"]).json();
+    let report = tiny(&["edits", &world], &["--runs", "1"]).json();
     let kinds: Vec<&str> = rows(&report)
         .iter()
         .map(|row| row["varied"]["edit"].as_str().expect("a word"))
