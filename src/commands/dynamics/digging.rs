@@ -28,7 +28,7 @@ const AROUND: i32 = 6;
 /// What an edit changes at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edited {
-    /// A ball of radius 2: dug, and the next one built at another place, so that the world keeps outgrowing its buffers.
+    /// A ball of radius 2: dug, and the next one built at another place.
     Ball,
     /// A box of 32³ voxels: dug, and then put back as it was.
     Box,
