@@ -353,16 +353,16 @@ impl Viewport {
 
 #[cfg(test)]
 mod tests {
-    use glam::{IVec3, Vec3};
+    use glam::{IVec3, UVec3, Vec3};
 
     use super::{
-        sample::{body_at, shown},
+        sample::{body_at, shown, shown_as},
         *,
     };
     use crate::{
         gpu::{DeviceErrors, GpuError, Recorder},
         lights::{Lights, table::KNOWN_LAMPS},
-        world::{LampPreset, PlacedLamp, placed::tests::lamp},
+        world::{LampPreset, PlacedLamp, file::Overrides, placed::tests::lamp},
     };
 
     #[test]
@@ -532,7 +532,11 @@ mod tests {
 
     #[test]
     fn an_edit_that_does_not_fit_is_forgotten_on_both_sides() {
-        let mut viewport = shown();
+        // More cells than a new world has spare bricks.
+        let mut viewport = shown_as(&Overrides {
+            size: Some(UVec3::new(160, 128, 160)),
+            ..Overrides::default()
+        });
         let before = on_the_gpu(&viewport);
         let held = viewport.frame.stage.voxels.materials.size();
         viewport.gpu.limits.max_storage_buffer_binding_size = held;

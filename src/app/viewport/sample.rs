@@ -17,9 +17,14 @@ use crate::{
 
 /// `minimal.ron` in a picture of 8 × 8 pixels.
 pub fn shown() -> Viewport {
+    shown_as(&Overrides::default())
+}
+
+/// The same with some values of the world file replaced.
+pub fn shown_as(overrides: &Overrides) -> Viewport {
     let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
-    let world = world::file::load(&path, &Overrides::default()).expect("it loads");
+    let world = world::file::load(&path, overrides).expect("it loads");
     let mut parameters = Parameters::default();
     parameters.probes.rays = 8;
     let choice = Choice {
