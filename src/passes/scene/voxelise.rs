@@ -215,7 +215,7 @@ impl Voxelise {
         let counted = work.counted()?;
 
         let bricks = u64::from(counted.mixed) + u64::from(counted.varied);
-        let room = with_spare_bricks(gpu, bricks);
+        let room = with_spare_bricks(gpu, world.size, bricks);
         let masks = held.take(gpu, "masks", room * MASK_BYTES)?;
         let materials = held.take(gpu, "voxel_materials", room * MATERIAL_BYTES)?;
         let parts = [(&mixed, counted.mixed, 0), (&varied, counted.varied, 1)];

@@ -68,18 +68,19 @@ pub struct GpuVoxels {
 pub const MASK_BYTES: u64 = size_of::<[u32; 16]>() as u64;
 pub const MATERIAL_BYTES: u64 = size_of::<Brick>() as u64;
 
-/// Spare bricks of a new world. Whoever outgrows the buffers waits until all passes are bound anew (4 to 14 ms), so nobody's first
+/// Most spare bricks of a new world. Whoever outgrows the buffers waits until all passes are bound anew (4 to 14 ms), so nobody's first
 /// strokes should: a ball of radius 2 takes at most eight new bricks, and all of these take 2.4 MB.
 const SPARE_BRICKS: u64 = 4096;
 
-/// Bricks that buffers for a new world of `bricks` bricks have room for.
-pub(super) fn with_spare_bricks(gpu: &Gpu, bricks: u64) -> u64 {
-    room_for(gpu, bricks, SPARE_BRICKS)
+/// Bricks that buffers for a new world of `size` voxels in `bricks` bricks have room for.
+pub(super) fn with_spare_bricks(gpu: &Gpu, size: UVec3, bricks: u64) -> u64 {
+    room_for(gpu, size, bricks, SPARE_BRICKS)
 }
 
-/// The spare bricks, too, if the adapter can hold them.
-fn room_for(gpu: &Gpu, bricks: u64, spare: u64) -> u64 {
-    let ample = bricks + spare;
+/// The spare bricks, too, if the adapter can hold them; but no more bricks than the world has cells.
+fn room_for(gpu: &Gpu, size: UVec3, bricks: u64, spare: u64) -> u64 {
+    let cells = size.map(|n| n.div_ceil(CELL)).as_u64vec3();
+    let ample = (bricks + spare).min(cells.element_product()).max(bricks);
     let fits = gpu.check_buffer("voxel_materials", ample * MATERIAL_BYTES);
     if fits.is_ok() { ample } else { bricks }
 }
@@ -135,7 +136,7 @@ impl GpuVoxels {
             return Ok(None);
         }
         // Half as many again, so that continued digging does not allocate buffers at every stroke.
-        let bricks = room_for(gpu, needed, needed / 2);
+        let bricks = room_for(gpu, self.size, needed, needed / 2);
         let masks = gpu.storage_buffer("masks", bricks * MASK_BYTES)?;
         let materials = gpu.storage_buffer("voxel_materials", bricks * MATERIAL_BYTES)?;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
