@@ -89,13 +89,11 @@ fn turned_back(gpu: Gpu) -> [Picture; 2] {
 #[test]
 fn light_of_new_faces_changes_in_small_steps() {
     let gpu = support::gpu();
-    let most = 0.018;
     let small = change(&turned(gpu.clone()));
-    assert!(small < most, "{small}");
+    assert!(small < 0.018, "{small}");
     let at_once: Fault = (RESOLVE, "face_info.most_step < 1.0", "false");
     let pops = change(&turned(support::with_faults(&gpu, &[at_once])));
-    // Measured: 0.0298 on an H200. It is noise, so it depends on the seed of each face.
-    assert!(pops > 1.5 * most, "new faces are noisy: {pops}");
+    assert!(pops > 0.03, "new faces are noisy: {pops}");
 }
 
 #[test]
