@@ -4,7 +4,7 @@ use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 use crate::world::Material;
-use crate::world::voxels::{CELL, Cell, Voxels};
+use crate::world::voxels::{BRICK_VOXELS, CELL, Cell, Voxels};
 
 /// The normal of each facing: −x, +x, −y, +y, −z, +z.
 const NORMALS: [IVec3; FACINGS] = [
@@ -50,18 +50,27 @@ crate::shared! {
 pub struct Emitters {
     pub facings: [GpuFacing; FACINGS],
     pub groups: Vec<GpuEmitterGroup>,
-    /// Index of each face's voxel in the grid's extent (powers of two): x, then y, then z.
+    /// Index of each face's voxel in the grid's extent (powers of two): x, then y, then z. Those of a group ascend.
     pub faces: Vec<u32>,
     /// Weight of a face of each material; empty if no material emits.
     weights: Vec<f64>,
-    /// Facing, material and voxel of each face, packed into one number so that sorting groups the
-    /// faces; ascending.
-    sorted: Vec<u64>,
 }
 
-/// Positions of the material and of the facing in these numbers, in bits.
+/// Facing, material and voxel of a face in one number, so that sorting groups the faces.
+type Face = u64;
+
+/// Positions of the material and of the facing in a [`Face`], in bits.
 const MATERIAL_BIT: u32 = 32;
 const FACING_BIT: u32 = 40;
+
+fn voxel_of(face: Face) -> u32 {
+    face as u32
+}
+
+/// Facing and material of a face: what its group shares.
+fn kind_of(face: Face) -> u64 {
+    face >> MATERIAL_BIT
+}
 
 impl Emitters {
     /// Finds the exposed emissive faces, in parallel. The same voxels give the same list.
@@ -73,7 +82,12 @@ impl Emitters {
         let used = voxels.size().map(|n| n.div_ceil(CELL));
         let mut sorted = found_in(voxels, &weights, UVec3::ZERO, used - 1);
         sorted.par_sort_unstable();
-        Self::grouped(sorted, weights)
+        let mut emitters = Self::none(weights);
+        for group in sorted.chunk_by(|a, b| kind_of(*a) == kind_of(*b)) {
+            emitters.faces.extend(group.iter().copied().map(voxel_of));
+            emitters.end_group(kind_of(group[0]));
+        }
+        emitters
     }
 
     /// The list after an edit that may have changed the voxels of a box (both ends inclusive); `None`
@@ -90,74 +104,112 @@ impl Emitters {
         let old = self.within(voxels, low, high);
         let went = old.iter().filter(|face| found.binary_search(face).is_err());
         let came = found.iter().filter(|face| old.binary_search(face).is_err());
-        let mut changed: Vec<u64> = went.chain(came).copied().collect();
+        let mut changed: Vec<Face> = went.chain(came).copied().collect();
         if changed.is_empty() {
             return None;
         }
         changed.sort_unstable();
-        let mut rest = &self.sorted[..];
-        let mut sorted = Vec::with_capacity(rest.len() + changed.len());
-        for face in changed {
-            let (before, after) = rest.split_at(rest.partition_point(|other| *other < face));
-            sorted.extend_from_slice(before);
-            rest = match after.split_first() {
-                Some((first, after)) if *first == face => after,
-                _ => {
-                    sorted.push(face);
-                    after
-                }
-            };
+        let groups = (0..self.groups.len()).map(|group| self.kind(group));
+        let mut kinds: Vec<u64> = groups.chain(changed.iter().copied().map(kind_of)).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        let mut next = Self::none(self.weights.clone());
+        next.faces.reserve(self.faces.len() + changed.len());
+        let (mut group, mut changed) = (0, &changed[..]);
+        for kind in kinds {
+            let mut rest = &[][..];
+            if group < self.groups.len() && self.kind(group) == kind {
+                rest = self.group(group);
+                group += 1;
+            }
+            let of_kind;
+            (of_kind, changed) =
+                changed.split_at(changed.partition_point(|face| kind_of(*face) == kind));
+            for voxel in of_kind.iter().copied().map(voxel_of) {
+                let (before, after) = rest.split_at(rest.partition_point(|other| *other < voxel));
+                next.faces.extend_from_slice(before);
+                rest = match after.split_first() {
+                    Some((first, after)) if *first == voxel => after,
+                    _ => {
+                        next.faces.push(voxel);
+                        after
+                    }
+                };
+            }
+            next.faces.extend_from_slice(rest);
+            next.end_group(kind);
         }
-        sorted.extend_from_slice(rest);
-        Some(Self::grouped(sorted, self.weights.clone()))
+        Some(next)
     }
 
     /// The faces of a box of cells (both ends inclusive), ascending.
-    fn within(&self, voxels: &Voxels, low: UVec3, high: UVec3) -> Vec<u64> {
+    fn within(&self, voxels: &Voxels, low: UVec3, high: UVec3) -> Vec<Face> {
         let shifts = shifts(voxels);
         // The faces of a group ascend by their voxels: those of the box lie between its lowest and its highest plane of z.
         let plane = |z: u32| u64::from(z * CELL) << (shifts.x + shifts.y);
         let (first, end) = (plane(low.z), plane(high.z + 1));
         let mut faces = Vec::new();
-        for group in &self.groups {
-            let group = &self.sorted[group.first as usize..(group.first + group.count) as usize];
-            let below = |limit: u64| group.partition_point(|face| u64::from(*face as u32) < limit);
-            faces.extend(group[below(first)..below(end)].iter().filter(|face| {
-                let cell = voxel_at(voxels, **face as u32) / CELL;
+        for group in 0..self.groups.len() {
+            let kind = self.kind(group) << MATERIAL_BIT;
+            let voxels_of_group = self.group(group);
+            let below =
+                |limit: u64| voxels_of_group.partition_point(|voxel| u64::from(*voxel) < limit);
+            let of_planes = &voxels_of_group[below(first)..below(end)];
+            let in_box = of_planes.iter().filter(|voxel| {
+                let cell = voxel_at(voxels, **voxel) / CELL;
                 cell.cmpge(low).all() && cell.cmple(high).all()
-            }));
+            });
+            faces.extend(in_box.map(|voxel| kind | u64::from(*voxel)));
         }
         faces
     }
 
-    fn grouped(sorted: Vec<u64>, weights: Vec<f64>) -> Self {
-        let mut emitters = Self::default();
-        for run in sorted.chunk_by(|a, b| a >> MATERIAL_BIT == b >> MATERIAL_BIT) {
-            let (facing, material) = (
-                (run[0] >> FACING_BIT) as usize,
-                (run[0] >> MATERIAL_BIT) as u8,
-            );
-            let weight = (weights[usize::from(material) - 1] * run.len() as f64) as f32;
-            let group = emitters.groups.len() as u32;
-            let of = &mut emitters.facings[facing];
-            if of.end == 0 {
-                of.first = group;
-            }
-            of.end = group + 1;
-            of.weight += weight;
-            emitters.groups.push(GpuEmitterGroup {
-                first: emitters.faces.len() as u32,
-                count: run.len() as u32,
-                material: u32::from(material),
-                weight,
-            });
-            emitters.faces.extend(run.iter().map(|face| *face as u32));
-        }
+    fn none(weights: Vec<f64>) -> Self {
         Self {
             weights,
-            sorted,
-            ..emitters
+            ..Self::default()
         }
+    }
+
+    /// The faces of a group.
+    fn group(&self, group: usize) -> &[u32] {
+        let GpuEmitterGroup { first, count, .. } = self.groups[group];
+        &self.faces[first as usize..(first + count) as usize]
+    }
+
+    /// [`kind_of`] the faces of a group.
+    fn kind(&self, group: usize) -> u64 {
+        let ends = self.facings.iter().map(|facing| facing.end as usize);
+        // Facings that no face has end at 0.
+        let facing = ends.take_while(|end| *end <= group).count() as u64;
+        facing << (FACING_BIT - MATERIAL_BIT) | u64::from(self.groups[group].material)
+    }
+
+    /// Makes a group of the faces behind the last group, if there are any.
+    fn end_group(&mut self, kind: u64) {
+        let first = self
+            .groups
+            .last()
+            .map_or(0, |group| group.first + group.count);
+        let count = self.faces.len() as u32 - first;
+        if count == 0 {
+            return;
+        }
+        let material = kind as u8;
+        let weight = (self.weights[usize::from(material) - 1] * f64::from(count)) as f32;
+        let group = self.groups.len() as u32;
+        let facing = &mut self.facings[(kind >> (FACING_BIT - MATERIAL_BIT)) as usize];
+        if facing.end == 0 {
+            facing.first = group;
+        }
+        facing.end = group + 1;
+        facing.weight += weight;
+        self.groups.push(GpuEmitterGroup {
+            first,
+            count,
+            material: u32::from(material),
+            weight,
+        });
     }
 
     /// Whether any material emits, so that edits may lengthen the list.
@@ -187,30 +239,30 @@ pub fn weights(materials: &[Material]) -> Vec<f64> {
     materials.iter().map(weight).collect()
 }
 
-/// The exposed emissive faces of a box of cells (both ends inclusive), in the form of
-/// [`Emitters::sorted`], unordered. In parallel where there are many.
-fn found_in(voxels: &Voxels, weights: &[f64], low: UVec3, high: UVec3) -> Vec<u64> {
+/// The exposed emissive faces of a box of cells (both ends inclusive), unordered. In parallel where there are many.
+fn found_in(voxels: &Voxels, weights: &[f64], low: UVec3, high: UVec3) -> Vec<Face> {
     /// To wake other threads takes longer than to look through so many rows of cells.
     const FEW: u32 = 64;
-    let emits = |material: u8| material != 0 && weights[usize::from(material) - 1] > 0.0;
-    let shifts = shifts(voxels);
+    let mut emits = [false; 256];
+    for (emits, weight) in emits[1..].iter_mut().zip(weights) {
+        *emits = *weight > 0.0;
+    }
     let cells = high + 1 - low;
-    let of_row = |row: u32| {
-        (0..cells.x).flat_map(move |x| {
+    let of_row = |mut faces: Vec<Face>, row: u32| {
+        for x in 0..cells.x {
             let cell = low + UVec3::new(x, row % cells.y, row / cells.y);
-            exposed(voxels, cell, emits).map(move |(facing, material, voxel)| {
-                let index = voxel.x | voxel.y << shifts.x | voxel.z << (shifts.x + shifts.y);
-                (facing as u64) << FACING_BIT
-                    | u64::from(material) << MATERIAL_BIT
-                    | u64::from(index)
-            })
-        })
+            push_exposed(voxels, cell, &emits, &mut faces);
+        }
+        faces
     };
     let rows = 0..cells.y * cells.z;
     if rows.end <= FEW {
-        rows.flat_map(of_row).collect()
+        rows.fold(Vec::new(), of_row)
     } else {
-        rows.into_par_iter().flat_map_iter(of_row).collect()
+        rows.into_par_iter()
+            .fold(Vec::new, of_row)
+            .flatten_iter()
+            .collect()
     }
 }
 
@@ -230,29 +282,32 @@ fn voxel_at(voxels: &Voxels, index: u32) -> UVec3 {
     )
 }
 
-/// The exposed faces of the emissive voxels of one cell: facing, material, voxel.
-fn exposed<'a>(
-    voxels: &'a Voxels,
-    cell: UVec3,
-    emits: impl Fn(u8) -> bool + Copy + 'a,
-) -> impl Iterator<Item = (usize, u8, UVec3)> + 'a {
-    let has_any = match voxels.cell(cell) {
-        Cell::Empty => false,
-        Cell::Uniform(material) => emits(material) && !is_buried(voxels, cell),
-        Cell::Brick(materials) => materials.iter().any(|material| emits(*material)),
+/// Adds the exposed faces of the emissive voxels of one cell.
+fn push_exposed(voxels: &Voxels, cell: UVec3, emits: &[bool; 256], faces: &mut Vec<Face>) {
+    let of_all;
+    let materials = match voxels.cell(cell) {
+        Cell::Brick(materials) => materials,
+        Cell::Uniform(material) if emits[usize::from(material)] && !is_buried(voxels, cell) => {
+            of_all = [material; BRICK_VOXELS];
+            &of_all
+        }
+        Cell::Empty | Cell::Uniform(_) => return,
     };
-    let low = cell * CELL;
-    let count = if has_any { CELL * CELL * CELL } else { 0 };
-    (0..count).flat_map(move |index| {
-        let voxel = low + UVec3::new(index % CELL, index / CELL % CELL, index / (CELL * CELL));
-        let material = voxels.material(voxel.as_ivec3());
-        let shines = emits(material);
-        (0..6)
-            .filter(move |&facing| {
-                shines && voxels.material(voxel.as_ivec3() + NORMALS[facing]) == 0
-            })
-            .map(move |facing| (facing, material, voxel))
-    })
+    let shifts = shifts(voxels);
+    for (index, material) in materials.iter().enumerate() {
+        if !emits[usize::from(*material)] {
+            continue;
+        }
+        let index = index as u32;
+        let voxel = cell * CELL + UVec3::new(index & 7, index >> 3 & 7, index >> 6);
+        let place = voxel.x | voxel.y << shifts.x | voxel.z << (shifts.x + shifts.y);
+        for (facing, normal) in NORMALS.iter().enumerate() {
+            if voxels.material(voxel.as_ivec3() + normal) == 0 {
+                let (facing, material) = (facing as u64, u64::from(*material));
+                faces.push(facing << FACING_BIT | material << MATERIAL_BIT | u64::from(place));
+            }
+        }
+    }
 }
 
 /// Whether solid voxels fill every neighbour of a cell, so that none of its voxels borders on air.
@@ -272,7 +327,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::world::voxels::{BRICK_VOXELS, NewCell, brick_index};
+    use crate::world::voxels::{NewCell, brick_index};
     use crate::world::{Colour, MaterialSound, Pattern};
 
     fn material(emission: Vec3) -> Material {
@@ -379,6 +434,20 @@ mod tests {
         }
         assert!(same > 0, "a voxel that is set twice changes nothing");
         assert!(emitters.faces.is_empty());
+    }
+
+    #[test]
+    fn a_list_without_faces_follows_edits_too() {
+        let mut voxels = Voxels::empty(UVec3::splat(24));
+        let materials = [material(Vec3::ONE)];
+        let empty = Emitters::find(&voxels, &materials);
+        let built = voxels.fill_box(IVec3::splat(5), IVec3::splat(9), 1);
+        let lit = empty.after(&voxels, built.region.expect("in the world"));
+        let lit = lit.expect("its faces are exposed");
+        assert_eq!(lit, Emitters::find(&voxels, &materials));
+        let dug = voxels.fill_box(IVec3::splat(5), IVec3::splat(9), 0);
+        let dark = lit.after(&voxels, dug.region.expect("in the world"));
+        assert_eq!(dark, Some(empty));
     }
 
     #[test]

@@ -68,9 +68,13 @@ impl Voxels {
                     let mut content = self.content(cell);
                     let first = min.max(cell * CELL);
                     let last = max.min(cell * CELL + (CELL - 1));
-                    for voxel in voxels_of(first, last) {
-                        let slot = &mut content[brick_index(voxel % CELL)];
-                        *slot = change(voxel.as_ivec3(), *slot);
+                    for z in first.z..=last.z {
+                        for y in first.y..=last.y {
+                            let start = brick_index(UVec3::new(first.x, y, z) % CELL);
+                            for (x, slot) in (first.x..=last.x).zip(&mut content[start..]) {
+                                *slot = change(IVec3::new(x as i32, y as i32, z as i32), *slot);
+                            }
+                        }
                     }
                     self.keep_original(cell, &content);
                     bricks.extend(self.store(cell, &content).map(|brick| brick as usize));
@@ -136,7 +140,8 @@ impl Voxels {
 
 /// The ranges of these indices; where few indices lie between two, they are joined: each range costs a copy to the GPU.
 fn ranges(mut indices: Vec<usize>, joined: usize) -> Vec<std::ops::Range<usize>> {
-    indices.sort_unstable();
+    // Edits tell them in a few ascending runs, which a stable sort merges.
+    indices.sort();
     let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
     for index in indices {
         match ranges.last_mut() {
@@ -145,12 +150,6 @@ fn ranges(mut indices: Vec<usize>, joined: usize) -> Vec<std::ops::Range<usize>>
         }
     }
     ranges
-}
-
-fn voxels_of(first: UVec3, last: UVec3) -> impl Iterator<Item = UVec3> {
-    (first.z..=last.z).flat_map(move |z| {
-        (first.y..=last.y).flat_map(move |y| (first.x..=last.x).map(move |x| UVec3::new(x, y, z)))
-    })
 }
 
 #[cfg(test)]
@@ -220,6 +219,13 @@ mod tests {
             prop_assert_eq!(&followed.grid, &edited.grid);
             prop_assert_eq!(&followed.masks, &edited.masks);
         }
+    }
+
+    fn voxels_of(first: UVec3, last: UVec3) -> impl Iterator<Item = UVec3> {
+        (first.z..=last.z).flat_map(move |z| {
+            (first.y..=last.y)
+                .flat_map(move |y| (first.x..=last.x).map(move |x| UVec3::new(x, y, z)))
+        })
     }
 
     /// Copies only what the edit reports as changed, like the GPU's copy.

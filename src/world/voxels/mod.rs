@@ -239,7 +239,7 @@ impl Voxels {
         let old = self.grid[index];
         let had_brick = old >> 30 == 2;
         let first = content[0];
-        if content.iter().all(|material| *material == first) {
+        if *content == [first; BRICK_VOXELS] {
             if had_brick {
                 self.free_bricks.push(old & BRICK);
             }
@@ -276,13 +276,29 @@ pub fn brick_index(local: UVec3) -> usize {
 /// The eight 4³ masks of a brick, two words each.
 fn masks_of(content: &Brick) -> [u32; 16] {
     let mut masks = [0; 16];
-    for (index, _) in content.iter().enumerate().filter(|(_, m)| **m != 0) {
-        let (x, y, z) = (index & 7, index >> 3 & 7, index >> 6);
-        let mask = x >> 2 | (y >> 2) << 1 | (z >> 2) << 2;
-        let bit = x & 3 | (y & 3) << 2 | (z & 3) << 4;
-        masks[mask * 2 + (bit >> 5)] |= 1 << (bit & 31);
+    for (row, materials) in content.as_chunks().0.iter().enumerate() {
+        let (y, z) = (row & 7, row >> 3);
+        let mask = 2 * ((y >> 2) << 1 | (z >> 2) << 2);
+        let bit = (y & 3) << 2 | (z & 3) << 4;
+        let solid = solid_of(*materials);
+        for (x, bits) in [(0, solid & 15), (2, solid >> 4)] {
+            masks[mask + x + (bit >> 5)] |= bits << (bit & 31);
+        }
     }
     masks
+}
+
+/// Bit i: material i is not air.
+fn solid_of(materials: [u8; 8]) -> u32 {
+    /// The lowest bit of each byte.
+    const LOWEST: u64 = u64::MAX / 255;
+    const ALL_BUT_HIGHEST: u64 = 127 * LOWEST;
+    /// Shifts the lowest bit of byte i to bit 56 + i.
+    const GATHER: u64 = 0x0102_0408_1020_4080;
+    let bytes = u64::from_le_bytes(materials);
+    // Adding carries into the highest bit of every byte that has another bit set.
+    let solid = (((bytes & ALL_BUT_HIGHEST) + ALL_BUT_HIGHEST | bytes) >> 7) & LOWEST;
+    (solid.wrapping_mul(GATHER) >> 56) as u32
 }
 
 #[cfg(test)]
@@ -336,5 +352,27 @@ mod tests {
         // Mask 1 (x ≥ 4), bit 1 | 2 << 2 | 3 << 4 = 57: bit 25 of its second word.
         expected[3] = 1 << 25;
         assert_eq!(masks_of(&content), expected);
+    }
+
+    #[test]
+    fn masks_of_all_materials_follow_their_definition() {
+        for seed in 0..64u32 {
+            let content: Brick = std::array::from_fn(|voxel| {
+                let hash = (voxel as u32 * 64 + seed).wrapping_mul(0x9e37_79b9);
+                if hash >> 30 == 0 {
+                    0
+                } else {
+                    (hash >> 8) as u8
+                }
+            });
+            let mut expected = [0u32; 16];
+            for (index, _) in content.iter().enumerate().filter(|(_, m)| **m != 0) {
+                let (x, y, z) = (index & 7, index >> 3 & 7, index >> 6);
+                let mask = x >> 2 | (y >> 2) << 1 | (z >> 2) << 2;
+                let bit = x & 3 | (y & 3) << 2 | (z & 3) << 4;
+                expected[mask * 2 + (bit >> 5)] |= 1 << (bit & 31);
+            }
+            assert_eq!(masks_of(&content), expected, "{seed}");
+        }
     }
 }
