@@ -243,15 +243,16 @@ pub fn weights(materials: &[Material]) -> Vec<f64> {
 fn found_in(voxels: &Voxels, weights: &[f64], low: UVec3, high: UVec3) -> Vec<Face> {
     /// To wake other threads takes longer than to look through so many rows of cells.
     const FEW: u32 = 64;
-    let mut emits = [false; 256];
-    for (emits, weight) in emits[1..].iter_mut().zip(weights) {
-        *emits = *weight > 0.0;
-    }
+    let materials = (1..=255).zip(weights);
+    let emitting: Vec<u8> = materials
+        .filter(|(_, weight)| **weight > 0.0)
+        .map(|(material, _)| material)
+        .collect();
     let cells = high + 1 - low;
     let of_row = |mut faces: Vec<Face>, row: u32| {
         for x in 0..cells.x {
             let cell = low + UVec3::new(x, row % cells.y, row / cells.y);
-            push_exposed(voxels, cell, &emits, &mut faces);
+            push_exposed(voxels, cell, &emitting, &mut faces);
         }
         faces
     };
@@ -283,19 +284,21 @@ fn voxel_at(voxels: &Voxels, index: u32) -> UVec3 {
 }
 
 /// Adds the exposed faces of the emissive voxels of one cell.
-fn push_exposed(voxels: &Voxels, cell: UVec3, emits: &[bool; 256], faces: &mut Vec<Face>) {
+fn push_exposed(voxels: &Voxels, cell: UVec3, emitting: &[u8], faces: &mut Vec<Face>) {
     let of_all;
     let materials = match voxels.cell(cell) {
-        Cell::Brick(materials) => materials,
-        Cell::Uniform(material) if emits[usize::from(material)] && !is_buried(voxels, cell) => {
+        Cell::Brick(materials) if emitting.iter().any(|emits| materials.contains(emits)) => {
+            materials
+        }
+        Cell::Uniform(material) if emitting.contains(&material) && !is_buried(voxels, cell) => {
             of_all = [material; BRICK_VOXELS];
             &of_all
         }
-        Cell::Empty | Cell::Uniform(_) => return,
+        Cell::Empty | Cell::Uniform(_) | Cell::Brick(_) => return,
     };
     let shifts = shifts(voxels);
     for (index, material) in materials.iter().enumerate() {
-        if !emits[usize::from(*material)] {
+        if !emitting.contains(material) {
             continue;
         }
         let index = index as u32;

@@ -68,12 +68,17 @@ fn jumps([before, after]: &[Picture; 2]) -> f64 {
     pairs.filter(jumps).count() as f64 / before.rgb.len() as f64
 }
 
-/// What a camera that turns round sees in the frames after the first.
-fn turned(gpu: Gpu) -> Vec<Picture> {
+/// The greatest [`change`] that a camera sees after one of its turns round the room, from the second frame after it. How noisy new
+/// faces are differs by a factor of two between the walls.
+fn turned(gpu: Gpu) -> f64 {
     let mut drawn = room(gpu);
-    drawn.shot.camera.yaw_deg += 150.0;
-    drawn.draw(1);
-    (0..10).map(|_| after(&mut drawn, 1)).collect()
+    let turns = [150.0, 60.0, 60.0].map(|by| {
+        drawn.shot.camera.yaw_deg += by;
+        drawn.draw(1);
+        let pictures: Vec<Picture> = (0..10).map(|_| after(&mut drawn, 1)).collect();
+        change(&pictures)
+    });
+    turns.into_iter().fold(0.0, f64::max)
 }
 
 /// What a camera sees before it turns away for 40 frames, and after.
@@ -89,10 +94,11 @@ fn turned_back(gpu: Gpu) -> [Picture; 2] {
 #[test]
 fn light_of_new_faces_changes_in_small_steps() {
     let gpu = support::gpu();
-    let small = change(&turned(gpu.clone()));
+    let small = turned(gpu.clone());
+    // Measured: 0.011 on llvmpipe and on an H200; with the fault 0.045 and 0.048.
     assert!(small < 0.018, "{small}");
     let at_once: Fault = (RESOLVE, "face_info.most_step < 1.0", "false");
-    let pops = change(&turned(support::with_faults(&gpu, &[at_once])));
+    let pops = turned(support::with_faults(&gpu, &[at_once]));
     assert!(pops > 0.03, "new faces are noisy: {pops}");
 }
 
