@@ -15,7 +15,7 @@ use super::{
     options::{RunOptions, Setup},
 };
 use crate::{
-    frame::{begin_shaders, begin_voxels},
+    frame::{begin_shaders, begin_world},
     gpu::{EarlyShaders, Gpu, GpuError, ShaderChecks, made},
 };
 
@@ -95,7 +95,7 @@ pub fn load_and_open(
 ) -> Result<(Setup, Gpu), Failure> {
     let (setup, opened) = open_while(run.adapter.as_deref(), |shaders| {
         let setup = load()?;
-        begin_voxels(shaders, &setup.world);
+        begin_world(shaders, &setup.world);
         Ok(setup)
     })?;
     Ok((setup, usable(run, opened.gpu)?))

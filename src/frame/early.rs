@@ -2,8 +2,7 @@
 
 use crate::{gpu::EarlyShaders, passes::scene::voxelise::Voxelise, world::World};
 
-/// The shaders of every world's first frame, the longest first. Others, as those of a world's bodies, are composed
-/// when their passes are made.
+/// The shaders of every world's first frame, the longest first.
 pub(super) const SHADERS: [&str; 19] = [
     "view/shade",
     "probes/trace",
@@ -26,14 +25,28 @@ pub(super) const SHADERS: [&str; 19] = [
     "view/tonemap",
 ];
 
-/// Begins to compose the shaders of the first frame.
+/// Those that the first frame of a world with bodies has besides, likewise.
+const OF_BODIES: [&str; 5] = [
+    "probes/body_light",
+    "surface_cache/body_lamps",
+    "probes/cover",
+    "surface_cache/body_shafts",
+    "scene/publish_facts",
+];
+
+/// Begins to compose the shaders of every first frame.
 pub fn begin_shaders() -> EarlyShaders {
     EarlyShaders::begin(&SHADERS)
 }
 
-/// Begins to compose the shader that builds this world's voxels.
-pub fn begin_voxels(shaders: &EarlyShaders, world: &World) {
+/// Begins to compose the shaders that this world needs besides: the one that builds its voxels, and those of its bodies.
+pub fn begin_world(shaders: &EarlyShaders, world: &World) {
     Voxelise::compose(shaders, world);
+    if !world.bodies.bodies.is_empty() {
+        for shader in OF_BODIES {
+            shaders.compose(shader, &[]);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -48,12 +61,12 @@ mod tests {
         world::file::{self, Overrides},
     };
 
-    #[test]
-    fn a_first_frame_uses_all_that_begins_early() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("worlds/minimal.ron");
+    /// All that begins is asked for by the first frame of a world.
+    fn check(world: &str) {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(world);
         let world = file::load(&path, &Overrides::default()).expect("it loads");
         let shaders = begin_shaders();
-        begin_voxels(&shaders, &world);
+        begin_world(&shaders, &world);
         let gpu = Gpu::open(None, ShaderChecks::Checked).expect("the tests need a Vulkan device");
         let gpu = gpu.with_early(shaders.clone());
         assert!(!shaders.is_used_up());
@@ -65,5 +78,15 @@ mod tests {
         let mut frame = frame.expect("it fits");
         frame.antialias(&gpu, &picture).expect("it fits");
         assert!(shaders.is_used_up());
+    }
+
+    #[test]
+    fn a_first_frame_uses_all_that_begins_early() {
+        check("worlds/minimal.ron");
+    }
+
+    #[test]
+    fn a_first_frame_with_bodies_does_so_too() {
+        check("worlds/cornell_turning.ron");
     }
 }

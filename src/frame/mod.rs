@@ -35,7 +35,7 @@ mod traced;
 mod values;
 
 pub use antialias::{Smoothing, scaled};
-pub use early::{begin_shaders, begin_voxels};
+pub use early::{begin_shaders, begin_world};
 pub use error::FrameError;
 pub use stage::{BuildReport, Stage, scene};
 pub use traced::{TraceRequest, Traced, TracedFrame, trace, trace_blocks};

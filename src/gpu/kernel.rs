@@ -85,8 +85,7 @@ impl Kernel {
         }
     }
 
-    /// Kernels of several entry points of one shader, which is composed once; its pipelines are compiled side by
-    /// side.
+    /// Kernels of several entry points of one shader, as those [of one shader](Kernel::of_one_shader).
     ///
     /// # Errors
     /// As [`Kernel::new`].
@@ -99,11 +98,32 @@ impl Kernel {
         entries: [&str; N],
     ) -> Result<[Self; N], GpuError> {
         let specs = entries.map(|entry| KernelSpec { entry, ..*spec });
+        Self::of_one_shader(gpu, &specs)
+    }
+
+    /// Several kernels of one shader, which is composed once; its pipelines are compiled side by side.
+    ///
+    /// # Errors
+    /// As [`Kernel::new`].
+    ///
+    /// # Panics
+    /// As [`Kernel::new`], and if they are of different shaders.
+    pub fn of_one_shader<const N: usize>(
+        gpu: &Gpu,
+        specs: &[KernelSpec<'_>; N],
+    ) -> Result<[Self; N], GpuError> {
         let known = specs.each_ref().map(|spec| gpu.known(spec.key()));
         if known.iter().all(Option::is_some) {
             return Ok(known.map(|kernel| kernel.expect("all are known")));
         }
-        let module = Module::new(gpu, spec)?;
+        let [first, others @ ..] = specs.as_slice() else {
+            unreachable!("N is not 0");
+        };
+        for spec in others {
+            let sources = [first, spec].map(|spec| (spec.shader, spec.generated));
+            assert_eq!(sources[0], sources[1], "one shader");
+        }
+        let module = Module::new(gpu, first)?;
         let compiled: Result<Vec<_>, _> = thread::scope(|threads| {
             let compiling = specs
                 .each_ref()
@@ -114,7 +134,7 @@ impl Kernel {
             kernels
                 .try_into()
                 .map_err(|_| ())
-                .expect("one for each entry")
+                .expect("one for each spec")
         })
     }
 

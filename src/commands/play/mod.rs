@@ -27,7 +27,7 @@ use crate::{
         replay::ReplayOptions,
         saving::SaveOptions,
     },
-    frame::begin_voxels,
+    frame::begin_world,
     measure::whole_file,
     world::{
         View,
@@ -174,7 +174,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
     let (beginning, opened) = output::open_while(arguments.adapter.as_deref(), |shaders| {
         let beginning = beginning(&arguments, &mut run)?;
         check_view(arguments.view, &beginning.setup.parameters)?;
-        begin_voxels(shaders, &beginning.setup.world);
+        begin_world(shaders, &beginning.setup.world);
         Ok(beginning)
     })?;
     let Beginning {

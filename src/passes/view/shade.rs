@@ -1,9 +1,7 @@
 //! Pass `view/shade`: lights what the camera rays hit.
 
-use std::thread;
-
 use super::Display;
-use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, made, rectangle};
+use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
 /// Its requests for probes come from pixels alone: package::probes::requests.
 const OF_PIXELS: (&str, f64) = ("FIRST_REQUESTER", 1.0);
@@ -54,14 +52,13 @@ impl Shade {
         display: &Display,
         offer: &Offer<'_>,
     ) -> Result<Self, GpuError> {
-        let kernel_of = |on_bodies| Kernel::new(gpu, &Self::spec(on_bodies, &offer.constants));
-        let has_bodies = offer.constants.contains(&("BODIES", 1.0));
-        let (kernel, on_bodies) = thread::scope(|threads| {
-            let on_bodies = threads.spawn(|| has_bodies.then(|| kernel_of(true)).transpose());
-            let kernel = kernel_of(false)?;
-            let on_bodies = made(on_bodies)?;
-            Ok::<_, GpuError>((kernel, on_bodies))
-        })?;
+        let spec = |on_bodies| Self::spec(on_bodies, &offer.constants);
+        let (kernel, on_bodies) = if offer.constants.contains(&("BODIES", 1.0)) {
+            let [kernel, on_bodies] = Kernel::of_one_shader(gpu, &[spec(false), spec(true)])?;
+            (kernel, Some(on_bodies))
+        } else {
+            (Kernel::new(gpu, &spec(false))?, None)
+        };
         let hdr_view = hdr.create_view(&Default::default());
         let own = [
             ("surfaces", surfaces.as_entire_binding()),

@@ -297,7 +297,8 @@ fn solid_of(materials: [u8; 8]) -> u32 {
     const GATHER: u64 = 0x0102_0408_1020_4080;
     let bytes = u64::from_le_bytes(materials);
     // Adding carries into the highest bit of every byte that has another bit set.
-    let solid = (((bytes & ALL_BUT_HIGHEST) + ALL_BUT_HIGHEST | bytes) >> 7) & LOWEST;
+    let carried = (bytes & ALL_BUT_HIGHEST) + ALL_BUT_HIGHEST;
+    let solid = ((carried | bytes) >> 7) & LOWEST;
     (solid.wrapping_mul(GATHER) >> 56) as u32
 }
 

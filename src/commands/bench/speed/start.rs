@@ -23,7 +23,7 @@ use super::{
     spec::{RowSpec, changed},
 };
 use crate::{
-    frame::{Frame, Stage, begin_voxels},
+    frame::{Frame, Stage, begin_world},
     gpu::{Recorder, Timing},
     lights::Lights,
     measure::frame_times::Interval,
@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let run = &arguments.run;
     let ((scene, loaded_ms), opened) = output::open_while(run.adapter.as_deref(), |shaders| {
         let scene = Setup::load(&arguments.world, run, picture)?;
-        begin_voxels(shaders, &scene.world);
+        begin_world(shaders, &scene.world);
         Ok((scene, elapsed_ms()))
     })?;
     let opened_ms = elapsed_ms() - opened.at.elapsed().as_secs_f64() * 1e3;
