@@ -101,14 +101,15 @@ impl Emitters {
         let high = (high + 1).min(voxels.size() - 1) / CELL;
         let mut found = found_in(voxels, &self.weights, low, high);
         found.sort_unstable();
-        let old = self.within(voxels, low, high);
-        let went = old.iter().filter(|face| found.binary_search(face).is_err());
-        let came = found.iter().filter(|face| old.binary_search(face).is_err());
-        let mut changed: Vec<Face> = went.chain(came).copied().collect();
+        let mut both = self.within(voxels, low, high);
+        both.extend(found);
+        // Two ascending runs, which a stable sort merges. What went or came is there once.
+        both.sort();
+        let once = both.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
+        let changed: Vec<Face> = once.flatten().copied().collect();
         if changed.is_empty() {
             return None;
         }
-        changed.sort_unstable();
         let groups = (0..self.groups.len()).map(|group| self.kind(group));
         let mut kinds: Vec<u64> = groups.chain(changed.iter().copied().map(kind_of)).collect();
         kinds.sort_unstable();

@@ -7,7 +7,7 @@
 //! eight cubes of n cells at its corners are, so seven rounds of shifts find all empty cubes of up to eight. A
 //! cube serves eight octants: it lies at the distance of the cell at each of its corners.
 
-use glam::{IVec3, UVec3};
+use glam::UVec3;
 use rayon::prelude::*;
 
 use super::{FARTHEST, SOLID, Voxels};
@@ -99,35 +99,6 @@ impl Voxels {
         }
         words
     }
-
-    /// Bit i: the cell i places along x is empty, or lies beyond the grid.
-    fn empty_row(&self, first: IVec3, length: u32) -> u64 {
-        let cells = self.cells.as_ivec3();
-        let is_inside = |at: i32, end: i32| (0..end).contains(&at);
-        if !is_inside(first.y, cells.y) || !is_inside(first.z, cells.z) {
-            return u64::MAX;
-        }
-        let start = first.x.max(0);
-        let end = (first.x + length as i32).min(cells.x);
-        let index = self.cell_index(first.with_x(start).as_uvec3());
-        let row = &self.grid[index..index + (end - start) as usize];
-        let solid =
-            (row.iter().enumerate()).fold(0, |bits, (x, word)| bits | u64::from(word >> 31) << x);
-        !(solid << (start - first.x))
-    }
-    /// The distance stored in the grid: 0 for a cell that is not empty, the maximum outside.
-    #[cfg(test)]
-    fn stored_distance(&self, octant: u32, cell: IVec3) -> u32 {
-        if cell.cmplt(IVec3::ZERO).any() || cell.cmpge(self.cells.as_ivec3()).any() {
-            return FARTHEST;
-        }
-        let word = self.grid[self.cell_index(cell.as_uvec3())];
-        if word & SOLID != 0 {
-            0
-        } else {
-            (word >> (3 * octant) & 7) + 1
-        }
-    }
 }
 
 /// Which cubes of cells in and around a block are empty. Bits and rows stand for their lowest corners, from
@@ -146,7 +117,7 @@ impl EmptyCubes {
         let height = extent.y as usize;
         let rows = (0..extent.y * extent.z).map(|row| {
             let at = UVec3::new(0, row % extent.y, row / extent.y);
-            voxels.empty_row(first + at.as_ivec3(), extent.x)
+            !voxels.solid.along_x(first + at.as_ivec3())
         });
         let mut by_edge = vec![rows.collect::<Vec<u64>>()];
         for edge in 1..FARTHEST as usize {
@@ -208,8 +179,23 @@ fn transpose(words: &mut [u32; 32]) {
 
 #[cfg(test)]
 mod tests {
+    use glam::IVec3;
+
     use super::*;
     use crate::world::voxels::NewCell;
+
+    /// The distance stored in the grid: 0 for a cell that is not empty, the maximum outside.
+    fn stored_distance(voxels: &Voxels, octant: u32, cell: IVec3) -> u32 {
+        if cell.cmplt(IVec3::ZERO).any() || cell.cmpge(voxels.cells.as_ivec3()).any() {
+            return FARTHEST;
+        }
+        let word = voxels.grid[voxels.cell_index(cell.as_uvec3())];
+        if word & SOLID != 0 {
+            0
+        } else {
+            (word >> (3 * octant) & 7) + 1
+        }
+    }
 
     /// From the definition: the largest empty cube.
     fn by_definition(voxels: &Voxels, octant: u32, cell: IVec3) -> u32 {
@@ -222,7 +208,7 @@ mod tests {
         let empty = |n: i32| {
             (0..n * n * n).all(|i| {
                 let offset = IVec3::new(i % n, i / n % n, i / n / n) * towards;
-                voxels.stored_distance(0, cell + offset) > 0
+                stored_distance(voxels, 0, cell + offset) > 0
             })
         };
         (1..=FARTHEST)
@@ -261,7 +247,7 @@ mod tests {
             for i in (0..cells.element_product()).step_by(61) {
                 let cell = IVec3::new(i % cells.x, i / cells.x % cells.y, i / cells.x / cells.y);
                 assert_eq!(
-                    voxels.stored_distance(octant, cell),
+                    stored_distance(&voxels, octant, cell),
                     by_definition(&voxels, octant, cell),
                     "octant {octant}, cell {cell}"
                 );
