@@ -7,7 +7,7 @@
 //! eight cubes of n cells at its corners are, so seven rounds of shifts find all empty cubes of up to eight. A
 //! cube serves eight octants: it lies at the distance of the cell at each of its corners.
 
-use glam::UVec3;
+use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 use super::{FARTHEST, SOLID, Voxels};
@@ -99,6 +99,23 @@ impl Voxels {
         }
         words
     }
+
+    /// Bit i: the cell i places along x is empty, or lies beyond the grid.
+    fn empty_row(&self, first: IVec3, length: u32) -> u64 {
+        let cells = self.cells.as_ivec3();
+        let is_inside = |at: i32, end: i32| (0..end).contains(&at);
+        if !is_inside(first.y, cells.y) || !is_inside(first.z, cells.z) {
+            return u64::MAX;
+        }
+        let start = first.x.max(0);
+        let end = (first.x + length as i32).min(cells.x);
+        let index = self.cell_index(first.with_x(start).as_uvec3());
+        let row = &self.grid[index..index + (end - start) as usize];
+        let solid = (row.iter().enumerate()).fold(0, |bits, (x, word)| {
+            bits | u64::from(word >> SOLID.trailing_zeros()) << x
+        });
+        !(solid << (start - first.x))
+    }
 }
 
 /// Which cubes of cells in and around a block are empty. Bits and rows stand for their lowest corners, from
@@ -117,7 +134,7 @@ impl EmptyCubes {
         let height = extent.y as usize;
         let rows = (0..extent.y * extent.z).map(|row| {
             let at = UVec3::new(0, row % extent.y, row / extent.y);
-            !voxels.solid.along_x(first + at.as_ivec3())
+            voxels.empty_row(first + at.as_ivec3(), extent.x)
         });
         let mut by_edge = vec![rows.collect::<Vec<u64>>()];
         for edge in 1..FARTHEST as usize {
@@ -179,8 +196,6 @@ fn transpose(words: &mut [u32; 32]) {
 
 #[cfg(test)]
 mod tests {
-    use glam::IVec3;
-
     use super::*;
     use crate::world::voxels::NewCell;
 

@@ -15,14 +15,12 @@
 mod distances;
 mod edit;
 mod overlay;
-mod solid_cells;
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 pub use edit::Edit;
 pub use overlay::{ChangedBrick, MASK_WORDS, Originals, Overlay};
-use solid_cells::SolidCells;
 
 /// Edge of a grid cell in voxels.
 pub const CELL: u32 = 8;
@@ -58,8 +56,6 @@ pub struct Voxels {
     size: UVec3,
     cells: UVec3,
     grid: Vec<u32>,
-    /// What the words of the grid say of each cell.
-    solid: SolidCells,
     masks: Vec<[u32; 16]>,
     materials: Vec<Brick>,
     free_bricks: Vec<u32>,
@@ -92,12 +88,10 @@ impl Voxels {
     /// A world of air.
     pub fn empty(size: UVec3) -> Self {
         let cells = grid_cells(size);
-        let grid = vec![0; cells.element_product() as usize];
         let mut voxels = Self {
             size,
             cells,
-            solid: SolidCells::of(&grid, cells),
-            grid,
+            grid: vec![0; cells.element_product() as usize],
             masks: Vec::new(),
             materials: Vec::new(),
             free_bricks: Vec::new(),
@@ -127,7 +121,10 @@ impl Voxels {
         for (cell, found) in built {
             match found {
                 NewCell::Empty => {}
-                NewCell::Uniform(material) => voxels.put(cell, uniform(material)),
+                NewCell::Uniform(material) => {
+                    let index = voxels.cell_index(cell);
+                    voxels.grid[index] = SOLID | UNIFORM | u32::from(material);
+                }
                 NewCell::Voxels(brick) => {
                     voxels.store(cell, &brick);
                 }
@@ -159,7 +156,6 @@ impl Voxels {
         Self {
             size,
             cells,
-            solid: SolidCells::of(&grid, cells),
             grid,
             masks,
             materials,
@@ -236,24 +232,19 @@ impl Voxels {
         (cell.x | cell.y << bits.x | cell.z << (bits.x + bits.y)) as usize
     }
 
-    /// Gives a cell another word.
-    fn put(&mut self, cell: UVec3, word: u32) {
-        let index = self.cell_index(cell);
-        self.grid[index] = word;
-        self.solid.set(cell, word & SOLID != 0);
-    }
-
     /// Stores these materials in a cell, allocating or freeing its brick. Returns the brick that was
     /// written, if any. The caller must update the distances.
     fn store(&mut self, cell: UVec3, content: &Brick) -> Option<u32> {
-        let old = self.grid[self.cell_index(cell)];
+        let index = self.cell_index(cell);
+        let old = self.grid[index];
         let had_brick = old >> 30 == 2;
         let first = content[0];
         if *content == [first; BRICK_VOXELS] {
             if had_brick {
                 self.free_bricks.push(old & BRICK);
             }
-            self.put(cell, if first == 0 { 0 } else { uniform(first) });
+            let solid = SOLID | UNIFORM | u32::from(first);
+            self.grid[index] = if first == 0 { 0 } else { solid };
             return None;
         }
         let brick = if had_brick {
@@ -265,16 +256,11 @@ impl Voxels {
                 self.masks.len() as u32 - 1
             })
         };
-        self.put(cell, SOLID | brick);
+        self.grid[index] = SOLID | brick;
         self.masks[brick as usize] = masks_of(content);
         self.materials[brick as usize] = *content;
         Some(brick)
     }
-}
-
-/// The word of a cell full of one material.
-fn uniform(material: u8) -> u32 {
-    SOLID | UNIFORM | u32::from(material)
 }
 
 /// Extent in cells of the grid for a world of `size` voxels.
