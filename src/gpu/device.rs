@@ -33,7 +33,8 @@ pub struct Gpu {
     pub checks: ShaderChecks,
     shaders: EarlyShaders,
     /// Workgroups of a first dispatch, while the time of the work is unknown: see
-    /// [`super::Recorder::run`].
+    /// [`super::Recorder::run`]. Of large ones it has fewer: see
+    /// `dispatch_chunks::first_groups`.
     pub first_groups: u32,
     /// The table of first rows (see `dispatch_chunks`).
     pub(super) first_rows: wgpu::Buffer,
@@ -113,8 +114,8 @@ const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
 /// milliseconds on a software adapter. There each dispatch has a fixed cost, so that fewer workgroups
 /// would cost more than they save.
 const FIRST_GROUPS: u32 = 512;
-/// The same on a card, whose first frame should not be sliced: half of a picture of 1920×1080 pixels. Slices of 512 took the
-/// first frame of the cavern from 36 ms to 165 on an H200.
+/// The same on a card: half of a picture of 1920×1080 pixels. With 512, the first frame of the cavern took an H200 165 ms in
+/// place of 36.
 const FIRST_GROUPS_OF_CARDS: u32 = 16_384;
 
 /// An adapter with everything that decides whether and how grotto runs on it.

@@ -45,6 +45,13 @@ pub fn rectangle(groups: u32) -> [u32; 2] {
     [width, groups.div_ceil(width)]
 }
 
+/// Workgroups of this size that a first dispatch may have, where it may have `usual` ones of 64 threads.
+pub(super) fn first_groups(usual: u32, size: [u32; 3]) -> u32 {
+    const USUAL_THREADS: u32 = 64;
+    let threads: u32 = size.iter().product();
+    usual * USUAL_THREADS / threads.max(USUAL_THREADS)
+}
+
 /// The table of first rows.
 pub(super) fn table(device: &wgpu::Device) -> wgpu::Buffer {
     let words = STRIDE as usize / size_of::<u32>();
@@ -253,6 +260,13 @@ mod tests {
             prop_assert!(width * rows < groups + width);
             prop_assert!(rows <= MOST_ROWS && width <= 65_535);
         }
+    }
+
+    #[test]
+    fn a_first_dispatch_has_fewer_large_workgroups() {
+        assert_eq!(first_groups(512, [8, 8, 1]), 512);
+        assert_eq!(first_groups(512, [1, 1, 1]), 512);
+        assert_eq!(first_groups(512, [1024, 1, 1]), 32);
     }
 
     #[test]

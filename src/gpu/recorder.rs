@@ -6,7 +6,7 @@ use wgpu_profiler::GpuProfilerQuery;
 
 use super::{
     Bindings, Gpu, GpuError, Kernel, Timing,
-    dispatch_chunks::{ChunkArguments, ChunkTime, DispatchChunks, MOST_ROWS},
+    dispatch_chunks::{ChunkArguments, ChunkTime, DispatchChunks, MOST_ROWS, first_groups},
     learner::Learner,
     timing::{Clock, WHOLE},
 };
@@ -123,7 +123,8 @@ impl<'a> Recorder<'a> {
             // Concurrent passes have no times of their own.
             self.shared = None;
         }
-        let dispatch_chunks = DispatchChunks::new(chunk_time, [width, rows], self.first_groups);
+        let first = first_groups(self.first_groups, kernel.workgroup_size);
+        let dispatch_chunks = DispatchChunks::new(chunk_time, [width, rows], first);
         let one_by_one = indirect.is_some() || self.waits() || learning == Learning::Waiting;
         if one_by_one {
             for chunk in dispatch_chunks {
