@@ -49,7 +49,7 @@ pub fn rectangle(groups: u32) -> [u32; 2] {
 pub(super) fn first_groups(usual: u32, size: [u32; 3]) -> u32 {
     const USUAL_THREADS: u32 = 64;
     let threads: u32 = size.iter().product();
-    usual * USUAL_THREADS / threads.max(USUAL_THREADS)
+    usual / (threads / USUAL_THREADS).max(1)
 }
 
 /// The table of first rows.
@@ -267,6 +267,7 @@ mod tests {
         assert_eq!(first_groups(512, [8, 8, 1]), 512);
         assert_eq!(first_groups(512, [1, 1, 1]), 512);
         assert_eq!(first_groups(512, [1024, 1, 1]), 32);
+        assert_eq!(first_groups(u32::MAX, [8, 8, 1]), u32::MAX);
     }
 
     #[test]
