@@ -4,8 +4,8 @@ use glam::{IVec3, UVec3, Vec3};
 
 use super::{BRICK, CELL, SOLID, Voxels, brick_index};
 
-/// Most words of the grid, and most bricks, that are copied in vain between two that have changed: a copy to the GPU of its own
-/// takes the CPU longer (2 µs on a server).
+/// Most words of the grid, and most bricks, that are copied in vain between two that have changed: another copy to the GPU would
+/// take the CPU longer (2 µs on a server).
 const JOINED_WORDS: usize = 1024;
 const JOINED_BRICKS: usize = 48;
 
