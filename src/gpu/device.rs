@@ -61,7 +61,7 @@ const KINDS: [(wgpu::DeviceType, &str); 4] = [
     (wgpu::DeviceType::VirtualGpu, "virtual"),
     (wgpu::DeviceType::Cpu, "software"),
 ];
-const DISCRETE: &str = "discrete";
+pub(super) const DISCRETE: &str = "discrete";
 const OTHER: &str = "other";
 
 impl<'de> serde::Deserialize<'de> for AdapterSummary {
@@ -109,14 +109,6 @@ const WANTED: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY
     .union(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
     .union(wgpu::Features::SUBGROUP)
     .union(wgpu::Features::SHADER_F16);
-
-/// Workgroups of a first dispatch: a few milliseconds on the slowest integrated GPU, tens of
-/// milliseconds on a software adapter. There each dispatch has a fixed cost, so that fewer workgroups
-/// would cost more than they save.
-const FIRST_GROUPS: u32 = 512;
-/// The same on a card: half of a picture of 1920×1080 pixels. With 512, the first frame of the cavern took an H200 165 ms in
-/// place of 36.
-const FIRST_GROUPS_OF_CARDS: u32 = 16_384;
 
 /// An adapter with everything that decides whether and how grotto runs on it.
 #[derive(Clone, Debug)]
@@ -235,10 +227,7 @@ impl Gpu {
         let summary = AdapterSummary::of(&adapter.get_info());
         let first_rows = dispatch_chunks::table(&device);
         Ok(Self {
-            first_groups: match summary.kind {
-                DISCRETE => FIRST_GROUPS_OF_CARDS,
-                _ => FIRST_GROUPS,
-            },
+            first_groups: dispatch_chunks::usual_first_groups(&summary),
             chunk_arguments: dispatch_chunks::ChunkArguments::new(&device, &first_rows),
             first_rows,
             summary,
