@@ -18,6 +18,7 @@ use super::{
     made,
     reflect::{Group, SPACER, reflect},
     shader::base_name,
+    specialise::specialise,
 };
 
 /// The constant of `shaders/math/per_thread.wesl`.
@@ -81,7 +82,7 @@ impl Kernel {
     pub fn new(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
         match gpu.known(spec.key()) {
             Some(known) => Ok(known),
-            None => Self::compile(gpu, spec, &Module::new(gpu, spec)?),
+            None => Self::compile(gpu, spec, &gpu.compose(spec.shader, spec.generated)?),
         }
     }
 
@@ -123,11 +124,11 @@ impl Kernel {
             let sources = [first, spec].map(|spec| (spec.shader, spec.generated));
             assert_eq!(sources[0], sources[1], "one shader");
         }
-        let module = Module::new(gpu, first)?;
+        let composed = gpu.compose(first.shader, first.generated)?;
         let compiled: Result<Vec<_>, _> = thread::scope(|threads| {
             let compiling = specs
                 .each_ref()
-                .map(|spec| threads.spawn(|| Self::compile(gpu, spec, &module)));
+                .map(|spec| threads.spawn(|| Self::compile(gpu, spec, &composed)));
             compiling.into_iter().map(made).collect()
         });
         compiled.map(|kernels| {
@@ -144,23 +145,23 @@ impl Kernel {
         sources.all(|source| !modules.contains(source.as_str()))
     }
 
-    fn compile(gpu: &Gpu, spec: &KernelSpec<'_>, module: &Module) -> Result<Self, GpuError> {
-        let composed = &module.composed;
+    fn compile(gpu: &Gpu, spec: &KernelSpec<'_>, composed: &Composed) -> Result<Self, GpuError> {
         let label = spec.shader;
         let entry = if spec.entry.is_empty() {
             "main"
         } else {
             spec.entry
         };
-        let index = composed
-            .module
-            .entry_points
-            .iter()
-            .position(|point| point.name == entry)
-            .ok_or_else(|| fault(spec, format!("has no entry point `{entry}`")))?;
+        let mut entry_points = composed.module.entry_points.iter();
+        if entry_points.all(|point| point.name != entry) {
+            return Err(fault(spec, format!("has no entry point `{entry}`")));
+        }
         let constants = constants(composed, spec, gpu.summary.is_software());
+        let specialised =
+            specialise(composed, entry, &constants).map_err(|error| fault(spec, error))?;
+        let workgroup_size = specialised.module.entry_points[0].workgroup_size;
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let groups = reflect(gpu, composed, index, label);
+        let groups = reflect(gpu, &specialised, label);
         let layouts: Vec<_> = groups.iter().map(|group| Some(&group.layout)).collect();
         let layout = gpu
             .device
@@ -174,10 +175,10 @@ impl Kernel {
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(label),
                 layout: Some(&layout),
-                module: &module.module,
+                module: &create_module(gpu, label, specialised.module),
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &constants,
+                    constants: &[],
                     zero_initialize_workgroup_memory: false,
                 },
                 cache: None,
@@ -192,7 +193,7 @@ impl Kernel {
             sources: composed.sources.as_slice().into(),
             pipeline,
             groups: groups.into(),
-            workgroup_size: composed.module.entry_points[index].workgroup_size,
+            workgroup_size,
         };
         gpu.keep(&compiled);
         Ok(compiled)
@@ -315,24 +316,6 @@ impl Kernel {
     }
 }
 
-/// A composed shader on the device: all its entry points.
-struct Module {
-    composed: Composed,
-    module: wgpu::ShaderModule,
-}
-
-impl Module {
-    fn new(gpu: &Gpu, spec: &KernelSpec<'_>) -> Result<Self, GpuError> {
-        let composed = gpu.compose(spec.shader, spec.generated)?;
-        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let module = create_module(gpu, spec.shader, &composed.module);
-        match pollster::block_on(scope.pop()) {
-            Some(error) => Err(fault(spec, error.to_string())),
-            None => Ok(Self { composed, module }),
-        }
-    }
-}
-
 impl Gpu {
     fn known(&self, key: u64) -> Option<Kernel> {
         let kernels = self.kernels.lock().expect("nobody panics holding it");
@@ -361,10 +344,10 @@ fn fault(spec: &KernelSpec<'_>, message: String) -> GpuError {
 ///
 /// It takes what has been parsed already. wgpu would parse the text again, and where it checks itself it would note the line
 /// of each statement for debuggers, which took an eighth of the CPU time of a start.
-fn create_module(gpu: &Gpu, label: &str, module: &naga::Module) -> wgpu::ShaderModule {
+fn create_module(gpu: &Gpu, label: &str, module: naga::Module) -> wgpu::ShaderModule {
     let descriptor = wgpu::ShaderModuleDescriptor {
         label: Some(label),
-        source: wgpu::ShaderSource::Naga(Cow::Owned(module.clone())),
+        source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
     };
     match gpu.checks {
         ShaderChecks::Checked => gpu.device.create_shader_module(descriptor),

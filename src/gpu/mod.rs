@@ -15,6 +15,7 @@ mod offer;
 mod recorder;
 mod reflect;
 mod shader;
+mod specialise;
 mod timing;
 
 pub use ahead::{Compiling, OwnedSpec};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use naga::{AddressSpace, ImageClass, TypeInner};
 
-use super::{Composed, Gpu, dispatch_chunks::FIRST_ROW, shader::base_name};
+use super::{Gpu, dispatch_chunks::FIRST_ROW, shader::base_name, specialise::Specialised};
 
 /// Name of a uniform buffer that no shader declares and only software devices have.
 ///
@@ -31,13 +31,13 @@ impl Group {
     }
 }
 
-/// The bind group layouts that the entry point needs, from the declarations that it uses.
-pub(super) fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str) -> Vec<Group> {
-    let uses = composed.info.get_entry_point(entry);
+/// The bind group layouts that a kernel needs, from the declarations that it uses.
+pub(super) fn reflect(gpu: &Gpu, kernel: &Specialised, label: &str) -> Vec<Group> {
+    let uses = kernel.info.get_entry_point(0);
     // Formats without filtering (32-bit float) may be bound to textures that are only loaded from.
     let filtered = |texture| uses.sampling_set.iter().any(|key| key.image == texture);
     let mut groups = BTreeMap::<u32, Vec<(wgpu::BindGroupLayoutEntry, String)>>::new();
-    for (handle, variable) in composed.module.global_variables.iter() {
+    for (handle, variable) in kernel.module.global_variables.iter() {
         let Some(place) = &variable.binding else {
             continue;
         };
@@ -49,7 +49,7 @@ pub(super) fn reflect(gpu: &Gpu, composed: &Composed, entry: usize, label: &str)
             wgpu::BindGroupLayoutEntry {
                 binding: place.binding,
                 visibility: wgpu::ShaderStages::COMPUTE,
-                ty: binding_type(&composed.module, variable, name, filtered(handle)),
+                ty: binding_type(&kernel.module, variable, name, filtered(handle)),
                 count: None,
             },
             name.to_owned(),
