@@ -13,7 +13,6 @@ const REQUEST_GROUPS: u32 = REQUEST_ROOM / REQUESTS_A_GROUP;
 pub struct SurfaceAllocate {
     seen: (Kernel, Bindings),
     requested: (Kernel, Bindings),
-    arguments: (Kernel, Bindings),
     groups: [u32; 2],
 }
 
@@ -38,9 +37,9 @@ impl SurfaceAllocate {
             offered: &scene.constants,
             ..Default::default()
         };
-        let entries = ["allocate_seen", "allocate_requested", "arguments"];
+        let entries = ["allocate_seen", "allocate_requested"];
         let kernels = Kernel::of_entries(gpu, &spec, entries)?;
-        let [seen, requested, arguments] = kernels.map(|kernel| {
+        let [seen, requested] = kernels.map(|kernel| {
             let bindings = kernel.bind(gpu, &all);
             (kernel, bindings)
         });
@@ -49,7 +48,6 @@ impl SurfaceAllocate {
         Ok(Self {
             seen,
             requested,
-            arguments,
             groups: rectangle(columns * rows),
         })
     }
@@ -63,11 +61,9 @@ impl SurfaceAllocate {
     /// Lists the faces that rays have requested, then computes the work in all. After
     /// [`record`](Self::record), before pass `surface_cache/trace`.
     pub fn record_requested(&self, recorder: &mut Recorder<'_>) {
-        let ((requested, of_requested), (arguments, of_arguments)) =
-            (&self.requested, &self.arguments);
-        recorder.compute(&arguments.label, |pass| {
-            requested.dispatch(pass, of_requested, [REQUEST_GROUPS, 1, 1]);
-            arguments.dispatch(pass, of_arguments, [1, 1, 1]);
+        let (kernel, bindings) = &self.requested;
+        recorder.compute(&kernel.label, |pass| {
+            kernel.dispatch(pass, bindings, [REQUEST_GROUPS, 1, 1]);
         });
     }
 }

@@ -87,6 +87,8 @@ crate::shared! {
         pub(super) listed: u32 => "atomic<u32>",
         /// Batches of rays that the listed faces request.
         pub(super) batches: u32 => "atomic<u32>",
+        /// Workgroups that have listed the faces that rays request.
+        pub(super) finished: u32 => "atomic<u32>",
         /// Factor by which the intervals between batches of a face are stretched, so that the batches of a frame
         /// fit their buffer; 0: not yet known.
         pub(super) stretch: u32 => "atomic<u32>",
