@@ -257,8 +257,13 @@ impl Frame {
                 .asks_faces(self.frames, sight_changes, bodies_moved > 0.0),
             moves_bodies: bodies_moved > 0.0,
             finds_shafts: bodies_moved > 0.0 || lamps_have_changed || self.frames == 0,
-            estimates_early: is_calm,
+            follows_change: !is_calm,
             shades_early,
+            bounces: if is_settled {
+                self.field.changes.repeats().bounces()
+            } else {
+                1
+            },
         };
         self.field.set_placed();
         self.passes.record(recorder, update, shot, self.drawn);

@@ -3,7 +3,7 @@
 
 use glam::{IVec3, Vec3};
 
-use super::repeats::Repeats;
+use super::repeats::{GreatChange, Repeats};
 
 crate::shared! {
     in probes;
@@ -144,11 +144,15 @@ impl Changes {
             self.steady_frames.saturating_add(1)
         };
         let is_great_change = light_change >= GREAT_ALERT;
-        let is_great = self.shown_first.is_some() || is_great_change;
-        if is_great {
+        let great = if is_great_change || is_wide {
+            Some(GreatChange::Wide)
+        } else {
+            self.shown_first.map(|_| GreatChange::Local)
+        };
+        if great.is_some() {
             self.great = Some(frame);
         }
-        self.repeats.begin_frame(is_great, frame);
+        self.repeats.begin_frame(great, frame);
         if let Some(first) = self.repeats.great_since() {
             for edit in self.edits.iter_mut().filter(|edit| edit.frame >= first) {
                 edit.measured_from = frame + 1;

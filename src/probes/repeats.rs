@@ -13,6 +13,11 @@ pub const SETS_AT_A_TIME: u32 = 16;
 
 /// Frames for which rays are repeated after a great change: light makes so many bounces.
 const AFTER_GREAT: u32 = 8;
+/// How often probes are updated again in each of the first of these frames: so many bounces more does light make in one frame.
+/// After small edits, of which a player makes many, no frame may take half as long again as others: the first one has the
+/// edit itself to follow.
+const MORE_BOUNCES_OF_LOCAL: [u32; 5] = [0, 1, 1, 1, 1];
+const MORE_BOUNCES_OF_WIDE: [u32; 6] = [2, 2, 1, 1, 1, 1];
 /// And at most, if more great changes follow.
 const LONGEST: u32 = 2 * AFTER_GREAT;
 /// Rays of so many frames before a great change are repeated: no probe waits longer for its next update.
@@ -21,28 +26,69 @@ const BEFORE_GREAT: u32 = 11;
 /// Rays are kept for as long as they may be repeated.
 const _: () = assert!(BEFORE_GREAT + LONGEST + SETS_AT_A_TIME <= RAY_SETS);
 
+/// What changes light greatly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GreatChange {
+    /// An edit of few voxels.
+    Local,
+    /// Lamps, bodies, or an edit that may concern every probe.
+    Wide,
+}
+
+impl GreatChange {
+    /// How often probes are updated again, in the frame that first shows the change and in those after it.
+    fn more_bounces(self) -> &'static [u32] {
+        match self {
+            Self::Local => &MORE_BOUNCES_OF_LOCAL,
+            Self::Wide => &MORE_BOUNCES_OF_WIDE,
+        }
+    }
+}
+
+/// The frames after a great change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Window {
+    first: u32,
+    /// The first frame that takes new rays again.
+    end: u32,
+    /// What probes are updated again for, and since which frame: the first change, or the first wide one.
+    change: GreatChange,
+    changed: u32,
+}
+
 /// Says in each frame which rays are repeated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Repeats {
-    /// The first frame after a great change, and the first that takes new rays again.
-    great: Option<(u32, u32)>,
+    window: Option<Window>,
     within: u32,
+    more_bounces: u32,
 }
 
 impl Repeats {
-    /// Begins a frame. `is_great`: it is the first that shows a great change of light.
-    pub fn begin_frame(&mut self, is_great: bool, frame: u32) {
-        if self.great.is_some_and(|(_, end)| frame >= end) {
-            self.great = None;
+    /// Begins a frame. `great`: the great change of light that it is the first to show.
+    pub fn begin_frame(&mut self, great: Option<GreatChange>, frame: u32) {
+        self.window = self.window.filter(|window| frame < window.end);
+        if let Some(change) = great {
+            let window = self.window.get_or_insert(Window {
+                first: frame,
+                end: 0,
+                change,
+                changed: frame,
+            });
+            window.end = (frame + AFTER_GREAT).min(window.first + LONGEST);
+            if change == GreatChange::Wide && window.change == GreatChange::Local {
+                window.change = change;
+                window.changed = frame;
+            }
         }
-        if is_great {
-            let first = self.great.map_or(frame, |(first, _)| first);
-            self.great = Some((first, (frame + AFTER_GREAT).min(first + LONGEST)));
-        }
-        self.within = match self.great {
-            Some((first, _)) => (frame - first + BEFORE_GREAT).min(frame),
-            None => 0,
-        };
+        self.within = self
+            .window
+            .map_or(0, |window| (frame - window.first + BEFORE_GREAT).min(frame));
+        self.more_bounces = self.window.map_or(0, |window| {
+            let of_frames = window.change.more_bounces();
+            let since = (frame - window.changed) as usize;
+            of_frames.get(since).copied().unwrap_or(0)
+        });
     }
 
     /// A probe repeats the rays of its last update if their set was new at most this many frames ago; 0: no probe does.
@@ -50,9 +96,14 @@ impl Repeats {
         self.within
     }
 
+    /// How often probes are updated in this frame, at least once.
+    pub fn bounces(&self) -> u32 {
+        1 + self.more_bounces
+    }
+
     /// The first frame of the great change after which rays are repeated now.
     pub fn great_since(&self) -> Option<u32> {
-        self.great.map(|(first, _)| first)
+        self.window.map(|window| window.first)
     }
 }
 
@@ -64,10 +115,46 @@ mod tests {
         let mut repeats = Repeats::default();
         frames
             .map(|frame| {
-                repeats.begin_frame(great.contains(&frame), frame);
+                let change = great.contains(&frame).then_some(GreatChange::Wide);
+                repeats.begin_frame(change, frame);
                 repeats.within()
             })
             .collect()
+    }
+
+    /// Updates in each frame from 100 on.
+    fn bounces<const N: usize>(great: impl Fn(u32) -> Option<GreatChange>) -> [u32; N] {
+        let mut repeats = Repeats::default();
+        std::array::from_fn(|index| {
+            let frame = 100 + index as u32;
+            repeats.begin_frame(great(frame), frame);
+            repeats.bounces()
+        })
+    }
+
+    #[test]
+    fn light_makes_several_bounces_in_the_frames_after_a_great_change() {
+        use GreatChange::{Local, Wide};
+        assert_eq!(bounces(|_| None), [1; 9]);
+        let wide = bounces(|frame| (frame == 101).then_some(Wide));
+        assert_eq!(wide, [1, 3, 3, 2, 2, 2, 2, 1, 1, 1]);
+        let local = bounces(|frame| (frame == 101).then_some(Local));
+        assert_eq!(local, [1, 1, 2, 2, 2, 2, 1, 1, 1, 1]);
+        let both = bounces(|frame| match frame {
+            100 => Some(Local),
+            103 => Some(Wide),
+            _ => None,
+        });
+        assert_eq!(both, [1, 2, 2, 3, 3, 2, 2, 2, 2, 1]);
+    }
+
+    #[test]
+    fn changes_without_end_do_not_make_every_frame_long() {
+        for change in [GreatChange::Local, GreatChange::Wide] {
+            let all: [u32; 64] = bounces(|_| Some(change));
+            let long = all.iter().filter(|&&bounces| bounces > 1).count();
+            assert!(long <= 24, "{all:?}");
+        }
     }
 
     #[test]

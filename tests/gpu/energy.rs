@@ -199,6 +199,46 @@ fn walls_absorb_the_power_of_the_lamp() {
     }
 }
 
+/// After a lamp has gone on, light makes one bounce with each update of the probes. n bounces of all that there are bring the share
+/// 1 − ρⁿ of the light that comes from walls of albedo ρ.
+#[test]
+fn light_makes_several_bounces_in_a_frame_after_a_lamp_has_gone_on() {
+    const ALBEDO: f64 = 0.8;
+    // White walls warm up for longer than others.
+    const SETTLING: u32 = 100;
+    // Bounces until the end of each frame, of which the first three have three, three and two.
+    const BOUNCES: [i32; 3] = [3, 6, 8];
+    let mut drawn = drawn(support::gpu(), room(ALBEDO as f32, 0.0));
+    // The light of a lone lamp is scaled when its power changes. This one is never alone.
+    let mut dim = drawn.lights.lamps[0];
+    dim.position_ws.x -= 4.0;
+    dim.intensity *= 0.01;
+    drawn.lights.lamps.push(dim);
+    let lit = drawn.lights.clone();
+    drawn.lights.lamps[0].intensity = DVec3::ZERO;
+    drawn.draw(SETTLING);
+    let before = light_of_probes(&drawn);
+    drawn.lights = lit;
+    let light = BOUNCES.map(|_| {
+        drawn.draw(1);
+        light_of_probes(&drawn) - before
+    });
+    drawn.draw(SETTLING);
+    let all = light_of_probes(&drawn) - before;
+    for (light, bounces) in light.into_iter().zip(BOUNCES) {
+        let (share, expected) = (light / all, 1.0 - ALBEDO.powi(bounces));
+        println!("{bounces} bounces: {share:.3} of all light, expected {expected:.3}");
+        assert!((share - expected).abs() < TOLERANCE, "{bounces} bounces");
+    }
+}
+
+/// Mean over all directions of all probes.
+fn light_of_probes(drawn: &Drawn) -> f64 {
+    let maps = drawn.frame.field().irradiance(&drawn.gpu).expect("reads");
+    let sum: f64 = maps.iter().map(|[_, green, _]| f64::from(*green)).sum();
+    sum / maps.len() as f64
+}
+
 /// At albedo ½ bounces after the third carry a sixteenth of all light.
 #[test]
 fn lost_bounces_are_found() {

@@ -9,7 +9,10 @@ use super::{
     body_passes::BodyPasses,
     inspect::Inspect,
     offers::{Subjects, offer},
-    values::{ClassifiedProbes, Drawn, FaceLight, ProbeLight, Radiance, Surfaces, Update, Wanted},
+    values::{
+        ActiveList, ClassifiedProbes, Drawn, FaceLight, ListedFaces, ProbeLight, Radiance,
+        Surfaces, Update, Wanted,
+    },
 };
 use crate::{
     gpu::{Gpu, Offer, Recorder, made},
@@ -215,37 +218,74 @@ impl Passes {
             let active = self.size_list(recorder, listed_probes);
             (active, self.allocate_requested(recorder, seen_faces))
         });
-        let before = (ProbeLight, FaceLight);
-        let (probe_rays, face_rays, estimates, early) = recorder.concurrent(|recorder| {
-            let probe_rays = self.trace_probes(recorder, &active);
-            let face_rays = self.trace_faces(recorder, &listed_faces);
-            let estimates = (update.estimates_early)
-                .then(|| self.estimate_faces(recorder, &listed_faces, &before.0));
-            let shaded = || self.shade(recorder, &surfaces, &before, shot, drawn);
-            let early = update.shades_early.then(shaded);
-            (probe_rays, face_rays, estimates, early)
-        });
-        let estimates = match (early, estimates) {
-            (Some(radiance), Some(estimates)) => {
+        let light = if update.follows_change {
+            let probe_light = self.light_probes(recorder, &active, update.bounces);
+            self.light_faces(recorder, listed_faces, probe_light)
+        } else {
+            let before = (ProbeLight, FaceLight);
+            let (probe_rays, face_rays, estimates, early) = recorder.concurrent(|recorder| {
+                let probe_rays = self.trace_probes(recorder, &active);
+                let face_rays = self.trace_faces(recorder, &listed_faces, &before.0);
+                let estimates = self.estimate_faces(recorder, &listed_faces, &before.0);
+                let shaded = || self.shade(recorder, &surfaces, &before, shot, drawn);
+                let early = update.shades_early.then(shaded);
+                (probe_rays, face_rays, estimates, early)
+            });
+            if let Some(radiance) = early {
                 let radiance = self.draw_over(recorder, radiance, (surfaces, before), shot, drawn);
                 recorder.concurrent(|recorder| {
-                    self.blend_probes(recorder, active, probe_rays);
+                    let probe_light = self.blend_probes(recorder, &active, probe_rays);
+                    self.move_probes(recorder, &probe_light);
                     self.resolve_faces(recorder, listed_faces, &face_rays, estimates);
                     self.display(recorder, radiance, drawn);
                     self.place_requested(recorder, &face_rays);
                 });
                 return;
             }
-            (_, estimates) => estimates,
+            recorder.concurrent(|recorder| {
+                self.place_requested(recorder, &face_rays);
+                let probe_light = self.blend_probes(recorder, &active, probe_rays);
+                self.move_probes(recorder, &probe_light);
+                let face_light = self.resolve_faces(recorder, listed_faces, &face_rays, estimates);
+                (probe_light, face_light)
+            })
         };
-        let probe_light = recorder.concurrent(|recorder| {
-            self.place_requested(recorder, &face_rays);
-            self.blend_probes(recorder, active, probe_rays)
+        self.show(recorder, surfaces, light, shot, drawn);
+    }
+
+    /// Several bounces go from probe to probe in one frame.
+    fn light_probes(
+        &self,
+        recorder: &mut Recorder<'_>,
+        active: &ActiveList,
+        bounces: u32,
+    ) -> ProbeLight {
+        let rays = self.trace_probes(recorder, active);
+        let mut light = recorder.concurrent(|recorder| self.blend_probes(recorder, active, rays));
+        for _ in 1..bounces {
+            light = self.bounce(recorder, active, light);
+        }
+        self.move_probes(recorder, &light);
+        light
+    }
+
+    /// By the light of probes in this frame.
+    fn light_faces(
+        &self,
+        recorder: &mut Recorder<'_>,
+        faces: ListedFaces,
+        probe_light: ProbeLight,
+    ) -> (ProbeLight, FaceLight) {
+        let (rays, estimates) = recorder.concurrent(|recorder| {
+            let rays = self.trace_faces(recorder, &faces, &probe_light);
+            let estimates = self.estimate_faces(recorder, &faces, &probe_light);
+            (rays, estimates)
         });
-        let estimates =
-            estimates.unwrap_or_else(|| self.estimate_faces(recorder, &listed_faces, &probe_light));
-        let face_light = self.resolve_faces(recorder, listed_faces, &face_rays, estimates);
-        self.show(recorder, surfaces, (probe_light, face_light), shot, drawn);
+        let face_light = recorder.concurrent(|recorder| {
+            self.place_requested(recorder, &rays);
+            self.resolve_faces(recorder, faces, &rays, estimates)
+        });
+        (probe_light, face_light)
     }
 
     /// A picture of another shot, by the light of the last frame.

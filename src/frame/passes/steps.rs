@@ -151,8 +151,13 @@ impl Passes {
         ProbeRays
     }
 
-    /// Reads the light of probes and faces of the last frame.
-    pub(super) fn trace_faces(&self, recorder: &mut Recorder<'_>, _: &ListedFaces) -> FaceRays {
+    /// Reads the light of probes, in this frame or in the last one, and that of faces in the last one.
+    pub(super) fn trace_faces(
+        &self,
+        recorder: &mut Recorder<'_>,
+        _: &ListedFaces,
+        _: &ProbeLight,
+    ) -> FaceRays {
         if self.uses_cache {
             self.surface_trace.record(recorder);
         }
@@ -182,7 +187,7 @@ impl Passes {
     pub(super) fn blend_probes(
         &self,
         recorder: &mut Recorder<'_>,
-        _: ActiveList,
+        _: &ActiveList,
         _: ProbeRays,
     ) -> ProbeLight {
         (self.occlusion.0.iter()).for_each(|rays| rays.record(recorder));
@@ -190,14 +195,35 @@ impl Passes {
         if let Some(distances) = &self.blend_distances {
             distances.record(recorder);
         }
+        self.blend_light(recorder);
+        ProbeLight
+    }
+
+    fn blend_light(&self, recorder: &mut Recorder<'_>) {
         self.blend.record(recorder);
         if let Some(rhythms) = &self.rhythms {
             rhythms.record(recorder);
         }
+    }
+
+    /// One bounce more: the probes' rays are traced again, by the light that the probes give now. Distances stay the same.
+    pub(super) fn bounce(
+        &self,
+        recorder: &mut Recorder<'_>,
+        active: &ActiveList,
+        _: ProbeLight,
+    ) -> ProbeLight {
+        self.schedule.record_repeat(recorder);
+        self.trace_probes(recorder, active);
+        self.blend_light(recorder);
+        ProbeLight
+    }
+
+    /// Probes that walk go on: after all their rays of this frame.
+    pub(super) fn move_probes(&self, recorder: &mut Recorder<'_>, _: &ProbeLight) {
         if let Some(walk) = &self.walk {
             walk.record(recorder);
         }
-        ProbeLight
     }
 
     pub(super) fn resolve_faces(

@@ -6,6 +6,7 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangl
 pub struct ProbeSchedule {
     list: (Kernel, Bindings),
     arguments: (Kernel, Bindings),
+    repeat: (Kernel, Bindings),
     groups: [u32; 2],
 }
 
@@ -26,8 +27,8 @@ impl ProbeSchedule {
             offered: &[scene, &field.layout_constants()[..]].concat(),
             ..Default::default()
         };
-        let kernels = Kernel::of_entries(gpu, &spec, ["list", "arguments"])?;
-        let [list, arguments] = kernels.map(|kernel| {
+        let kernels = Kernel::of_entries(gpu, &spec, ["list", "arguments", "repeat"])?;
+        let [list, arguments, repeat] = kernels.map(|kernel| {
             let bindings = kernel.bind(gpu, &resources);
             (kernel, bindings)
         });
@@ -35,6 +36,7 @@ impl ProbeSchedule {
         Ok(Self {
             list,
             arguments,
+            repeat,
             groups: rectangle(groups),
         })
     }
@@ -57,5 +59,11 @@ impl ProbeSchedule {
         recorder.compute(&kernel.label, |pass| {
             kernel.dispatch(pass, bindings, [1, 1, 1]);
         });
+    }
+
+    /// The listed probes are updated once more in this frame, with the same rays. After their first update.
+    pub fn record_repeat(&self, recorder: &mut Recorder<'_>) {
+        let (kernel, bindings) = &self.repeat;
+        recorder.run(kernel, bindings, self.groups);
     }
 }
