@@ -143,11 +143,10 @@ impl Changes {
         } else {
             self.steady_frames.saturating_add(1)
         };
-        let is_great_change = light_change >= GREAT_ALERT;
-        let great = if is_great_change || is_wide {
-            Some(GreatChange::Wide)
+        let great = if light_change >= GREAT_ALERT {
+            Some(GreatChange::Light)
         } else {
-            self.shown_first.map(|_| GreatChange::Local)
+            self.shown_first.map(|_| GreatChange::Edit)
         };
         if great.is_some() {
             self.great = Some(frame);

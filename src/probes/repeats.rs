@@ -14,10 +14,10 @@ pub const SETS_AT_A_TIME: u32 = 16;
 /// Frames for which rays are repeated after a great change: light makes so many bounces.
 const AFTER_GREAT: u32 = 8;
 /// How often probes are updated again in each of the first of these frames: so many bounces more does light make in one frame.
-/// After small edits, of which a player makes many, no frame may take half as long again as others: the first one has the
+const MORE_BOUNCES_OF_LIGHT: [u32; 6] = [2, 2, 1, 1, 1, 1];
+/// After an edit no frame may take half as long again as others, for a player who digs makes many. The first one has the
 /// edit itself to follow.
-const MORE_BOUNCES_OF_LOCAL: [u32; 5] = [0, 1, 1, 1, 1];
-const MORE_BOUNCES_OF_WIDE: [u32; 6] = [2, 2, 1, 1, 1, 1];
+const MORE_BOUNCES_OF_EDIT: [u32; 5] = [0, 1, 1, 1, 1];
 /// And at most, if more great changes follow.
 const LONGEST: u32 = 2 * AFTER_GREAT;
 /// Rays of so many frames before a great change are repeated: no probe waits longer for its next update.
@@ -29,18 +29,18 @@ const _: () = assert!(BEFORE_GREAT + LONGEST + SETS_AT_A_TIME <= RAY_SETS);
 /// What changes light greatly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GreatChange {
-    /// An edit of few voxels.
-    Local,
-    /// Lamps, bodies, or an edit that may concern every probe.
-    Wide,
+    /// An edit of voxels.
+    Edit,
+    /// Lamps or bodies.
+    Light,
 }
 
 impl GreatChange {
     /// How often probes are updated again, in the frame that first shows the change and in those after it.
     fn more_bounces(self) -> &'static [u32] {
         match self {
-            Self::Local => &MORE_BOUNCES_OF_LOCAL,
-            Self::Wide => &MORE_BOUNCES_OF_WIDE,
+            Self::Edit => &MORE_BOUNCES_OF_EDIT,
+            Self::Light => &MORE_BOUNCES_OF_LIGHT,
         }
     }
 }
@@ -51,7 +51,7 @@ struct Window {
     first: u32,
     /// The first frame that takes new rays again.
     end: u32,
-    /// What probes are updated again for, and since which frame: the first change, or the first wide one.
+    /// What probes are updated again for, and since which frame: the first change, or the first of light.
     change: GreatChange,
     changed: u32,
 }
@@ -76,7 +76,7 @@ impl Repeats {
                 changed: frame,
             });
             window.end = (frame + AFTER_GREAT).min(window.first + LONGEST);
-            if change == GreatChange::Wide && window.change == GreatChange::Local {
+            if change == GreatChange::Light && window.change == GreatChange::Edit {
                 window.change = change;
                 window.changed = frame;
             }
@@ -115,7 +115,7 @@ mod tests {
         let mut repeats = Repeats::default();
         frames
             .map(|frame| {
-                let change = great.contains(&frame).then_some(GreatChange::Wide);
+                let change = great.contains(&frame).then_some(GreatChange::Light);
                 repeats.begin_frame(change, frame);
                 repeats.within()
             })
@@ -134,15 +134,15 @@ mod tests {
 
     #[test]
     fn light_makes_several_bounces_in_the_frames_after_a_great_change() {
-        use GreatChange::{Local, Wide};
+        use GreatChange::{Edit, Light};
         assert_eq!(bounces(|_| None), [1; 9]);
-        let wide = bounces(|frame| (frame == 101).then_some(Wide));
-        assert_eq!(wide, [1, 3, 3, 2, 2, 2, 2, 1, 1, 1]);
-        let local = bounces(|frame| (frame == 101).then_some(Local));
-        assert_eq!(local, [1, 1, 2, 2, 2, 2, 1, 1, 1, 1]);
+        let light = bounces(|frame| (frame == 101).then_some(Light));
+        assert_eq!(light, [1, 3, 3, 2, 2, 2, 2, 1, 1, 1]);
+        let edit = bounces(|frame| (frame == 101).then_some(Edit));
+        assert_eq!(edit, [1, 1, 2, 2, 2, 2, 1, 1, 1, 1]);
         let both = bounces(|frame| match frame {
-            100 => Some(Local),
-            103 => Some(Wide),
+            100 => Some(Edit),
+            103 => Some(Light),
             _ => None,
         });
         assert_eq!(both, [1, 2, 2, 3, 3, 2, 2, 2, 2, 1]);
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn changes_without_end_do_not_make_every_frame_long() {
-        for change in [GreatChange::Local, GreatChange::Wide] {
+        for change in [GreatChange::Edit, GreatChange::Light] {
             let all: [u32; 64] = bounces(|_| Some(change));
             let long = all.iter().filter(|&&bounces| bounces > 1).count();
             assert!(long <= 24, "{all:?}");
