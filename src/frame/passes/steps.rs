@@ -145,7 +145,7 @@ impl Passes {
         ListedFaces
     }
 
-    /// Reads the light of probes and faces of the last frame: each frame adds one bounce.
+    /// Reads the light that probes and faces gave before: each update adds one bounce.
     pub(super) fn trace_probes(&self, recorder: &mut Recorder<'_>, _: &ActiveList) -> ProbeRays {
         self.probe_trace.record(recorder);
         ProbeRays

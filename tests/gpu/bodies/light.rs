@@ -18,7 +18,7 @@ const KEEPS_LIGHT: Fault = (
     "let most = of_rest;",
 );
 
-/// The brighter one of two lamps goes out. Returns the indirect light of a body after 24 frames, each of which brings a bounce,
+/// The brighter one of two lamps goes out. Returns the indirect light of a body after 24 frames, each of which brings a bounce or more,
 /// over what it settles to.
 fn after_switch(gpu: Gpu) -> f64 {
     let mut world = with_block(0.3);
