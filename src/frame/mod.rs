@@ -257,13 +257,10 @@ impl Frame {
                 .asks_faces(self.frames, sight_changes, bodies_moved > 0.0),
             moves_bodies: bodies_moved > 0.0,
             finds_shafts: bodies_moved > 0.0 || lamps_have_changed || self.frames == 0,
-            follows_change: !is_calm,
+            follows_change: is_settled && changes_greatly,
+            estimates_early: is_calm,
             shades_early,
-            bounces: if is_settled {
-                self.field.changes.repeats().bounces()
-            } else {
-                1
-            },
+            bounces: self.field.changes.repeats().bounces(),
         };
         self.field.set_placed();
         self.passes.record(recorder, update, shot, self.drawn);

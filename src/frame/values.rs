@@ -30,11 +30,13 @@ pub(super) struct Update {
     pub has_fresh: bool,
     /// Faces may not know which lamps they see: pass `surface_cache/lamps` must run.
     pub asks_faces: bool,
-    /// Light changes greatly or probes have not settled: faces wait for the light of probes in this frame.
+    /// Light changes greatly and probes have settled: faces wait for the light of probes in this frame.
     pub follows_change: bool,
-    /// Light does not, and the picture is lit by the light of the frame before, while the rays of this frame are traced.
+    /// Faces compare their light with that of the probes in the frame before, while the rays of this frame are traced.
+    pub estimates_early: bool,
+    /// The same, and the picture is lit by the light of the frame before, while the rays of this frame are traced.
     pub shades_early: bool,
-    /// Updates of probes in this frame, at least one: so many bounces does light make.
+    /// Where faces wait: updates of probes in this frame, at least one. So many bounces does light make.
     pub bounces: u32,
 }
 

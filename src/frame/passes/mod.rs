@@ -226,29 +226,37 @@ impl Passes {
             let (probe_rays, face_rays, estimates, early) = recorder.concurrent(|recorder| {
                 let probe_rays = self.trace_probes(recorder, &active);
                 let face_rays = self.trace_faces(recorder, &listed_faces, &before.0);
-                let estimates = self.estimate_faces(recorder, &listed_faces, &before.0);
+                let estimates = (update.estimates_early)
+                    .then(|| self.estimate_faces(recorder, &listed_faces, &before.0));
                 let shaded = || self.shade(recorder, &surfaces, &before, shot, drawn);
                 let early = update.shades_early.then(shaded);
                 (probe_rays, face_rays, estimates, early)
             });
-            if let Some(radiance) = early {
-                let radiance = self.draw_over(recorder, radiance, (surfaces, before), shot, drawn);
-                recorder.concurrent(|recorder| {
-                    let probe_light = self.blend_probes(recorder, &active, probe_rays);
-                    self.move_probes(recorder, &probe_light);
-                    self.resolve_faces(recorder, listed_faces, &face_rays, estimates);
-                    self.display(recorder, radiance, drawn);
-                    self.place_requested(recorder, &face_rays);
-                });
-                return;
-            }
-            recorder.concurrent(|recorder| {
+            let estimates = match (early, estimates) {
+                (Some(radiance), Some(estimates)) => {
+                    let radiance =
+                        self.draw_over(recorder, radiance, (surfaces, before), shot, drawn);
+                    recorder.concurrent(|recorder| {
+                        let probe_light = self.blend_probes(recorder, &active, probe_rays);
+                        self.move_probes(recorder, &probe_light);
+                        self.resolve_faces(recorder, listed_faces, &face_rays, estimates);
+                        self.display(recorder, radiance, drawn);
+                        self.place_requested(recorder, &face_rays);
+                    });
+                    return;
+                }
+                (_, estimates) => estimates,
+            };
+            let probe_light = recorder.concurrent(|recorder| {
                 self.place_requested(recorder, &face_rays);
                 let probe_light = self.blend_probes(recorder, &active, probe_rays);
                 self.move_probes(recorder, &probe_light);
-                let face_light = self.resolve_faces(recorder, listed_faces, &face_rays, estimates);
-                (probe_light, face_light)
-            })
+                probe_light
+            });
+            let estimates = estimates
+                .unwrap_or_else(|| self.estimate_faces(recorder, &listed_faces, &probe_light));
+            let face_light = self.resolve_faces(recorder, listed_faces, &face_rays, estimates);
+            (probe_light, face_light)
         };
         self.show(recorder, surfaces, light, shot, drawn);
     }

@@ -220,6 +220,8 @@ impl SurfaceCache {
         };
         let is_edit_new = latest_edit.is_some_and(|(_, shown_in)| age < shown_in + REPEATED_FRAMES);
         let lamps_change = settled && changes.steady_frames() < REPEATED_FRAMES;
+        // From face to face light makes one bounce in a frame, while from probe to probe it makes several.
+        let by_probes = !settled || changes.repeats().bounces() > 1;
         let info = GpuSurfaceCacheInfo {
             edited_low_gs: low.to_array(),
             frame,
@@ -236,10 +238,10 @@ impl SurfaceCache {
             stillness: changes.stillness(),
             changed_frame,
             edited_before: changes.edit_before().map_or(0, |shown_in| shown_in + 1),
-            fresh_frames: if settled {
-                fresh_frames(changes.frames_since_great(age))
-            } else {
+            fresh_frames: if by_probes {
                 0
+            } else {
+                fresh_frames(changes.frames_since_great(age))
             },
             repeats: u32::from(lamps_change && !is_edit_new),
             settled: u32::from(settled),
