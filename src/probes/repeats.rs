@@ -11,15 +11,15 @@ crate::shared! {
 /// Probes take their new rays from the sets of so many frames: neighbours with different rays have different noise.
 pub const SETS_AT_A_TIME: u32 = 16;
 
-/// Frames for which rays are repeated after a great change: light makes so many bounces.
+/// Frames for which rays are repeated after a great change, while its light goes on bouncing.
 const AFTER_GREAT: u32 = 8;
-/// How often probes are updated again in each of the first of these frames: so many bounces more does light make in one frame.
+/// And at most, if more great changes follow.
+const LONGEST: u32 = 2 * AFTER_GREAT;
+/// How often probes are updated again in the first of these frames, one number for each: light makes as many bounces more.
 const MORE_BOUNCES_OF_LIGHT: [u32; 6] = [2, 2, 1, 1, 1, 1];
 /// After an edit no frame may take half as long again as others, for a player who digs makes many. The first one has the
 /// edit itself to follow.
 const MORE_BOUNCES_OF_EDIT: [u32; 5] = [0, 1, 1, 1, 1];
-/// And at most, if more great changes follow.
-const LONGEST: u32 = 2 * AFTER_GREAT;
 /// Rays of so many frames before a great change are repeated: no probe waits longer for its next update.
 const BEFORE_GREAT: u32 = 11;
 
