@@ -63,7 +63,7 @@ use crate::{
         view::{Inspection, Shot},
     },
     probes::{
-        changes::{BODY_JUMP, change_of_bodies},
+        changes::{BODY_JUMP, GREAT_ALERT, change_of_bodies},
         warmup_frames,
     },
     world::{
@@ -207,6 +207,9 @@ impl Frame {
         };
         (self.field.occlusion_mut()).begin_frame(gpu, probes, &of_occlusion);
         let lamps_have_changed = ranked.is_new || still_since.contains(&(self.frames + 1));
+        if self.frames == 0 || ranked.is_new || light_change >= GREAT_ALERT {
+            bodies.forget_shafts(gpu);
+        }
         let sight_changes = lamps_have_changed || self.field.changes.shown_first().is_some();
         let shadows = CellShadows::of_frame(lights.lamps.len(), sight_changes, self.frames);
         let of_frame = LightsOfFrame {

@@ -61,14 +61,12 @@ pub(super) struct ClassifiedProbes;
 /// Which surfaces each probe sees.
 pub(super) struct SightedProbes;
 pub(super) struct PlacedProbes;
-pub(super) struct ListedProbes;
 pub(super) struct ActiveList;
 pub(super) struct ProbeRays;
 /// Maps and ambient cubes of the probes.
 pub(super) struct ProbeLight;
 /// Voxel, face and distance of each pixel.
 pub(super) struct Surfaces;
-pub(super) struct SeenFaces;
 pub(super) struct ListedFaces;
 pub(super) struct FaceRays;
 /// The light of the listed faces, as the probes tell it.

@@ -207,16 +207,12 @@ impl Passes {
                 (surfaces, placed)
             }
         });
-        let (listed_probes, seen_faces) = recorder.concurrent(|recorder| {
+        let (active, listed_faces) = recorder.concurrent(|recorder| {
             if let Some(bodies) = &self.bodies {
                 bodies.publish(recorder);
             }
-            let listed_probes = self.list_probes(recorder, placed);
-            (listed_probes, self.allocate_seen(recorder, &surfaces))
-        });
-        let (active, listed_faces) = recorder.concurrent(|recorder| {
-            let active = self.size_list(recorder, listed_probes);
-            (active, self.allocate_requested(recorder, seen_faces))
+            let active = self.list_probes(recorder, placed);
+            (active, self.list_faces(recorder, &surfaces))
         });
         let light = if update.follows_change {
             let probe_light = self.light_probes(recorder, &active, update.bounces);

@@ -3,8 +3,7 @@
 use super::{
     super::values::{
         ActiveList, ClassifiedProbes, Drawn, FaceEstimates, FaceLight, FaceRays, ListedFaces,
-        ListedProbes, PlacedProbes, ProbeLight, ProbeRays, Radiance, SeenFaces, SightedProbes,
-        Surfaces, Update,
+        PlacedProbes, ProbeLight, ProbeRays, Radiance, SightedProbes, Surfaces, Update,
     },
     Passes,
 };
@@ -115,32 +114,15 @@ impl Passes {
     }
 
     /// Reads the requests of the last frame.
-    pub(super) fn list_probes(&self, recorder: &mut Recorder<'_>, _: PlacedProbes) -> ListedProbes {
-        self.schedule.record_list(recorder);
-        ListedProbes
-    }
-
-    pub(super) fn size_list(&self, recorder: &mut Recorder<'_>, _: ListedProbes) -> ActiveList {
-        self.schedule.record_arguments(recorder);
+    pub(super) fn list_probes(&self, recorder: &mut Recorder<'_>, _: PlacedProbes) -> ActiveList {
+        self.schedule.record(recorder);
         ActiveList
     }
 
-    /// Gives the visible faces places in the table.
-    pub(super) fn allocate_seen(&self, recorder: &mut Recorder<'_>, _: &Surfaces) -> SeenFaces {
+    /// Lists the visible faces, which get places in the table, and those that rays of the last frame requested.
+    pub(super) fn list_faces(&self, recorder: &mut Recorder<'_>, _: &Surfaces) -> ListedFaces {
         if self.uses_cache {
             self.allocate.record(recorder);
-        }
-        SeenFaces
-    }
-
-    /// Lists the faces that rays of the last frame requested.
-    pub(super) fn allocate_requested(
-        &self,
-        recorder: &mut Recorder<'_>,
-        _: SeenFaces,
-    ) -> ListedFaces {
-        if self.uses_cache {
-            self.allocate.record_requested(recorder);
         }
         ListedFaces
     }

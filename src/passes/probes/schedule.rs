@@ -5,7 +5,6 @@ use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangl
 
 pub struct ProbeSchedule {
     list: (Kernel, Bindings),
-    arguments: (Kernel, Bindings),
     repeat: (Kernel, Bindings),
     groups: [u32; 2],
 }
@@ -27,15 +26,14 @@ impl ProbeSchedule {
             offered: &[scene, &field.layout_constants()[..]].concat(),
             ..Default::default()
         };
-        let kernels = Kernel::of_entries(gpu, &spec, ["list", "arguments", "repeat"])?;
-        let [list, arguments, repeat] = kernels.map(|kernel| {
+        let kernels = Kernel::of_entries(gpu, &spec, ["list", "repeat"])?;
+        let [list, repeat] = kernels.map(|kernel| {
             let bindings = kernel.bind(gpu, &resources);
             (kernel, bindings)
         });
         let groups = field.atlas().slots.div_ceil(list.0.workgroup_size[0]);
         Ok(Self {
             list,
-            arguments,
             repeat,
             groups: rectangle(groups),
         })
@@ -43,22 +41,8 @@ impl ProbeSchedule {
 
     /// After pass `probes/classify`, before pass `probes/trace`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        self.record_list(recorder);
-        self.record_arguments(recorder);
-    }
-
-    /// The first part of [`record`](Self::record).
-    pub fn record_list(&self, recorder: &mut Recorder<'_>) {
         let (kernel, bindings) = &self.list;
         recorder.run(kernel, bindings, self.groups);
-    }
-
-    /// The second part of [`record`](Self::record).
-    pub fn record_arguments(&self, recorder: &mut Recorder<'_>) {
-        let (kernel, bindings) = &self.arguments;
-        recorder.compute(&kernel.label, |pass| {
-            kernel.dispatch(pass, bindings, [1, 1, 1]);
-        });
     }
 
     /// The listed probes are updated once more in this frame, with the same rays. After their first update.

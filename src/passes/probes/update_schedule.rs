@@ -107,7 +107,8 @@ crate::shared! {
         pub(super) measured: u32 => "atomic<u32>",
         /// Of pass `probes/blend_distances`.
         pub(super) distance_groups: [u32; 3],
-        pub(super) _pad: u32,
+        /// Workgroups of pass `probes/schedule` that have come to their end.
+        pub(super) finished: u32 => "atomic<u32>",
     }
 
     /// A probe whose distances are measured in this frame, as it was before.

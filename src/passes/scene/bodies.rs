@@ -150,7 +150,14 @@ impl GpuBodies {
         for facts in &self.facts {
             encoder.clear_buffer(facts, 0, None);
         }
+        let published = bytes(self.room.first_fact())..at;
+        encoder.clear_buffer(
+            &self.buffer,
+            published.start,
+            Some(published.end - published.start),
+        );
         gpu.queue.submit([encoder.finish()]);
+        self.forget_shafts(gpu);
         let mut poses = self.poses();
         poses.placed.clear();
         (poses.lit_faces, poses.most_lit_faces, poses.most_near_cells) = (0, 0, 0);
@@ -185,6 +192,18 @@ impl GpuBodies {
         poses.is_before_old = true;
         poses.version += 1;
         poses.boxes = self.write(gpu, &poses, &poses.now);
+    }
+
+    /// Until pass `surface_cache/body_shafts` has run again, any body may hide any lamp. What it found is wrong once lamps or
+    /// bodies have jumped, and the rays that light bodies are sent beside it.
+    pub fn forget_shafts(&self, gpu: &Gpu) {
+        if !self.exist() {
+            return;
+        }
+        let [lit, near, shaded] = self.room.facts(self.cells);
+        let first = bytes(self.room.first_fact() + lit + near);
+        let any = vec![u8::MAX; bytes(shaded) as usize];
+        gpu.queue.write_buffer(&self.buffer, first, &any);
     }
 
     /// The constant of kernels that are made for these bodies: whether there may be any.

@@ -3,16 +3,13 @@
 
 use super::{
     SurfaceCache,
-    shared::{REQUEST_ROOM, REQUESTS_A_GROUP},
+    shared::{CREW_WORDS, CREWS, REQUEST_ROOM},
 };
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Offer, Recorder, rectangle};
 
-/// Workgroups for all faces that rays may have requested.
-const REQUEST_GROUPS: u32 = REQUEST_ROOM / REQUESTS_A_GROUP;
-
 pub struct SurfaceAllocate {
-    seen: (Kernel, Bindings),
-    requested: (Kernel, Bindings),
+    kernel: Kernel,
+    bindings: Bindings,
     groups: [u32; 2],
 }
 
@@ -32,38 +29,27 @@ impl SurfaceAllocate {
         let mut all = scene.resources.clone();
         all.extend(faces.update_resources());
         all.push(("surfaces", surfaces.as_entire_binding()));
+        let crews = gpu.storage_buffer("finished_of_crew", u64::from(CREWS * CREW_WORDS) * 4)?;
+        all.push(("finished_of_crew", crews.as_entire_binding()));
         let spec = KernelSpec {
             shader: "surface_cache/allocate",
             offered: &scene.constants,
             ..Default::default()
         };
-        let entries = ["allocate_seen", "allocate_requested"];
-        let kernels = Kernel::of_entries(gpu, &spec, entries)?;
-        let [seen, requested] = kernels.map(|kernel| {
-            let bindings = kernel.bind(gpu, &all);
-            (kernel, bindings)
-        });
-        // One thread per four pixels.
-        let [columns, rows] = seen.0.groups_of(size.map(|pixels| pixels.div_ceil(2)));
+        let kernel = Kernel::new(gpu, &spec)?;
+        let bindings = kernel.bind(gpu, &all);
+        // One thread per four pixels, and one for each face that rays may have requested.
+        let [columns, rows] = kernel.groups_of(size.map(|pixels| pixels.div_ceil(2)));
+        let threads: u32 = kernel.workgroup_size.iter().product();
         Ok(Self {
-            seen,
-            requested,
-            groups: rectangle(columns * rows),
+            kernel,
+            bindings,
+            groups: rectangle(columns * rows + REQUEST_ROOM / threads),
         })
     }
 
-    /// After pass `view/camera_rays`.
+    /// After pass `view/camera_rays`, before pass `surface_cache/trace`.
     pub fn record(&self, recorder: &mut Recorder<'_>) {
-        let (kernel, bindings) = &self.seen;
-        recorder.run(kernel, bindings, self.groups);
-    }
-
-    /// Lists the faces that rays have requested, then computes the work in all. After
-    /// [`record`](Self::record), before pass `surface_cache/trace`.
-    pub fn record_requested(&self, recorder: &mut Recorder<'_>) {
-        let (kernel, bindings) = &self.requested;
-        recorder.compute(&kernel.label, |pass| {
-            kernel.dispatch(pass, bindings, [REQUEST_GROUPS, 1, 1]);
-        });
+        recorder.run(&self.kernel, &self.bindings, self.groups);
     }
 }

@@ -87,14 +87,18 @@ crate::shared! {
         pub(super) listed: u32 => "atomic<u32>",
         /// Batches of rays that the listed faces request.
         pub(super) batches: u32 => "atomic<u32>",
-        /// Workgroups that have listed the faces that rays request.
-        pub(super) finished: u32 => "atomic<u32>",
+        /// Crews of workgroups of pass `surface_cache/allocate` that have come to their end.
+        pub(super) finished_crews: u32 => "atomic<u32>",
         /// Factor by which the intervals between batches of a face are stretched, so that the batches of a frame
         /// fit their buffer; 0: not yet known.
         pub(super) stretch: u32 => "atomic<u32>",
         /// Frames from batch to batch of faces that take turns.
         pub(super) turn_interval: u32 => "atomic<u32>",
     }
+
+    /// Workgroups of pass `surface_cache/allocate` belong to one of so many crews, each of which has a cache line of so many words.
+    pub(super) const CREWS: u32 = 64;
+    pub(super) const CREW_WORDS: u32 = 32;
 
     /// Workgroups for the listed faces.
     pub(super) struct GpuFaceDispatch as FaceDispatch {
@@ -111,9 +115,6 @@ crate::shared! {
 
     /// Room for the faces that rays request: twice the expected number of requests, because rays request at random.
     pub(super) const REQUEST_ROOM: u32 = 4096;
-
-    /// Requested faces per workgroup.
-    pub(super) const REQUESTS_A_GROUP: u32 = 64;
 
     /// A face of the list of a frame.
     pub(super) struct GpuListedFace as ListedFace {
