@@ -402,7 +402,8 @@ fn a_moving_shadow_is_right_in_its_frame() {
     }
 }
 
-/// A hollow cube around the lamp leaves the room dark; without the cube it is not.
+/// A hollow cube around the lamp leaves the room dark, from the first frame on; without the cube it is not. So it does when a lamp
+/// that stone had enclosed jumps into the cube: what was known of the ways to the lamp is then wrong.
 #[test]
 fn a_closed_body_around_a_lamp_lets_no_light_out() {
     let mut world = room();
@@ -416,14 +417,21 @@ fn a_closed_body_around_a_lamp_lets_no_light_out() {
         .bodies
         .push(body(0, size.as_vec3() / 2.0, lamp, turn));
     let mut dark = drawn(world);
-    dark.draw(40);
-    let brightest = dark
-        .radiance()
-        .rgb
-        .iter()
-        .flatten()
-        .fold(0.0f32, |a, b| a.max(*b));
-    assert!(brightest < 1e-4, "{brightest}");
+    let mut brightest_after = |at: Vec3, frames| {
+        dark.lights.lamps[0].position_ws = at.as_dvec3();
+        dark.draw(frames);
+        let picture = dark.radiance();
+        let channels = picture.rgb.iter().flatten();
+        channels.fold(0.0f32, |a, b| a.max(*b))
+    };
+    let in_stone = Vec3::new(10.5, -10.5, 10.5);
+    for (at, frames) in [(lamp, 1), (lamp, 39), (in_stone, 1), (lamp, 1), (lamp, 2)] {
+        let brightest = brightest_after(at, frames);
+        assert!(
+            brightest < 1e-4,
+            "{brightest} at {at} after {frames} frames"
+        );
+    }
     let mut lit = drawn(room());
     lit.draw(40);
     assert!(mean(&lit.radiance()) > 0.1);

@@ -94,6 +94,8 @@ crate::shared! {
         pub(super) stretch: u32 => "atomic<u32>",
         /// Frames from batch to batch of faces that take turns.
         pub(super) turn_interval: u32 => "atomic<u32>",
+        /// 1: the list had no room for all faces.
+        pub(super) overflowed: u32 => "atomic<u32>",
     }
 
     /// Workgroups of pass `surface_cache/allocate` belong to one of so many crews, each of which has a cache line of so many words.
