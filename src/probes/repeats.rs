@@ -101,6 +101,13 @@ impl Repeats {
         1 + self.more_bounces
     }
 
+    /// Whether light makes several bounces in this frame because lamps or bodies have changed. After an edit most of the light stays,
+    /// and faces know it better than probes.
+    pub fn is_light_ahead(&self) -> bool {
+        let of_light = |window: &Window| window.change == GreatChange::Light;
+        self.more_bounces > 0 && self.window.as_ref().is_some_and(of_light)
+    }
+
     /// The first frame of the great change after which rays are repeated now.
     pub fn great_since(&self) -> Option<u32> {
         self.window.map(|window| window.first)
@@ -130,6 +137,21 @@ mod tests {
             repeats.begin_frame(great(frame), frame);
             repeats.bounces()
         })
+    }
+
+    #[test]
+    fn light_is_ahead_of_faces_after_lamps_and_not_after_edits() {
+        let ahead = |change: GreatChange| {
+            let mut repeats = Repeats::default();
+            let frames = 100..110;
+            let each = frames.filter(|&frame| {
+                repeats.begin_frame((frame == 101).then_some(change), frame);
+                repeats.is_light_ahead()
+            });
+            each.collect::<Vec<u32>>()
+        };
+        assert_eq!(ahead(GreatChange::Light), [101, 102, 103, 104, 105, 106]);
+        assert_eq!(ahead(GreatChange::Edit), []);
     }
 
     #[test]

@@ -221,7 +221,7 @@ impl SurfaceCache {
         let is_edit_new = latest_edit.is_some_and(|(_, shown_in)| age < shown_in + REPEATED_FRAMES);
         let lamps_change = settled && changes.steady_frames() < REPEATED_FRAMES;
         // From face to face light makes one bounce in a frame, while from probe to probe it makes several.
-        let by_probes = !settled || changes.repeats().bounces() > 1;
+        let by_probes = !settled || changes.repeats().is_light_ahead();
         let info = GpuSurfaceCacheInfo {
             edited_low_gs: low.to_array(),
             frame,
