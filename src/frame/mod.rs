@@ -207,6 +207,7 @@ impl Frame {
         };
         (self.field.occlusion_mut()).begin_frame(gpu, probes, &of_occlusion);
         let lamps_have_changed = ranked.is_new || still_since.contains(&(self.frames + 1));
+        // New lists have other lamps in their slots.
         if self.frames == 0 || ranked.is_new || light_change >= GREAT_ALERT {
             bodies.forget_shafts(gpu);
         }

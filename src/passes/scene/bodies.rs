@@ -150,12 +150,8 @@ impl GpuBodies {
         for facts in &self.facts {
             encoder.clear_buffer(facts, 0, None);
         }
-        let published = bytes(self.room.first_fact())..at;
-        encoder.clear_buffer(
-            &self.buffer,
-            published.start,
-            Some(published.end - published.start),
-        );
+        let first_fact = bytes(self.room.first_fact());
+        encoder.clear_buffer(&self.buffer, first_fact, Some(at - first_fact));
         gpu.queue.submit([encoder.finish()]);
         self.forget_shafts(gpu);
         let mut poses = self.poses();

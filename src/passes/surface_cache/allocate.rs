@@ -18,7 +18,7 @@ impl SurfaceAllocate {
     /// voxels, the lights, the bodies and the view, with the cells that pixels see.
     ///
     /// # Errors
-    /// [`GpuError::Shader`].
+    /// [`GpuError::Shader`], [`GpuError::TooLarge`].
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],

@@ -98,7 +98,7 @@ crate::shared! {
         pub(super) overflowed: u32 => "atomic<u32>",
     }
 
-    /// Workgroups of pass `surface_cache/allocate` belong to one of so many crews, each of which has a cache line of so many words.
+    /// Crews into which the workgroups of pass `surface_cache/allocate` are divided, and words of a crew's counter: a cache line.
     pub(super) const CREWS: u32 = 64;
     pub(super) const CREW_WORDS: u32 = 32;
 
