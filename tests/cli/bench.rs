@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::{MINIMAL, end, folder, grotto, refused};
+use crate::{FEW_FACE_RAYS, MINIMAL, end, folder, grotto, refused};
 
 #[test]
 fn bench_traversal_measures_rows_and_writes_them() {
@@ -64,7 +64,7 @@ fn bench_flight_flies_jumps_and_says_what_is_in_the_way() {
             command.args(["--camera", camera]);
         }
         command.args(["--metres", "3", "--frames", "2", "--size", "32x18"]);
-        command.args(["--rays", "8", "--json"]);
+        command.args(["--rays", "8", "--json", "--set", FEW_FACE_RAYS]);
         command
     };
     let ended = end(flight(&["inside"]).arg("--out").arg(folder.path()));

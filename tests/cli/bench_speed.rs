@@ -4,7 +4,7 @@ use std::{fs, io::Read as _, path::Path};
 
 use serde_json::Value;
 
-use crate::{Ended, MINIMAL, end, folder, grotto, refused, root};
+use crate::{Ended, FEW_FACE_RAYS, MINIMAL, end, folder, grotto, refused, root};
 
 /// The shortest possible run of a suite.
 fn tiny(suite: &[&str], more: &[&str]) -> Ended {
@@ -12,6 +12,7 @@ fn tiny(suite: &[&str], more: &[&str]) -> Ended {
     command.arg("bench").args(suite);
     command.args(["--size", "32x18", "--frames", "2", "--measured", "12"]);
     command.args(["--json", "--quiet", "--set", "probes.rays=8"]);
+    command.args(["--set", FEW_FACE_RAYS]);
     let ended = end(command.args(more));
     assert_eq!(ended.code, 0, "{}", ended.stderr);
     ended

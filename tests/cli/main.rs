@@ -27,7 +27,7 @@ mod window;
 use std::path::PathBuf;
 
 use support::{
-    binary::{Ended, end, grotto, grotto_without_gpu, refused, run},
+    binary::{Ended, FEW_FACE_RAYS, end, grotto, grotto_without_gpu, refused, run},
     folder, listing, root,
 };
 

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::{
     CAVE, MINIMAL, folder, root,
-    support::binary::{end, grotto, refused},
+    support::binary::{FEW_FACE_RAYS, end, grotto, refused},
 };
 
 const MS: u64 = 1_000_000;
@@ -43,7 +43,7 @@ pub fn header(world: &Path, position: [f32; 3]) -> Value {
         "world_crc32": crc32fast::hash(&bytes),
         "seed": 3,
         "layout": "auto",
-        "set": ["probes.rays=8"],
+        "set": ["probes.rays=8", FEW_FACE_RAYS],
         "size": [12, 8],
         "camera": {
             "name": "start", "position": position, "yaw_deg": 10.0, "pitch_deg": -40.0, "fov_deg": 70.0,

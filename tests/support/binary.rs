@@ -6,6 +6,10 @@ use serde_json::Value;
 
 use super::root;
 
+/// A parameter for tests that do not judge light: a twentieth of the rays of faces, which take most of the time of a
+/// small picture in software.
+pub const FEW_FACE_RAYS: &str = "probes.face_share=0.05";
+
 /// The result of a command.
 pub struct Ended {
     pub code: i32,

@@ -1,7 +1,7 @@
 //! `grotto judge --displayed`: edges count, on both sides.
 
 use super::{
-    Bench,
+    Bench, FEW_FACES,
     judge::{CORNELL, SKIP},
     number, object, text,
 };
@@ -78,6 +78,7 @@ fn what_is_displayed_is_judged_in_motion_too() {
         &SKIP,
         &tiny,
         &moving,
+        &FEW_FACES,
         &moved,
         &["--displayed"],
     ]

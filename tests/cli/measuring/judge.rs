@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use grotto::measure::{picture::Picture, picture_file};
 use serde_json::Value;
 
-use super::{Bench, command, number, output, root, text};
+use super::{Bench, FEW_FACES, command, number, output, root, text};
 
 pub const SKIP: [&str; 2] = ["--skip-response", "--skip-stability"];
 pub const CORNELL: &str = "worlds/cornell.ron";
@@ -17,7 +17,7 @@ fn a_world_from_end_to_end() {
         "--camera", "inside", "--layout", "layout2", "--frames", "8", "--spp", "64",
     ];
     let watched = ["--response-frames", "24"];
-    let (json, _) = bench.judged(&[&[CORNELL], &chosen[..], &watched].concat());
+    let (json, _) = bench.judged(&[&[CORNELL], &chosen[..], &watched, &FEW_FACES].concat());
     let rows = json["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 1);
     let row = &rows[0];
@@ -166,6 +166,7 @@ fn references_are_kept_and_damaged_ones_traced_again() {
     let flags = [
         &[CORNELL, "--camera", "inside", "--layout", "layout1"],
         &SKIP[..],
+        &FEW_FACES,
     ]
     .concat();
     let (first, _) = bench.judged(&flags);

@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::Value;
 
 use super::{
-    Bench,
+    Bench, FEW_FACES,
     judge::{CORNELL, SKIP},
     number, text,
 };
@@ -39,7 +39,16 @@ fn every_motion_is_judged_at_every_moment() {
     let small = ["--size", "32x18", "--frames", "6", "--spp", "8"];
     let moved = ["--motion", "--edits", "--motion-frames", "24"];
     let times = ["--moments", "2", "--time", "1.5"];
-    let flags = [&INSIDE[..], &SKIP, &MOVING, &small, &moved, &times].concat();
+    let flags = [
+        &INSIDE[..],
+        &SKIP,
+        &MOVING,
+        &FEW_FACES,
+        &small,
+        &moved,
+        &times,
+    ]
+    .concat();
     let (json, said) = bench.judged(&flags);
     let names = ["rest", "lamps", "camera", "both", "edits"];
     let rows = json["rows"][0]["motion"].as_array().expect("motions");
@@ -92,7 +101,7 @@ fn every_motion_is_judged_at_every_moment() {
     assert_eq!(bench.references().len(), 5);
 
     // The table at rest is the same without the motions.
-    let still = [&INSIDE[..], &SKIP, &MOVING, &small, &times[2..]].concat();
+    let still = [&INSIDE[..], &SKIP, &MOVING, &FEW_FACES, &small, &times[2..]].concat();
     let (still, _) = bench.judged(&still);
     assert!(still["rows"][0]["motion"].is_null());
     assert_eq!(still["rows"][0]["full"], json["rows"][0]["full"]);
@@ -103,7 +112,8 @@ fn every_motion_is_judged_at_every_moment() {
 #[test]
 fn a_lamp_that_stands_still_is_at_rest() {
     let bench = Bench::new();
-    let flags = [&INSIDE[..], &SKIP, &["--size", "32x18", "--spp", "8"]].concat();
+    let small = ["--size", "32x18", "--spp", "8"];
+    let flags = [&INSIDE[..], &SKIP, &FEW_FACES, &small].concat();
     let short = ["--motion=lamps", "--motion-frames", "20", "--moments", "2"];
     let judged = |set: &[&str]| bench.judged(&[&flags[..], &short, set].concat()).0;
     let json = judged(&["--set", "lights.preset=one"]);

@@ -9,7 +9,7 @@ use std::{
 
 use serde_json::Value;
 
-use super::{Bench, grotto, judge::SKIP, object, text};
+use super::{Bench, FEW_FACES, grotto, judge::SKIP, object, text};
 
 const ROOM: &str = "worlds/minimal.ron";
 
@@ -297,6 +297,7 @@ fn parts_of_a_judge_make_the_tables_and_pages_of_one_run() {
             "6",
         ],
         &["--motion=camera", "--motion-frames", "3", "--moments", "1"],
+        &FEW_FACES,
     ]
     .concat();
     let (whole, _) = bench.judged(&flags);
@@ -350,6 +351,8 @@ fn parts_with_changes_of_light_make_the_same_tables() {
         "24x16",
         "--spp",
         "16",
+        FEW_FACES[0],
+        FEW_FACES[1],
     ];
     let (whole, _) = bench.judged(&flags);
     assert!(

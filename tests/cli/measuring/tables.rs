@@ -11,7 +11,7 @@ use grotto::measure::picture_file;
 use serde_json::{Value, json};
 
 use super::{
-    Bench,
+    Bench, FEW_FACES,
     judge::{CORNELL, SKIP},
     number, text,
 };
@@ -110,7 +110,7 @@ fn what_is_stopped_keeps_its_rows() {
     let bench = Bench::new();
     let vary = ["--vary", "probes.hysteresis=0.9,0.91,0.92,0.93,0.94,0.95"];
     let long = ["--frames", "60", "--layout", "layout1", "--json"];
-    let all = [&ONE_CAMERA[..], &SKIP, &vary, &long].concat();
+    let all = [&ONE_CAMERA[..], &SKIP, &FEW_FACES, &vary, &long].concat();
     let child = bench
         .judging(&all)
         .stdout(Stdio::piped())
@@ -161,6 +161,7 @@ fn pictures_are_as_small_and_as_large_as_they_are_wanted() {
     let flags = [
         &ONE_CAMERA[..],
         &SKIP,
+        &FEW_FACES,
         &["--layout", "layout1", "--size", "96x54"],
     ]
     .concat();

@@ -12,7 +12,7 @@ use grotto::commands::stress::{
     report::{Report, Row},
 };
 
-use crate::{end, folder, grotto};
+use crate::{FEW_FACE_RAYS, end, folder, grotto};
 
 /// Exit code, stdout, stderr.
 fn stress(out: &Path, arguments: &[&str]) -> (i32, String, String) {
@@ -79,7 +79,16 @@ fn parts_make_the_whole_byte_for_byte() {
     let at = |name: &str| folder.path().join(name);
     // With failures, whose files must be joined too.
     let scenes = [
-        "--scenes", "3", "--seed", "17", "--plant", "order", "--tries", "0",
+        "--scenes",
+        "3",
+        "--seed",
+        "17",
+        "--plant",
+        "order",
+        "--tries",
+        "0",
+        "--set",
+        FEW_FACE_RAYS,
     ];
     let run = |name: &str, more: &[&str]| {
         let (code, _, stderr) = stress(&at(name), &[&scenes, more].concat());
@@ -168,7 +177,16 @@ fn plant(fault: &str, seed: u32, check: Check) {
     let folder = folder();
     let number = seed.to_string();
     let arguments = [
-        "--scenes", "1", "--seed", &number, "--plant", fault, "--tries", "6",
+        "--scenes",
+        "1",
+        "--seed",
+        &number,
+        "--plant",
+        fault,
+        "--tries",
+        "6",
+        "--set",
+        FEW_FACE_RAYS,
     ];
     let (code, stdout, stderr) = stress(folder.path(), &arguments);
     assert_eq!(code, 4, "{fault} is not found\n{stdout}\n{stderr}");
