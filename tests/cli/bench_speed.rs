@@ -185,10 +185,11 @@ fn with_few_probes(folder: &Path) -> String {
         .replace(
             "counts: (11, 11, 11), spacing: 3",
             "counts: (4, 4, 4), spacing: 7",
-        );
-    let probes =
-        |text: &str| text.matches("(11, 11, 11)").count() + text.matches("(7, 7, 7)").count();
-    assert_eq!((probes(&text), probes(&few)), (2, 0));
+        )
+        .replace("octree: (depth: 3)", "octree: (depth: 1)");
+    let many = ["(7, 7, 7)", "(11, 11, 11)", "depth: 3"];
+    let found = |text: &str| many.map(|part| text.matches(part).count());
+    assert_eq!((found(&text), found(&few)), ([1; 3], [0; 3]));
     let path = folder.join("cornell.ron");
     fs::write(&path, few).expect("writable");
     path.to_str().expect("UTF-8").to_owned()

@@ -9,7 +9,7 @@ use super::{
 const MINIMAL: &str = "worlds/minimal.ron";
 const SMALL: [&str; 6] = [
     "--size",
-    "128x72",
+    "96x54",
     "--frames",
     "120",
     "--against",
@@ -42,7 +42,7 @@ fn edges_are_judged_and_what_players_see_of_them_is_smooth() {
         let output = super::grotto(arguments);
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     };
-    let picture = ["--size", "128x72", "--set", "probes.rays=32"];
+    let picture = ["--size", "96x54", "--set", "probes.rays=32"];
     let off = ["--frames", "120", "--set", "picture.antialias=off"];
     run(&[&["render", MINIMAL, "-o", jagged], &picture[..], &off].concat());
     let smooth = ["--spp", "512", "--antialias"];

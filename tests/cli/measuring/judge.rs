@@ -14,7 +14,7 @@ pub const CORNELL: &str = "worlds/cornell.ron";
 fn a_world_from_end_to_end() {
     let bench = Bench::new();
     let chosen = [
-        "--camera", "inside", "--layout", "layout2", "--frames", "8", "--spp", "64",
+        "--camera", "inside", "--layout", "layout1", "--frames", "8", "--spp", "64",
     ];
     let watched = ["--response-frames", "24"];
     let (json, _) = bench.judged(&[&[CORNELL], &chosen[..], &watched, &FEW_FACES].concat());
