@@ -162,7 +162,7 @@ impl Judge<'_> {
         let summary = Summary::of(&self.case.world);
         self.findings.note(
             Check::Predicted,
-            memory::predicted(&play.frame, &self.case.world.bodies, &summary, taken),
+            memory::predicted(&play.frame, &self.case.world, &summary, taken),
         );
         let first = self.play(&mut play)?;
         self.at_the_end(&mut play, &first)?;

@@ -172,6 +172,28 @@ fn bad_input_is_refused_with_a_remedy() {
     }
 }
 
+/// The list of its emissive faces was not predicted.
+#[test]
+fn a_body_that_glows_takes_as_much_memory_as_is_predicted() {
+    let folder = folder();
+    let world = folder.path().join("glowing.ron");
+    let text = "(
+        title: \"A slab that glows.\", size: (1, 1, 1), shape: Box(half: (1, 1, 1)),
+        materials: {\"glow\": (a: Flat(0, 0, 0), emission: (0, 0, 1))}, rules: [(material: \"glow\")],
+        bodies: [(model: Shape(size: (31, 1, 31), shape: Box(half: (16, 1, 16))), position: (0, 0, 0))],
+    )";
+    fs::write(&world, text).expect("writable");
+    let world = world.to_str().expect("UTF-8");
+    let out = folder.path().join("out");
+    let (code, stdout, stderr) = stress(&out, &["--world", world, "--tries", "0"]);
+    assert_eq!(code, 0, "{stdout}\n{stderr}");
+    let predicted = report(&out)
+        .checks
+        .get(&Check::Predicted)
+        .map(|of| of.passed);
+    assert_eq!(predicted, Some(1));
+}
+
 /// Plants a fault into a scene: the check must find it, and the scene must become simpler.
 fn plant(fault: &str, seed: u32, check: Check) {
     let folder = folder();

@@ -2,7 +2,7 @@
 
 mod worlds;
 
-use crate::support::{gpu, shipped};
+use crate::support::{gpu, parsed, shipped};
 use glam::{DVec3, IVec3, UVec3, Vec3};
 use grotto::gpu::{Gpu, Kernel, KernelSpec, Recorder};
 use grotto::passes::scene::distances::Distances;
@@ -273,6 +273,25 @@ fn the_gpu_builds_the_voxels_of_the_cpu() {
         );
         assert_eq!(found.bricks(), report.bricks as usize);
     }
+}
+
+/// A column of this world is a line of the lattice of its noise, along which that is exactly 0: the edge of a step.
+#[test]
+fn ground_in_steps_is_the_same_where_its_noise_is_zero() {
+    let gpu = gpu();
+    let text = "(
+        title: \"Steps.\", size: (17, 4, 64), origin: (385, 501, 0), seed: 1,
+        noises: {\"n\": (basis: Perlin, frequency: 0.021)},
+        shape: Translate(by: (401.5, 507.5, 0), of: HeightField(noise: \"n\", base: -1.636, amplitude: 0.934, step: 1.461)),
+        materials: {},
+    )";
+    let world = parsed(text);
+    let (found, _) = voxelised(&gpu, &world);
+    let wanted = generate(&world);
+    assert_eq!(differing(&world, &found, &wanted, 1e-3), Ok(0));
+    let is_solid = |z: i32| wanted.material(IVec3::new(16, 3, z)) != 0;
+    let solid = (0..64).filter(|z| is_solid(*z)).count();
+    assert!((1..64).contains(&solid), "both sides of the edge: {solid}");
 }
 
 #[test]

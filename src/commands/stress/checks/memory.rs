@@ -1,12 +1,11 @@
 //! Memory on the adapter: all of it is released, and none is taken that was not predicted.
 
+use glam::{IVec3, Vec3};
+
 use crate::{
     frame::Frame,
     gpu::Gpu,
-    world::{
-        bodies::{Bodies, BodyModel},
-        file::Summary,
-    },
+    world::{World, bodies::BodyModel, file::Summary},
 };
 
 /// Bytes that the adapter's allocator has given out; `None` where it does not report them.
@@ -46,11 +45,30 @@ const NEAR_FACTS: u64 = 64;
 const MOST_NEAR: u64 = 16;
 /// Bytes of a model's block of 4³ voxels: a material for each, a mask, and what is said of six faces.
 const BLOCK: u64 = 112;
+/// Bytes of a model's emissive face in the list of them.
+const EMISSIVE_FACE: u64 = 8;
 /// Bytes of the light of a body's block: six faces, in two copies.
 const LIGHT: u64 = 96;
 
+/// Number of a model's faces that emit light: those of emissive voxels beside air.
+fn emissive_faces(model: &BodyModel, world: &World) -> u64 {
+    const FACES: [IVec3; 3] = [IVec3::X, IVec3::Y, IVec3::Z];
+    let emits = |voxel: &IVec3| {
+        let material = usize::from(model.material(*voxel)) - 1;
+        let emission = world.materials.get(material).map(|of| of.emission);
+        emission.is_some_and(|emission| emission.cmpgt(Vec3::ZERO).any())
+    };
+    let exposed = |voxel: IVec3| {
+        let around = FACES.into_iter().flat_map(|facing| [facing, -facing]);
+        let airy = around.filter(|facing| model.material(voxel + *facing) == 0);
+        airy.count() as u64
+    };
+    model.solid().filter(emits).map(exposed).sum()
+}
+
 /// Most bytes that bodies take.
-fn of_bodies(bodies: &Bodies, cells: u64) -> u64 {
+fn of_bodies(world: &World, cells: u64) -> u64 {
+    let bodies = &world.bodies;
     if bodies.bodies.is_empty() {
         return 0;
     }
@@ -66,7 +84,9 @@ fn of_bodies(bodies: &Bodies, cells: u64) -> u64 {
     let models: u64 = bodies
         .models
         .iter()
-        .map(|model| BLOCK * (1 + blocks(model)))
+        .map(|model| {
+            BLOCK * (1 + blocks(model)) + EMISSIVE_FACE * (1 + emissive_faces(model, world))
+        })
         .sum();
     let of_body = |model: &BodyModel| BODY + LIGHT * blocks(model) + NEAR_FACTS * near(model);
     let all = bodies
@@ -79,7 +99,7 @@ fn of_bodies(bodies: &Bodies, cells: u64) -> u64 {
 /// Compares the memory of a scene with the predictions of `grotto check` and `Frame::memory`.
 pub fn predicted(
     frame: &Frame,
-    bodies: &Bodies,
+    world: &World,
     summary: &Summary,
     taken: Option<u64>,
 ) -> Result<(), String> {
@@ -93,7 +113,7 @@ pub fn predicted(
     }
     let cells = summary.size.map(|edge| u64::from(edge.div_ceil(8)));
     let cells: u64 = cells.iter().product();
-    let most = grid + cells * BRICK + of_bodies(bodies, cells) + 1024;
+    let most = grid + cells * BRICK + of_bodies(world, cells) + 1024;
     if memory.voxels > most {
         return Err(format!(
             "the voxels take {} bytes, and all cells and bodies together {most}",
@@ -111,7 +131,34 @@ pub fn predicted(
 
 #[cfg(test)]
 mod tests {
+    use glam::UVec3;
+
     use super::*;
+    use crate::world::file;
+
+    #[test]
+    fn emissive_faces_are_those_beside_air() {
+        let text = "(
+            title: \"Stone, and what glows.\", size: (1, 1, 1), shape: Box(half: (1, 1, 1)),
+            materials: {
+                \"glow\": (a: Flat(0, 0, 0), emission: (0, 0, 1)),
+                \"stone\": (a: Flat(0.5, 0.5, 0.5)),
+            },
+            rules: [(material: \"stone\")],
+        )";
+        let world = file::parse(text, "test", None, &Default::default()).expect("a world");
+        let number = |name: &str| {
+            let found = world.materials.iter().position(|of| of.name == name);
+            found.expect("it is there") as u8 + 1
+        };
+        let (stone, glow) = (number("stone"), number("glow"));
+        let model = BodyModel {
+            size: UVec3::new(5, 1, 1),
+            materials: vec![stone, glow, glow, 0, glow],
+        };
+        // Four sides of the first, five of the second, and all six of the one that stands alone.
+        assert_eq!(emissive_faces(&model, &world), 4 + 5 + 6);
+    }
 
     #[test]
     fn what_stays_behind_is_counted() {

@@ -10,6 +10,11 @@ use crate::world::sdf::noise::Noise;
 use crate::world::sdf::wgsl::{Body, number};
 use crate::world::sdf::{Bounds, Form, Node, Side, Tree};
 
+/// Steps that a rise may lack to count as a whole number of them. A lattice noise is exactly 0 along whole lines of its
+/// lattice; there rounding makes the rise of one device a little less than 0, and its ground would be a step lower than
+/// that of another.
+const ROUNDING: f64 = 1e-5;
+
 keys! {
     /// Solid where y < base + amplitude · noise(x, 0, z); the rise above `base` is rounded down to
     /// whole multiples of `step`. Not a distance: the value is divided by its own Lipschitz constant.
@@ -59,7 +64,7 @@ impl Node for Ground {
     fn eval(&self, p: DVec3) -> f64 {
         let mut rise = self.amplitude * self.noise.value(p.with_y(0.0));
         if self.step > 0.0 {
-            rise = (rise / self.step).floor() * self.step;
+            rise = (rise / self.step + ROUNDING).floor() * self.step;
         }
         (p.y - self.base - rise) / self.slope
     }
@@ -71,7 +76,7 @@ impl Node for Ground {
     }
 
     fn bounds(&self, level: f64) -> Bounds {
-        let highest = self.base + self.greatest_rise();
+        let highest = self.base + self.greatest_rise() + ROUNDING * self.step;
         Bounds::half_space(DVec3::Y, highest + level * self.slope)
     }
 
@@ -85,7 +90,10 @@ impl Node for Ground {
         let mut rise = body.variable("r", format_args!("{amplitude} * {noise}"));
         if self.step > 0.0 {
             let step = number(self.step);
-            rise = body.variable("r", format_args!("floor({rise} / {step}) * {step}"));
+            rise = body.variable(
+                "r",
+                format_args!("floor({rise} / {step} + {}) * {step}", number(ROUNDING)),
+            );
         }
         let (base, slope) = (number(self.base), number(self.slope));
         body.variable("d", format_args!("({p}.y - {base} - {rise}) / {slope}"))
@@ -93,7 +101,7 @@ impl Node for Ground {
 
     fn emit_bound(&self, body: &mut Body<'_>, p: &str, side: Side) -> Option<String> {
         let height = match side {
-            Side::Lower => self.base + self.greatest_rise(),
+            Side::Lower => self.base + self.greatest_rise() + ROUNDING * self.step,
             // Steps round down.
             Side::Upper => self.base - self.greatest_rise() - self.step,
         };

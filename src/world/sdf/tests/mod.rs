@@ -9,6 +9,7 @@ use super::{
     Cylinder, Displace, Empty, HeightField, Intersection, Plane, Repeat, Rotate, Scale, Sdf,
     SdfError, Shape, SmoothIntersection, SmoothSubtraction, SmoothUnion, Subtraction, Torus, Union,
 };
+use crate::world::noise::NoiseBank;
 use trees::{moved, noises, scattered, sphere, trees};
 
 /// Points within ±30, the same in every run, that do not lie on lattice planes.
@@ -149,6 +150,34 @@ fn a_stepped_height_field_is_flat_between_its_steps() {
         let rise = 5.0 * shape.bank().value(0, p.with_y(0.0));
         assert_eq!(-29.0 + top as f64, -21.0 + rise.floor());
     }
+}
+
+/// A lattice noise is 0 at its own points, however a device rounds.
+#[test]
+fn a_rise_of_almost_whole_steps_is_one_of_whole_steps() {
+    let top = |amplitude: f64, p: DVec3| {
+        let tree = Sdf::from(HeightField {
+            noise: 0,
+            base: -21.0,
+            amplitude,
+            step: 1.0,
+        });
+        let shape = Shape::new(&tree, &noises());
+        let ground = |i: &i32| shape.eval(p.with_y(-30.5 + f64::from(*i))) < 0.0;
+        (0..20).take_while(ground).count()
+    };
+    let mut tried = 0;
+    for p in points(200) {
+        let value = NoiseBank::new(&noises()).value(0, p.with_y(0.0));
+        if value.abs() < 1e-3 {
+            continue;
+        }
+        // A rise of two steps, and of rounding more or less.
+        let [less, more] = [-1e-7, 1e-7].map(|error| top((2.0 + error) / value, p));
+        assert_eq!(less, more, "{p}");
+        tried += 1;
+    }
+    assert!(tried > 100, "{tried}");
 }
 
 #[test]
