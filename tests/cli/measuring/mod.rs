@@ -26,7 +26,7 @@ use crate::support::{
     listing, root,
 };
 
-/// For tables, files and figures whose values are not judged here.
+/// For tests of tables and files, whose figures need not be near the truth.
 const FEW_FACES: [&str; 2] = ["--set", FEW_FACE_RAYS];
 
 /// The program at the root of the repository, where the worlds are.

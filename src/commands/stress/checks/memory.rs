@@ -52,14 +52,13 @@ const LIGHT: u64 = 96;
 
 /// Number of a model's faces that emit light: those of emissive voxels beside air.
 fn emissive_faces(model: &BodyModel, world: &World) -> u64 {
-    const FACES: [IVec3; 3] = [IVec3::X, IVec3::Y, IVec3::Z];
     let emits = |voxel: &IVec3| {
         let material = usize::from(model.material(*voxel)) - 1;
         let emission = world.materials.get(material).map(|of| of.emission);
         emission.is_some_and(|emission| emission.cmpgt(Vec3::ZERO).any())
     };
     let exposed = |voxel: IVec3| {
-        let around = FACES.into_iter().flat_map(|facing| [facing, -facing]);
+        let around = IVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
         let airy = around.filter(|facing| model.material(voxel + *facing) == 0);
         airy.count() as u64
     };
