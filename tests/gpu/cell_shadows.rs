@@ -84,9 +84,10 @@ fn lamps(count: usize, kind: Kind, step: usize) -> Vec<LampState> {
 fn pictures(gpu: Gpu, count: usize, kind: Kind) -> Vec<Picture> {
     let world = support::parsed(HALLS);
     let layout = world.layouts[0].clone();
-    // Probes have no part in direct light, and every face that is seen has a place in the surface cache.
+    // Probes and rays of faces have no part in direct light, and every face that is seen has a place in the surface cache.
     let probes = ProbeParameters {
         rays: 8,
+        face_share: 0.05,
         face_pixels: 0.5,
         ..ProbeParameters::default()
     };

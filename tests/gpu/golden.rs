@@ -156,7 +156,7 @@ fn cave() {
         lamps: "eight",
         size: [64, 36],
         rays: 256,
-        frames: 520,
+        frames: 320,
     };
     shown.compare();
 }
@@ -180,7 +180,7 @@ fn house() {
         lamps: "both",
         size: [96, 54],
         rays: 128,
-        frames: 440,
+        frames: 280,
     };
     shown.compare();
 }

@@ -65,7 +65,7 @@ fn stairs(vary: &str, [spp, frames, rays]: [u32; 3]) -> Vec<serde_json::Value> {
 
 #[test]
 fn the_final_gather_is_nearer_to_the_truth_than_probes_alone() {
-    let rows = stairs("probes.final_gather=off,on", [1024, 96, 128]);
+    let rows = stairs("probes.final_gather=off,on", [512, 64, 128]);
     let flip = |setting: &str| -> f64 {
         let chosen = rows
             .iter()
