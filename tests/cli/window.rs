@@ -1,9 +1,12 @@
 //! The window, opened on a virtual display (Xvfb).
 
 use std::{
-    fs,
+    env, fs,
+    path::PathBuf,
     process::{Command, Output, Stdio},
 };
+
+use directories::BaseDirs;
 
 use crate::{
     folder, grotto, root,
@@ -40,6 +43,15 @@ fn on_a_display() -> Command {
     command
 }
 
+/// Where Mesa keeps what it has compiled, for a process whose cache folder is its own: to compile all of it again takes a
+/// minute.
+fn compiled_shaders() -> Option<(&'static str, PathBuf)> {
+    let folders = BaseDirs::new()?;
+    let variable = "MESA_SHADER_CACHE_DIR";
+    let chosen = env::var_os(variable).map(PathBuf::from);
+    Some((variable, chosen.unwrap_or(folders.cache_dir().to_owned())))
+}
+
 #[test]
 fn without_a_world_the_title_screen_opens_anywhere() {
     let place = folder();
@@ -56,6 +68,7 @@ fn without_a_world_the_title_screen_opens_anywhere() {
         ])
         .env("XDG_DATA_HOME", place.path().join("data"))
         .env("XDG_CACHE_HOME", place.path().join("cache"))
+        .envs(compiled_shaders())
         .stdin(Stdio::null())
         // Not a checkout: the worlds come out of the binary.
         .current_dir(place.path());

@@ -174,6 +174,8 @@ const PASSES_OVER: Fault = (
 /// The room under `count` lamps, spread over it.
 fn under_many(gpu: Gpu, count: usize) -> Drawn {
     let mut drawn = room_on(gpu, 0, FinalGather::On);
+    // Rays of faces have no part in direct light.
+    drawn.probes.face_share = 0.05;
     let first = drawn.lights.lamps[0];
     let place = |number: usize| {
         let spread = |step: f64| (number as f64 * step).fract() - 0.5;
