@@ -8,7 +8,7 @@ use crate::{
     passes::{
         probes::{body_light::BodyLight, cover::ProbeCover},
         scene::{BODIES, publish_facts::PublishFacts},
-        surface_cache::{body_lamps::BodyLamps, body_shafts::BodyShafts},
+        surface_cache::{body_cells::BodyCells, body_lamps::BodyLamps, body_shafts::BodyShafts},
         view::shade::Shade,
     },
     world::bodies::Bodies,
@@ -50,6 +50,7 @@ impl Frame {
         let own = [
             ProbeCover::spec(&offered),
             BodyLight::spec(&offered),
+            BodyCells::spec(&offered),
             BodyLamps::spec(&offered),
             BodyShafts::spec(&offered),
             Shade::spec(true, &offered),

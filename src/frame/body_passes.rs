@@ -8,13 +8,14 @@ use crate::{
     passes::{
         probes::{ProbeField, body_light::BodyLight, cover::ProbeCover},
         scene::{GpuBodies, publish_facts::PublishFacts},
-        surface_cache::{body_lamps::BodyLamps, body_shafts::BodyShafts},
+        surface_cache::{body_cells::BodyCells, body_lamps::BodyLamps, body_shafts::BodyShafts},
     },
 };
 
 pub(super) struct BodyPasses {
     cover: ProbeCover,
     light: BodyLight,
+    cells: BodyCells,
     lamps: BodyLamps,
     shafts: BodyShafts,
     publish: PublishFacts,
@@ -35,11 +36,13 @@ impl BodyPasses {
         thread::scope(|threads| {
             let cover = threads.spawn(|| ProbeCover::new(gpu, field, offer));
             let light = threads.spawn(|| BodyLight::new(gpu, offer));
+            let cells = threads.spawn(|| BodyCells::new(gpu, offer));
             let lamps = threads.spawn(|| BodyLamps::new(gpu, offer));
             let shafts = BodyShafts::new(gpu, offer)?;
             Ok(Some(Self {
                 cover: made(cover)?,
                 light: made(light)?,
+                cells: made(cells)?,
                 lamps: made(lamps)?,
                 shafts,
                 publish: PublishFacts::new(gpu, bodies)?,
@@ -53,6 +56,11 @@ impl BodyPasses {
         self.cover.record(recorder);
     }
 
+    /// Which cells bodies may touch.
+    pub fn find_cells(&self, recorder: &mut Recorder<'_>) {
+        self.cells.record(recorder, self.bodies.near_cells());
+    }
+
     /// The light of bodies; which lamps they see, and which they may hide, if that may have changed.
     pub fn record(&self, recorder: &mut Recorder<'_>, update: &Update) {
         self.light.record(recorder, self.bodies.lit_faces());
@@ -60,7 +68,7 @@ impl BodyPasses {
             self.shafts.record(recorder, self.bodies.shaded_places());
         }
         if update.finds_shafts || update.asks_faces {
-            self.lamps.record(recorder, self.bodies.near_cells());
+            self.lamps.record(recorder, self.bodies.touched_cells());
         }
     }
 

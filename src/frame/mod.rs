@@ -4,7 +4,7 @@
 //! scene/lamp_lists (lamps that move, where there are many) ─ the lamps of each cell, for all that follows
 //! surface_cache/cell_shadows (from 13 lamps on) ─ which of them stone hides from cells, for faces and pixels
 //! probes/classify (new probes, volumes that move, edits) ─ where probes are ─ probes/schedule ─ which are updated
-//!     ├ probes/cover (bodies that move), probes/body_light, scene/publish_facts ─ probes in bodies, light of bodies
+//!     ├ probes/cover, surface_cache/body_cells (bodies that move), probes/body_light, scene/publish_facts ─ probes in bodies, light of bodies
 //!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
 //!     ├ probes/seed (volumes that move) ─ what new probes show until their first update
 //!     └ probes/forget_hits (`probes.hits=kept`) ─ which kept hits are still true
@@ -260,6 +260,7 @@ impl Frame {
                 .order
                 .asks_faces(self.frames, sight_changes, bodies_moved > 0.0),
             moves_bodies: bodies_moved > 0.0,
+            finds_body_cells: bodies_moved > 0.0 || self.frames == 0,
             finds_shafts: bodies_moved > 0.0 || lamps_have_changed || self.frames == 0,
             follows_change: is_settled && changes_greatly,
             estimates_early: is_calm,

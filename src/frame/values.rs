@@ -24,6 +24,8 @@ pub(super) struct Update {
     pub marks_visibility: bool,
     /// Bodies have moved: pass `probes/cover` must run.
     pub moves_bodies: bool,
+    /// The same, or nothing is known of them yet: pass `surface_cache/body_cells` must run.
+    pub finds_body_cells: bool,
     /// Bodies may hide other lamps than before: pass `surface_cache/body_shafts` must run.
     pub finds_shafts: bool,
     /// A volume that follows the camera has probes that are new.

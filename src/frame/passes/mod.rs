@@ -179,6 +179,7 @@ impl Passes {
         self.list_lamps(recorder, update.lists_lamps);
         recorder.concurrent(|recorder| {
             self.examine_shadows(recorder, update.examines_shadows);
+            self.find_body_cells(recorder, update.finds_body_cells);
             self.cover_probes(recorder, update.moves_bodies && !update.places_probes);
         });
         // Beside all pixels and faces it takes hardly any time that probes near an edit look around: they are few.

@@ -37,6 +37,13 @@ impl Passes {
         }
     }
 
+    /// Which cells bodies may touch: the list stays valid from the last frame where none has moved.
+    pub(super) fn find_body_cells(&self, recorder: &mut Recorder<'_>, is_needed: bool) {
+        if let (Some(bodies), true) = (&self.bodies, is_needed) {
+            bodies.find_cells(recorder);
+        }
+    }
+
     /// Probes that are new, were moved, or are near an edit. The places of all other probes stay valid from the last frame.
     pub(super) fn classify_probes(&self, recorder: &mut Recorder<'_>) -> ClassifiedProbes {
         self.classify.record(recorder);

@@ -16,6 +16,7 @@ impl ProbeBlend {
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(gpu: &Gpu, field: &ProbeField, scene: &[(&str, f64)]) -> Result<Self, GpuError> {
+        let [parts, lanes] = ProbeField::parts_and_lanes(gpu);
         let kernel = Kernel::new(
             gpu,
             &KernelSpec {
@@ -25,7 +26,8 @@ impl ProbeBlend {
                         "IRRADIANCE_TEXELS",
                         f64::from(field.atlas().irradiance_texels),
                     ),
-                    ProbeField::parts(gpu),
+                    parts,
+                    lanes,
                 ],
                 offered: &[scene, &field.layout_constants()[..]].concat(),
                 ..Default::default()

@@ -6,6 +6,7 @@ use glam::{UVec3, Vec3};
 
 use super::{
     body_emitters::GpuGlowingBody,
+    body_facts::BodyFacts,
     body_models::GpuModel,
     body_poses::Poses,
     body_records::{GpuBody, GpuBodyNode, Placed, records},
@@ -24,9 +25,6 @@ use crate::{
 /// Name of the constant of kernels that says whether there may be bodies.
 pub const BODIES: &str = "BODIES";
 
-/// The bindings of what passes `probes/body_light`, `surface_cache/body_lamps` and `surface_cache/body_shafts` find out.
-const FACTS: [&str; 3] = ["body_lit_facts", "body_near_facts", "body_shaft_facts"];
-
 /// Bodies that come or go change light as a way of this many voxels does.
 const APPEARING: f32 = 8.0;
 
@@ -36,10 +34,7 @@ pub struct GpuBodies {
     buffer: wgpu::Buffer,
     /// The bodies as the frame before showed them, without hierarchy and models.
     before: wgpu::Buffer,
-    /// What passes find out about the bodies: the light of their faces; of the cells around each, which lamps they see; of
-    /// the cells of the world and of bodies, which lamps other bodies may hide. A buffer for each pass, so that none waits
-    /// for another.
-    facts: [wgpu::Buffer; 3],
+    facts: BodyFacts,
     cells: Cells,
     room: Room,
     /// Weight of an emissive face of each material.
@@ -96,16 +91,11 @@ impl GpuBodies {
         cells: Cells,
         emission: Arc<[f64]>,
     ) -> Result<Self, GpuError> {
-        let (all, of_facts) = (room.bytes(cells), room.facts(cells).map(bytes));
-        let needed = all + of_facts.iter().sum::<u64>();
+        let all = room.bytes(cells);
+        let needed = all + BodyFacts::bytes_for(&room, cells);
         let (buffer, before, facts) = gpu.making("the bodies", needed, || {
             let buffer = gpu.storage_buffer("bodies", all)?;
-            let [lit, near, shaded] = of_facts;
-            let facts = [
-                gpu.storage_buffer(FACTS[0], lit)?,
-                gpu.storage_buffer(FACTS[1], near)?,
-                gpu.storage_buffer(FACTS[2], shaded)?,
-            ];
+            let facts = BodyFacts::new(gpu, &room, cells)?;
             let records = room.bodies.max(1) * size_of::<GpuBody>();
             let before = gpu.storage_buffer("bodies_before", records as u64)?;
             Ok::<_, GpuError>((buffer, before, facts))
@@ -147,9 +137,7 @@ impl GpuBodies {
         gpu.queue
             .write_buffer(&self.buffer, at, bytemuck::cast_slice(&vectors));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        for facts in &self.facts {
-            encoder.clear_buffer(facts, 0, None);
-        }
+        self.facts.clear(&mut encoder);
         let first_fact = bytes(self.room.first_fact());
         encoder.clear_buffer(&self.buffer, first_fact, Some(at - first_fact));
         gpu.queue.submit([encoder.finish()]);
@@ -270,14 +258,15 @@ impl GpuBodies {
     }
 
     /// What the shaders bind by name.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 5] {
-        let [lit, near, shaded] = &self.facts;
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 6] {
+        let [lit, near, shaded, touched] = self.facts.resources();
         [
             ("bodies", self.buffer.as_entire_binding()),
             ("bodies_before", self.before.as_entire_binding()),
-            (FACTS[0], lit.as_entire_binding()),
-            (FACTS[1], near.as_entire_binding()),
-            (FACTS[2], shaded.as_entire_binding()),
+            lit,
+            near,
+            shaded,
+            touched,
         ]
     }
 
@@ -314,6 +303,11 @@ impl GpuBodies {
         [poses.most_near_cells, poses.placed.len() as u32]
     }
 
+    /// The cells that bodies may touch: most workgroups of the pass over their list, and the list.
+    pub fn touched_cells(&self) -> ([u32; 2], &wgpu::Buffer) {
+        self.facts.touched()
+    }
+
     /// Number of cells and bodies, from which bodies may hide lamps.
     pub fn shaded_places(&self) -> u32 {
         self.cells.count.element_product() + self.poses().placed.len() as u32
@@ -321,7 +315,7 @@ impl GpuBodies {
 
     /// What pass `scene/publish_facts` binds.
     pub(super) fn resources_to_publish(&self) -> [(&'static str, wgpu::BindingResource<'_>); 4] {
-        let [_, _, lit, near, shaded] = self.resources();
+        let [lit, near, shaded, _] = self.facts.resources();
         [
             ("bodies_out", self.buffer.as_entire_binding()),
             lit,
@@ -332,14 +326,12 @@ impl GpuBodies {
 
     /// Vectors of two facts in all.
     pub(super) fn fact_vectors(&self) -> u32 {
-        let bytes: u64 = self.facts.iter().map(wgpu::Buffer::size).sum();
-        (bytes / size_of::<[u32; 4]>() as u64) as u32
+        self.facts.vectors()
     }
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        let facts = self.facts.iter().map(wgpu::Buffer::size);
-        self.buffer.size() + self.before.size() + facts.sum::<u64>()
+        self.buffer.size() + self.before.size() + self.facts.bytes()
     }
 
     fn poses(&self) -> MutexGuard<'_, Poses> {

@@ -178,14 +178,15 @@ impl GpuVoxels {
     }
 
     /// The bindings of `shaders/scene/voxels.wesl` and `shaders/scene/bodies.wesl`.
-    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 9] {
-        let [bodies, before, lit, near, shaded] = self.bodies.resources();
+    pub fn resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 10] {
+        let [bodies, before, lit, near, shaded, touched] = self.bodies.resources();
         [
             bodies,
             before,
             lit,
             near,
             shaded,
+            touched,
             ("grid_info", self.info.as_entire_binding()),
             ("grid", self.grid.as_entire_binding()),
             ("masks", self.masks.as_entire_binding()),

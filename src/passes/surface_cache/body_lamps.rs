@@ -29,11 +29,9 @@ impl BodyLamps {
         })
     }
 
-    /// In frames in which a body or a lamp has moved or a voxel has changed, after pass `scene/lamp_lists`. Most cells around
-    /// a body, and number of bodies.
-    pub fn record(&self, recorder: &mut Recorder<'_>, [cells, bodies]: [u32; 2]) {
-        if bodies > 0 {
-            recorder.run(&self.kernel, &self.bindings, [cells, bodies]);
-        }
+    /// In frames in which a body or a lamp has moved or a voxel has changed, after passes `scene/lamp_lists` and
+    /// `surface_cache/body_cells`.
+    pub fn record(&self, recorder: &mut Recorder<'_>, (most, listed): ([u32; 2], &wgpu::Buffer)) {
+        recorder.run_indirect(&self.kernel, &self.bindings, most, (listed, 0));
     }
 }

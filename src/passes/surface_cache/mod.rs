@@ -1,6 +1,7 @@
 //! Light of the faces that the camera sees, kept from frame to frame.
 
 pub mod allocate;
+pub mod body_cells;
 pub mod body_lamps;
 pub mod body_shafts;
 mod cache;

@@ -18,6 +18,8 @@ use crate::support::{self, Fault, frames::Drawn, scenes::flat};
 const CELLS: &str = "surface_cache/lamp_visibility.wesl";
 const FOUND: &str = "return KnownLamps(head.y, facts_from(first + 2u), vec3f(cell << vec3u(shift)) + half, half - 0.5, 0u);";
 const LAMPS: &str = "surface_cache/body_lamps.wesl";
+const LIST: &str = "surface_cache/body_cells.wesl";
+const LISTED: &str = "is_listed = is_touched(near);";
 
 /// Direct light while bodies turn on their ways and a lamp orbits; then it and they rest, and a wall is built between.
 fn pictures(gpu: Gpu) -> Vec<Picture> {
@@ -91,10 +93,29 @@ fn what_cells_know_changes_no_pixel() {
         "pixels that differ from those that send a ray to every lamp"
     );
 
-    let hidden = differs(&[(CELLS, "facts_from(first + 2u)", "vec4u(0xaaaaaaaau)")]);
+    // In whatever cell a pixel knows, all lamps are hidden.
+    let hidden = |listed| {
+        let hides = (CELLS, "facts_from(first + 2u)", "vec4u(0xaaaaaaaau)");
+        with(&[hides, (LIST, LISTED, listed)])
+    };
+    let known = hidden(LISTED);
+    let dark = shares(&found, &known);
     assert!(
-        hidden.iter().all(|share| *share > 0.02),
-        "cells are known: {hidden:?}"
+        dark.iter().all(|share| *share > 0.02),
+        "cells are known: {dark:?}"
+    );
+    let of_all = shares(&known, &hidden("is_listed = true;"));
+    assert_eq!(
+        of_all, [0.0; 5],
+        "pixels whose cells are not listed, though a body touches them"
+    );
+    let of_half = shares(
+        &known,
+        &hidden("is_listed = is_touched(near) && (place & 1u) == 0u;"),
+    );
+    assert!(
+        of_half.iter().all(|share| *share > 0.0),
+        "cells that are not listed are found: {of_half:?}"
     );
     let most = |shares: Vec<f64>| shares.into_iter().fold(0.0, f64::max);
     let alone = most(differs(&[(

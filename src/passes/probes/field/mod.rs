@@ -268,6 +268,13 @@ impl ProbeField {
         ("PARTS", if gpu.summary.is_software() { 1.0 } else { 4.0 })
     }
 
+    /// The constants of the kernel that sums the light of a probe's rays: likewise, and how many threads share the texels. A CPU waits
+    /// longer for what threads read than for what they compute, so there few sum many texels each.
+    pub(super) fn parts_and_lanes(gpu: &Gpu) -> [(&'static str, f64); 2] {
+        let lanes = if gpu.summary.is_software() { 8.0 } else { 32.0 };
+        [Self::parts(gpu), ("LANES", lanes)]
+    }
+
     /// The constant of kernels that measure distances: whether probes stay where they are until an edit.
     pub(super) fn stands(&self) -> (&'static str, f64) {
         ("PROBES_STAND", f64::from(u8::from(self.source.is_none())))
