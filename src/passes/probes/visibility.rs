@@ -84,7 +84,8 @@ impl ProbeVisibility {
             shader: "probes/visibility",
             offered: &[
                 field.layout_constants()[0],
-                ("THREADS", f64::from(gpu.threads(1024, 256))),
+                // On a CPU the first threads of a workgroup take all rows before the others begin.
+                ("THREADS", f64::from(gpu.threads(1024, 8))),
                 ("SHARES", f64::from(shares)),
             ],
             ..Default::default()
