@@ -40,8 +40,8 @@ const BRICK: u64 = 576;
 const BODY: u64 = 1024;
 /// Bytes of the facts about a cell of 8³ voxels or more, in two copies.
 const FACTS: u64 = 16;
-/// Bytes of the facts about a cell around a body, in two copies, and most such cells along an axis.
-const NEAR_FACTS: u64 = 64;
+/// Bytes of the facts about a cell around a body, in two copies, and of its entry in a list; and most such cells along an axis.
+const NEAR_FACTS: u64 = 68;
 const MOST_NEAR: u64 = 16;
 /// Bytes of a model's block of 4³ voxels: a material for each, a mask, and what is said of six faces.
 const BLOCK: u64 = 112;
