@@ -114,5 +114,12 @@ mod tests {
         frame.set_bodies(&gpu, &bodies).expect("it fits");
         assert!(frame.has_bodies());
         assert_eq!(gpu.compiled(), known);
+        let listed = |frame: &Frame| frame.stage.voxels.bodies.touched_cells().is_some();
+        assert!(listed(&frame));
+        frame.set_bodies(&gpu, &Bodies::default()).expect("it fits");
+        assert!(
+            !listed(&frame),
+            "no pass looks at cells of bodies that are gone"
+        );
     }
 }

@@ -67,8 +67,10 @@ impl BodyPasses {
         if update.finds_shafts {
             self.shafts.record(recorder, self.bodies.shaded_places());
         }
-        if update.finds_shafts || update.asks_faces {
-            self.lamps.record(recorder, self.bodies.touched_cells());
+        if (update.finds_shafts || update.asks_faces)
+            && let Some(touched) = self.bodies.touched_cells()
+        {
+            self.lamps.record(recorder, touched);
         }
     }
 

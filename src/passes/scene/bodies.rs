@@ -303,9 +303,10 @@ impl GpuBodies {
         [poses.most_near_cells, poses.placed.len() as u32]
     }
 
-    /// The cells that bodies may touch: most workgroups of the pass over their list, and the list.
-    pub fn touched_cells(&self) -> ([u32; 2], &wgpu::Buffer) {
-        self.facts.touched()
+    /// The cells that bodies may touch: most workgroups of the pass over their list, and the list. `None` without bodies: then no
+    /// list was made.
+    pub fn touched_cells(&self) -> Option<([u32; 2], &wgpu::Buffer)> {
+        (!self.poses().placed.is_empty()).then(|| self.facts.touched())
     }
 
     /// Number of cells and bodies, from which bodies may hide lamps.

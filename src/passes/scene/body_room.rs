@@ -15,14 +15,15 @@ crate::shared! {
     pub const HEAD_VECTORS as HEAD_VECTORS: usize = 3;
     /// Facts about one of the cells around a body.
     pub const NEAR_FACTS as NEAR_FACTS: usize = 4;
+    /// log2 of the most cells along an axis around a body.
+    pub const MOST_NEAR_BITS as MOST_NEAR_BITS: u32 = 4;
 }
 
 /// log2 of the voxels along the smallest and the largest cells around bodies. A cell of the world that has a list of lamps
 /// is never smaller than these, so all of a cell has one list.
 const LEAST_NEAR_SHIFT: u32 = 2;
 const MOST_NEAR_SHIFT: u32 = 4;
-/// log2 of the most cells along an axis, and most cells around all bodies: 16 MiB of facts.
-const MOST_NEAR_BITS: u32 = 4;
+/// Most cells around all bodies: 16 MiB of facts.
 const MOST_NEAR_CELLS: usize = 1 << 19;
 
 /// The cells around a body, in which the world's cells take turns as the body moves: the cell at a place has the number
