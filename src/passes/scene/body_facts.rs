@@ -60,7 +60,7 @@ impl BodyFacts {
         }
     }
 
-    /// The list of touched cells, which begins with the workgroups of the pass over it, and most of them.
+    /// Most workgroups of the pass over the list of touched cells, and the list, which begins with how many they are now.
     pub fn touched(&self) -> ([u32; 2], &wgpu::Buffer) {
         (self.most_groups, &self.touched)
     }

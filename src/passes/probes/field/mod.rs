@@ -268,8 +268,9 @@ impl ProbeField {
         ("PARTS", if gpu.summary.is_software() { 1.0 } else { 4.0 })
     }
 
-    /// The constants of the kernel that sums the light of a probe's rays: likewise, and how many threads share the texels. A CPU waits
-    /// longer for what threads read than for what they compute, so there few sum many texels each.
+    /// The constants of the kernel that sums the light of a probe's rays: [`Self::parts`], and among how many lanes of threads the
+    /// texels of its map are divided. A CPU waits longer for what threads read than for what they compute, so there few threads sum
+    /// many texels each.
     pub(super) fn parts_and_lanes(gpu: &Gpu) -> [(&'static str, f64); 2] {
         let lanes = if gpu.summary.is_software() { 8.0 } else { 32.0 };
         [Self::parts(gpu), ("LANES", lanes)]
