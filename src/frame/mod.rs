@@ -52,8 +52,8 @@ use values::{Drawn, Update, Wanted};
 use crate::{
     gpu::{Gpu, Recorder},
     lights::{
-        CellShadows, CommonGain, LampRanks, Lights, LightsKept, RecentLights, RestingLamps,
-        table::LightsOfFrame,
+        BuriedLamps, CellShadows, CommonGain, LampRanks, Lights, LightsKept, RecentLights,
+        RestingLamps, table::LightsOfFrame,
     },
     parameters::ProbeParameters,
     passes::{
@@ -84,6 +84,7 @@ pub struct Frame {
     ranks: LampRanks,
     /// At their reference intensities.
     recent_lights: RecentLights,
+    buried: BuriedLamps,
     field: ProbeField,
     faces: SurfaceCache,
     passes: Passes,
@@ -128,6 +129,7 @@ impl Frame {
             resting: RestingLamps::default(),
             ranks: LampRanks::default(),
             recent_lights: RecentLights::default(),
+            buried: BuriedLamps::default(),
             field,
             faces,
             passes,
@@ -175,7 +177,9 @@ impl Frame {
             rhythms,
         } = self.gain.keep(lights, emits, told);
         let light_change = self.recent_lights.change(&lights);
-        let light_change = light_change.max(change_of_bodies(bodies_moved));
+        let origin = self.stage.voxels.origin;
+        let buried = self.buried.change(&lights, &self.stage.solid, origin);
+        let light_change = light_change.max(change_of_bodies(bodies_moved)).max(buried);
         self.field.end_growth(gpu);
         if self
             .field
@@ -335,6 +339,8 @@ impl Frame {
             return Err(error);
         }
         self.stage.voxels.write(gpu, voxels, edit);
+        self.stage.solid.follow(voxels, edit);
+        self.buried.forget();
         if let Some(emitters) = emitters {
             self.stage.emitters.write(gpu, emitters);
         }

@@ -47,6 +47,7 @@ impl Frame {
         self.resting.forget();
         self.ranks.forget();
         self.recent_lights.forget();
+        self.buried.forget();
         self.antialiasing.restart();
         self.drawn.smoothed = None;
         Ok(())

@@ -12,12 +12,18 @@ use crate::{
         voxelise::{Voxelise, VoxeliseReport},
     },
     probes::Volume,
-    world::{LayoutSpec, World, materials::MaterialSet, voxels::Voxels},
+    world::{
+        LayoutSpec, World,
+        materials::MaterialSet,
+        voxels::{SolidVoxels, Voxels},
+    },
 };
 
 /// A world on the GPU, without a camera: its voxels and materials.
 pub struct Stage {
     pub voxels: GpuVoxels,
+    /// Which of them are solid, on the CPU.
+    pub(super) solid: SolidVoxels,
     pub materials: GpuMaterials,
     /// The faces of its emissive voxels.
     pub emitters: GpuEmitters,
@@ -75,17 +81,11 @@ impl Stage {
                 ..Self::of_voxels(gpu, world, &changed, materials)?
             });
         }
-        let emitters = if world
-            .materials
-            .iter()
-            .any(|material| material.emission.max_element() > 0.0)
-        {
-            Emitters::find(&voxels.read_back(gpu)?, &world.materials)
-        } else {
-            Emitters::default()
-        };
+        let read = voxels.read_back(gpu)?;
+        let emitters = Emitters::find(&read, &world.materials);
         Ok(Self {
             voxels,
+            solid: SolidVoxels::of(&read),
             materials,
             emitters: GpuEmitters::upload(gpu, emitters)?,
             built: Some(built),
@@ -113,6 +113,7 @@ impl Stage {
                 ..GpuVoxels::upload(gpu, voxels, world.origin)?
             },
             materials,
+            solid: SolidVoxels::of(voxels),
             emitters: GpuEmitters::upload(gpu, Emitters::find(voxels, &world.materials))?,
             built: None,
             lamp_kinds: LampKinds::of_world(world),

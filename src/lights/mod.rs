@@ -4,6 +4,7 @@
 //! the CPU in f64, [`table`] uploads its result, and the CPU path tracer reads the same values. Lamps
 //! are summed: adding one never darkens anything.
 
+mod buried;
 mod cells;
 pub mod change;
 pub mod emitters;
@@ -22,6 +23,7 @@ pub mod sphere;
 pub mod table;
 pub mod tracked;
 
+pub use buried::BuriedLamps;
 pub use cells::Cells;
 pub use emitters::Emitters;
 pub use fresh::FreshLamps;

@@ -6,6 +6,7 @@ use glam::{DVec3, IVec3, Vec3};
 
 use super::{
     super::Failure,
+    checks::darkness::Reached,
     fault::Fault,
     test_case::{EditPlan, TestCase},
 };
@@ -67,6 +68,8 @@ pub struct Play<'a> {
     /// The CPU's copy, with the same edits.
     pub voxels: Voxels,
     pub shot: Shot,
+    /// Where light may have come since the probes were new.
+    pub reached: Reached,
     probes: ProbeParameters,
     elapsed_s: f64,
     timing: Timing,
@@ -108,6 +111,7 @@ impl<'a> Play<'a> {
                 soft_rays: parameters.lights.soft_rays,
                 shadows: parameters.lights.shadows,
             },
+            reached: Reached::default(),
             probes,
             elapsed_s: 0.0,
             timing: Timing::new(gpu)?,
@@ -127,6 +131,7 @@ impl<'a> Play<'a> {
             Part::First => self.frames(FIRST),
             Part::Moving => self.walk(),
             Part::Edits => {
+                self.shot.camera = self.case.camera().clone();
                 for plan in &self.case.script.edits {
                     self.edit(plan)?;
                     self.frames(AFTER_EDIT)?;
@@ -141,6 +146,7 @@ impl<'a> Play<'a> {
                 self.frames(JUMPED)
             }
             Part::Settled => {
+                self.reached = Reached::default();
                 self.frame
                     .replace_probes(self.gpu, &self.case.layout, &self.probes)?;
                 self.frames(SETTLING)
@@ -148,7 +154,7 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// Time advances, and the camera flies to the goal and back.
+    /// Time advances, and the camera flies to the goal.
     fn walk(&mut self) -> Result<(), Failure> {
         let start = self.case.camera().clone();
         let goal = self.place(self.case.script.goal);
@@ -159,7 +165,6 @@ impl<'a> Play<'a> {
             self.shot.camera.yaw_deg = start.yaw_deg + 40.0 * way;
             self.frames(1)?;
         }
-        self.shot.camera = start;
         Ok(())
     }
 
@@ -168,6 +173,8 @@ impl<'a> Play<'a> {
             let lights = self.lights();
             self.shot.frame = self.frame.frames();
             self.shot.time_s = self.case.script.start_s + self.elapsed_s;
+            self.reached
+                .add(&self.case.world, &self.voxels, &lights, self.shot.time_s);
             // On a software adapter, timing would run the passes one after another, as no normal frame does.
             let timed = !self.gpu.summary.is_software();
             let mut recorder = Recorder::new(self.gpu, timed.then_some(&mut self.timing));

@@ -8,7 +8,7 @@ crate::shared! {
     /// Most faces of bodies that send rays in a frame. Where there are more, bodies take turns.
     const MOST_FACES as MOST_BODY_FACES: u32 = 8192;
 
-    /// Rays of a face in a frame, and faces of a workgroup.
+    /// Rays of a face in a frame, and faces of a workgroup. The thread of a ray also looks after one of the face's sixteen columns.
     const RAYS as BODY_RAYS: u32 = 16;
     const FACES_A_GROUP as BODY_FACES_A_GROUP: u32 = 4;
 }

@@ -13,6 +13,8 @@ crate::shared! {
 
     /// Vectors of the head.
     pub const HEAD_VECTORS as HEAD_VECTORS: usize = 3;
+    /// Facts about a face with stored light.
+    pub const LIT_FACTS as LIT_FACTS: usize = 2;
     /// Facts about one of the cells around a body.
     pub const NEAR_FACTS as NEAR_FACTS: usize = 4;
     /// log2 of the most cells along an axis around a body.
@@ -118,7 +120,7 @@ impl Room {
 
     /// Number of the first fact about the cells around bodies; those about stored light come before.
     pub fn first_near_fact(&self) -> usize {
-        self.lit_faces.next_multiple_of(2).max(2)
+        LIT_FACTS * self.lit_faces.max(1)
     }
 
     /// Number of the first fact about the cells of the world; those about bodies follow.
@@ -130,7 +132,8 @@ impl Room {
     pub fn facts(&self, cells: Cells) -> [usize; 3] {
         let cells = cells.count.element_product() as usize * self.bodies.min(1);
         let near = self.near_cells * NEAR_FACTS;
-        [self.lit_faces, near, cells + self.bodies].map(|facts| facts.div_ceil(2).max(1))
+        let lit = LIT_FACTS * self.lit_faces;
+        [lit, near, cells + self.bodies].map(|facts| facts.div_ceil(2).max(1))
     }
 
     pub fn first_model(&self, cells: Cells) -> usize {

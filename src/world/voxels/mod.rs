@@ -15,12 +15,14 @@
 mod distances;
 mod edit;
 mod overlay;
+mod solid;
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 pub use edit::Edit;
 pub use overlay::{ChangedBrick, MASK_WORDS, Originals, Overlay};
+pub use solid::SolidVoxels;
 
 /// Edge of a grid cell in voxels.
 pub const CELL: u32 = 8;

@@ -33,13 +33,32 @@ const UNKNOWN: u8 = 0;
 const LIT: u8 = 1;
 const SOLID: u8 = 2;
 
+/// Where light may have come in any of the frames so far: light that was there may stay for some frames.
+#[derive(Clone, Debug, Default)]
+pub struct Reached {
+    /// For each voxel, in the order x, y, z. Empty before the first frame.
+    voxels: Vec<bool>,
+}
+
+impl Reached {
+    /// Adds what light may reach in one more frame.
+    pub fn add(&mut self, world: &World, voxels: &Voxels, lights: &Lights, time_s: f64) {
+        let now = lit_air(world, voxels, lights, &world.bodies.poses(time_s));
+        self.voxels.resize(now.len(), false);
+        for (reached, now) in self.voxels.iter_mut().zip(now) {
+            *reached |= now == LIT;
+        }
+    }
+}
+
 impl Darkness {
+    /// That of the play's last frame.
     pub fn of(play: &Play<'_>) -> Self {
         Self::seen_by(
             &play.shot.camera,
             &play.case.world,
             &play.voxels,
-            &play.lights(),
+            &play.reached,
             play.shot.time_s,
         )
     }
@@ -49,12 +68,11 @@ impl Darkness {
         camera: &Camera,
         world: &World,
         voxels: &Voxels,
-        lights: &Lights,
+        reached: &Reached,
         time_s: f64,
     ) -> Self {
         let poses = world.bodies.poses(time_s);
         let bodies = PosedBodies::new(&world.bodies, world.origin, &poses);
-        let lit = lit_air(world, voxels, lights, &poses);
         let size = world.size.as_ivec3();
         let index = |at: IVec3| (at.x + size.x * (at.y + size.y * at.z)) as usize;
         let inside = |at: IVec3| at.cmpge(IVec3::ZERO).all() && at.cmplt(size).all();
@@ -77,7 +95,7 @@ impl Darkness {
             }
             let before = hit.voxel + FACE_NORMALS[usize::from(hit.face)];
             // No light reaches the air in front of the face, and no voxel next to that air shines into it.
-            inside(before) && lit[index(before)] == UNKNOWN
+            inside(before) && !reached.voxels[index(before)]
         });
         Self {
             pixels: pixels.collect(),
@@ -225,7 +243,9 @@ mod tests {
             let world = parse(&text, "room", None, &Overrides::default()).expect("sound");
             let lights = Lights::at(&world, &world.lamp_presets[0], 0.0);
             let voxels = generate(&world);
-            let darkness = Darkness::seen_by(&world.cameras[0], &world, &voxels, &lights, 0.0);
+            let mut reached = Reached::default();
+            reached.add(&world, &voxels, &lights, 0.0);
+            let darkness = Darkness::seen_by(&world.cameras[0], &world, &voxels, &reached, 0.0);
             darkness.pixels.iter().filter(|dark| **dark).count()
         };
         let all = (SIZE[0] * SIZE[1]) as usize;
@@ -236,6 +256,29 @@ mod tests {
         let beside = room("dull", body);
         assert!(beside > all / 4 && beside < all, "{beside} of {all}");
         assert_eq!(room("glow", body), 0);
+    }
+
+    #[test]
+    fn what_light_has_reached_stays_reached() {
+        let text = "(title: \"\", size: (8, 8, 8), shape: Subtraction([
+                Translate(by: (4, 4, 4), of: Box(half: (4, 4, 4))),
+                Translate(by: (4, 4, 4), of: Box(half: (2, 2, 2)))]),
+            lamps: [(name: \"p\", lamps: [(position: (4, 4, 4), power: 10)])])";
+        let world = parse(text, "room", None, &Overrides::default()).expect("sound");
+        let voxels = generate(&world);
+        let one = Lights::at(&world, &world.lamp_presets[0], 0.0);
+        let none = Lights {
+            lamps: Vec::new(),
+            ..one.clone()
+        };
+        let mut reached = Reached::default();
+        let count = |reached: &Reached| reached.voxels.iter().filter(|lit| **lit).count();
+        reached.add(&world, &voxels, &none, 0.0);
+        assert_eq!(count(&reached), 0);
+        reached.add(&world, &voxels, &one, 0.0);
+        assert_eq!(count(&reached), 64);
+        reached.add(&world, &voxels, &none, 0.0);
+        assert_eq!(count(&reached), 64);
     }
 
     #[test]

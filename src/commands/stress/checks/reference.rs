@@ -11,8 +11,10 @@ use crate::{
     world::{LayoutSpec, View, World},
 };
 
-/// Paths per pixel: with these, the mean over a picture is known to a few per cent.
-const SAMPLES: u32 = 32;
+/// Paths per pixel: with these, the mean over nearly every picture is known to a few per cent.
+pub const SAMPLES: u32 = 32;
+/// Paths per pixel for a picture that fails: where few paths bring most of the light, those above may have found none of them.
+pub const MANY_SAMPLES: u32 = 4096;
 /// Largest ratio of the mean luminance of a picture to that of the reference, in either direction. The band is
 /// wide because the layouts are random and may be very bad: one probe may have to light a whole world.
 const BAND: f64 = 4.0;
@@ -21,12 +23,16 @@ const LEAST: f64 = 2e-3;
 /// Above this albedo light needs more frames to settle than a scene has.
 const MOST_ALBEDO: f32 = 0.9;
 
-pub fn traced(play: &Play<'_>) -> Result<Picture, Failure> {
+/// The picture of the play's last shot with `spp` paths per pixel.
+///
+/// # Errors
+/// When the adapter fails.
+pub fn traced(play: &Play<'_>, spp: u32) -> Result<Picture, Failure> {
     let request = TraceRequest {
         camera: &play.shot.camera,
         size: SIZE,
         view: View::Full,
-        spp: SAMPLES,
+        spp,
         seed: 1,
         time_s: play.shot.time_s,
         textures: play.shot.textures,

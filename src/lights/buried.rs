@@ -1,0 +1,125 @@
+//! Lamps that pass through stone: however slowly they move, their light comes and goes all at once.
+
+use glam::{DVec3, IVec3};
+
+use super::{LampShape, LampState, Lights, rest::is_same_place};
+use crate::world::voxels::SolidVoxels;
+
+/// Which lamps are inside of solid voxels.
+#[derive(Clone, Debug, Default)]
+pub struct BuriedLamps {
+    /// Each lamp in the frame before, and whether it was buried.
+    lamps: Vec<(LampState, bool)>,
+}
+
+impl BuriedLamps {
+    /// Forgets all lamps.
+    pub fn forget(&mut self) {
+        self.lamps.clear();
+    }
+
+    /// The share of the light of all lamps that comes or goes in this frame because lamps leave or enter solid voxels, 0 to 1. `origin`
+    /// is the world position of the grid. What is known of a lamp holds until it moves: forget all after an edit.
+    pub fn change(&mut self, lights: &Lights, solid: &SolidVoxels, origin: IVec3) -> f32 {
+        let (mut changed, mut all) = (0.0, 0.0);
+        self.lamps.truncate(lights.lamps.len());
+        for (number, lamp) in lights.lamps.iter().enumerate() {
+            let before = self.lamps.get(number).copied();
+            let buried = match before {
+                Some((before, buried)) if is_same_place(lamp, &before) => buried,
+                _ => is_buried(lamp, solid, origin),
+            };
+            let power = lamp.intensity.element_sum();
+            if lamp.shape != LampShape::Directional {
+                all += power;
+            }
+            if before.is_some_and(|(_, before)| before != buried) {
+                changed += power;
+            }
+            match self.lamps.get_mut(number) {
+                Some(known) => *known = (*lamp, buried),
+                None => self.lamps.push((*lamp, buried)),
+            }
+        }
+        if all > 0.0 {
+            (changed / all) as f32
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Whether the middle of a lamp, and six points of its surface if it is a sphere, are in solid voxels.
+fn is_buried(lamp: &LampState, solid: &SolidVoxels, origin: IVec3) -> bool {
+    if lamp.shape == LampShape::Directional {
+        return false;
+    }
+    let at = lamp.position_ws - origin.as_dvec3();
+    let is_in_stone = |at: DVec3| solid.is_solid(at.floor().as_ivec3());
+    let radius = lamp.soft_radius;
+    let ways = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * radius);
+    is_in_stone(at)
+        && (radius == 0.0
+            || ways
+                .iter()
+                .all(|way| is_in_stone(at + *way) && is_in_stone(at - *way)))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec3, Vec3};
+
+    use super::{super::rest::tests::lights, *};
+    use crate::world::voxels::Voxels;
+
+    /// A wall from x = 4 to 6 of a world that begins at x = −2.
+    fn wall() -> SolidVoxels {
+        let mut voxels = Voxels::empty(UVec3::new(16, 4, 4));
+        voxels.fill_box(IVec3::new(6, 0, 0), IVec3::new(7, 3, 3), 1);
+        SolidVoxels::of(&voxels)
+    }
+
+    const ORIGIN: IVec3 = IVec3::new(-2, 0, 0);
+
+    #[test]
+    fn a_lamp_counts_where_it_enters_and_leaves_stone() {
+        let wall = wall();
+        let mut buried = BuriedLamps::default();
+        let at = |x: f64| lights(&[(x, 3.0), (0.5, 1.0)]);
+        let ways = [3.0, 3.9, 4.1, 5.0, 5.9, 6.1, 7.0];
+        let changes = ways.map(|x| buried.change(&at(x), &wall, ORIGIN));
+        assert_eq!(changes, [0.0, 0.0, 0.75, 0.0, 0.0, 0.75, 0.0]);
+    }
+
+    #[test]
+    fn neither_the_first_frame_nor_a_lamp_that_comes_counts() {
+        let wall = wall();
+        let mut buried = BuriedLamps::default();
+        let of = |lamps: &[(f64, f64)]| lights(lamps);
+        assert_eq!(buried.change(&of(&[(5.0, 1.0)]), &wall, ORIGIN), 0.0);
+        let two = of(&[(5.0, 1.0), (4.5, 1.0)]);
+        assert_eq!(buried.change(&two, &wall, ORIGIN), 0.0);
+        assert_eq!(buried.change(&of(&[]), &wall, ORIGIN), 0.0);
+        assert_eq!(buried.change(&of(&[(3.0, 1.0)]), &wall, ORIGIN), 0.0);
+        buried.forget();
+        assert_eq!(buried.change(&of(&[(5.0, 1.0)]), &wall, ORIGIN), 0.0);
+    }
+
+    #[test]
+    fn a_sphere_shines_until_all_of_it_is_in_stone() {
+        let mut voxels = Voxels::empty(UVec3::splat(32));
+        voxels.fill_box(IVec3::new(8, 0, 0), IVec3::new(31, 31, 31), 1);
+        let solid = SolidVoxels::of(&voxels);
+        let mut buried = BuriedLamps::default();
+        let mut at = |x: f32| {
+            let mut one = lights(&[(0.0, 1.0)]);
+            one.lamps[0].position_ws = Vec3::new(x, 16.0, 16.0).as_dvec3();
+            one.lamps[0].soft_radius = 2.0;
+            buried.change(&one, &solid, IVec3::ZERO)
+        };
+        assert_eq!(
+            [7.0, 8.5, 9.9, 10.1, 12.0].map(&mut at),
+            [0.0, 0.0, 0.0, 1.0, 0.0]
+        );
+    }
+}
