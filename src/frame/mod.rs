@@ -171,15 +171,18 @@ impl Frame {
         let jittered = (self.antialiasing).next(shot, &inspected, Some(lights), is_warming);
         let emits = self.stage.emits();
         let told = self.lights.kinds().rhythms;
+        let origin = self.stage.voxels.origin;
+        let burials = self.buried.follow(lights, &self.stage.solid, origin);
+        let is_dark = burials.are_total && !emits && lights.sky.is_dark();
         let LightsKept {
             lights,
             gain,
             rhythms,
         } = self.gain.keep(lights, emits, told);
+        let gain = if is_dark { gain * 0.0 } else { gain };
         let light_change = self.recent_lights.change(&lights);
-        let origin = self.stage.voxels.origin;
-        let buried = self.buried.change(&lights, &self.stage.solid, origin);
-        let light_change = light_change.max(change_of_bodies(bodies_moved)).max(buried);
+        let of_bodies = change_of_bodies(bodies_moved);
+        let light_change = light_change.max(of_bodies).max(burials.change);
         self.field.end_growth(gpu);
         if self
             .field

@@ -12,16 +12,25 @@ pub struct BuriedLamps {
     lamps: Vec<(LampState, bool)>,
 }
 
+/// How lamps that leave or enter stone change the light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Burials {
+    /// The share of the light of all lamps that comes or goes in this frame, 0 to 1.
+    pub change: f32,
+    /// Whether there are lamps, and none gives light.
+    pub are_total: bool,
+}
+
 impl BuriedLamps {
     /// Forgets all lamps.
     pub fn forget(&mut self) {
         self.lamps.clear();
     }
 
-    /// The share of the light of all lamps that comes or goes in this frame because lamps leave or enter solid voxels, 0 to 1. `origin`
-    /// is the world position of the grid. What is known of a lamp holds until it moves: forget all after an edit.
-    pub fn change(&mut self, lights: &Lights, solid: &SolidVoxels, origin: IVec3) -> f32 {
-        let (mut changed, mut all) = (0.0, 0.0);
+    /// Looks at the lamps of a frame. `origin` is the world position of the grid. What is known of a lamp holds until it moves:
+    /// forget all after an edit.
+    pub fn follow(&mut self, lights: &Lights, solid: &SolidVoxels, origin: IVec3) -> Burials {
+        let (mut changed, mut all, mut shines) = (0.0, 0.0, false);
         self.lamps.truncate(lights.lamps.len());
         for (number, lamp) in lights.lamps.iter().enumerate() {
             let before = self.lamps.get(number).copied();
@@ -36,15 +45,18 @@ impl BuriedLamps {
             if before.is_some_and(|(_, before)| before != buried) {
                 changed += power;
             }
+            shines |= power > 0.0 && !buried;
             match self.lamps.get_mut(number) {
                 Some(known) => *known = (*lamp, buried),
                 None => self.lamps.push((*lamp, buried)),
             }
         }
-        if all > 0.0 {
-            (changed / all) as f32
-        } else {
-            0.0
+        if all == 0.0 {
+            return Burials::default();
+        }
+        Burials {
+            change: (changed / all) as f32,
+            are_total: !shines,
         }
     }
 }
@@ -87,22 +99,31 @@ mod tests {
         let mut buried = BuriedLamps::default();
         let at = |x: f64| lights(&[(x, 3.0), (0.5, 1.0)]);
         let ways = [3.0, 3.9, 4.1, 5.0, 5.9, 6.1, 7.0];
-        let changes = ways.map(|x| buried.change(&at(x), &wall, ORIGIN));
+        let found = ways.map(|x| buried.follow(&at(x), &wall, ORIGIN));
+        let changes = found.map(|found| found.change);
         assert_eq!(changes, [0.0, 0.0, 0.75, 0.0, 0.0, 0.75, 0.0]);
+        assert!(found.iter().all(|found| !found.are_total));
+        let alone = [3.9, 4.1, 6.1].map(|x| {
+            let found = buried.follow(&lights(&[(x, 3.0), (0.5, 0.0)]), &wall, ORIGIN);
+            found.are_total
+        });
+        assert_eq!(alone, [false, true, false]);
     }
 
     #[test]
     fn neither_the_first_frame_nor_a_lamp_that_comes_counts() {
         let wall = wall();
         let mut buried = BuriedLamps::default();
-        let of = |lamps: &[(f64, f64)]| lights(lamps);
-        assert_eq!(buried.change(&of(&[(5.0, 1.0)]), &wall, ORIGIN), 0.0);
-        let two = of(&[(5.0, 1.0), (4.5, 1.0)]);
-        assert_eq!(buried.change(&two, &wall, ORIGIN), 0.0);
-        assert_eq!(buried.change(&of(&[]), &wall, ORIGIN), 0.0);
-        assert_eq!(buried.change(&of(&[(3.0, 1.0)]), &wall, ORIGIN), 0.0);
+        let mut change = |lamps: &[(f64, f64)]| buried.follow(&lights(lamps), &wall, ORIGIN).change;
+        assert_eq!(change(&[(5.0, 1.0)]), 0.0);
+        assert_eq!(change(&[(5.0, 1.0), (4.5, 1.0)]), 0.0);
+        assert_eq!(change(&[]), 0.0);
+        assert_eq!(change(&[(3.0, 1.0)]), 0.0);
         buried.forget();
-        assert_eq!(buried.change(&of(&[(5.0, 1.0)]), &wall, ORIGIN), 0.0);
+        assert_eq!(
+            buried.follow(&lights(&[(5.0, 1.0)]), &wall, ORIGIN).change,
+            0.0
+        );
     }
 
     #[test]
@@ -115,7 +136,7 @@ mod tests {
             let mut one = lights(&[(0.0, 1.0)]);
             one.lamps[0].position_ws = Vec3::new(x, 16.0, 16.0).as_dvec3();
             one.lamps[0].soft_radius = 2.0;
-            buried.change(&one, &solid, IVec3::ZERO)
+            buried.follow(&one, &solid, IVec3::ZERO).change
         };
         assert_eq!(
             [7.0, 8.5, 9.9, 10.1, 12.0].map(&mut at),

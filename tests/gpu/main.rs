@@ -7,6 +7,7 @@ mod support;
 mod antialias;
 mod bits;
 mod bodies;
+mod buried;
 mod cascades;
 mod cell_shadows;
 mod dispatch_chunks;

@@ -225,7 +225,8 @@ impl Judge<'_> {
             judge
                 .findings
                 .note(Check::Energy, energy::picture(part.name(), picture, case));
-            if judge.knows_what_is_dark(play) && judge.wants(&[Check::Dark]) {
+            let judges = part.is_dark_where_no_light_was() && judge.knows_what_is_dark(play);
+            if judges && judge.wants(&[Check::Dark]) {
                 let verdict = Darkness::of(play).light_in(picture);
                 let verdict = verdict.map_err(|message| format!("{}: {message}", part.name()));
                 judge.findings.note(Check::Dark, verdict);

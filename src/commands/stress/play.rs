@@ -50,6 +50,12 @@ impl Part {
         Self::Settled,
     ];
 
+    /// Whether places that light has not reached in any frame must be black. For some frames after edits and after a jump they have
+    /// up to some thousandths of the light elsewhere (docs/stress.md).
+    pub fn is_dark_where_no_light_was(self) -> bool {
+        matches!(self, Self::First | Self::Moving | Self::Settled)
+    }
+
     pub fn name(self) -> &'static str {
         match self {
             Self::First => "at first",
