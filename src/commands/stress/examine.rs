@@ -9,7 +9,9 @@ use std::{
 use super::{
     super::Failure,
     checks::{
-        Check, Findings, darkness::Darkness, energy, finite, marching, memory, reference, voxels,
+        Check, Findings,
+        darkness::{Darkness, Reached},
+        energy, finite, marching, memory, reference, voxels,
     },
     fault::Fault,
     play::{Part, Play},
@@ -150,6 +152,7 @@ impl Judge<'_> {
             return Ok(());
         }
         let mut play = Play::new(&gpu, self.case, stage, self.examination.fault)?;
+        play.reached = self.wants(&[Check::Dark]).then(Reached::default);
         if self.wants(&[Check::Marching]) {
             let on_gpu = &play.frame.stage.voxels;
             let hits = marching::against_plain(&gpu, self.case, on_gpu, &play.voxels, &play.shot)?;
@@ -225,9 +228,11 @@ impl Judge<'_> {
             judge
                 .findings
                 .note(Check::Energy, energy::picture(part.name(), picture, case));
-            let judges = part.is_dark_where_no_light_was() && judge.knows_what_is_dark(play);
-            if judges && judge.wants(&[Check::Dark]) {
-                let verdict = Darkness::of(play).light_in(picture);
+            if part.is_dark_where_no_light_was()
+                && judge.knows_what_is_dark(play)
+                && let Some(darkness) = Darkness::of(play)
+            {
+                let verdict = darkness.light_in(picture);
                 let verdict = verdict.map_err(|message| format!("{}: {message}", part.name()));
                 judge.findings.note(Check::Dark, verdict);
             }
@@ -262,9 +267,10 @@ impl Judge<'_> {
             let truth = reference::traced(play, reference::SAMPLES)?;
             self.findings
                 .note(Check::Finite, finite::picture("the reference", &truth));
-            let darkness = Darkness::of(play);
-            self.findings
-                .note(Check::Dark, reference::is_dark(&darkness, &truth));
+            if let Some(darkness) = Darkness::of(play) {
+                self.findings
+                    .note(Check::Dark, reference::is_dark(&darkness, &truth));
+            }
             let mut verdict = reference::band(play, &shown, &truth);
             if matches!(verdict, Some(Err(_))) && self.wants(&[Check::Band]) {
                 let truth = reference::traced(play, reference::MANY_SAMPLES)?;

@@ -74,8 +74,8 @@ pub struct Play<'a> {
     /// The CPU's copy, with the same edits.
     pub voxels: Voxels,
     pub shot: Shot,
-    /// Where light may have come since the probes were new.
-    pub reached: Reached,
+    /// Where light may have come since the probes were new, in the parts that are judged by it; `None` if nobody asks.
+    pub reached: Option<Reached>,
     probes: ProbeParameters,
     elapsed_s: f64,
     timing: Timing,
@@ -117,7 +117,7 @@ impl<'a> Play<'a> {
                 soft_rays: parameters.lights.soft_rays,
                 shadows: parameters.lights.shadows,
             },
-            reached: Reached::default(),
+            reached: None,
             probes,
             elapsed_s: 0.0,
             timing: Timing::new(gpu)?,
@@ -134,7 +134,10 @@ impl<'a> Play<'a> {
     /// When the adapter fails.
     pub fn part(&mut self, part: Part) -> Result<(), Failure> {
         match part {
-            Part::First => self.frames(FIRST),
+            Part::First => {
+                self.follow_light();
+                self.frames(FIRST)
+            }
             Part::Moving => self.walk(),
             Part::Edits => {
                 self.shot.camera = self.case.camera().clone();
@@ -152,7 +155,8 @@ impl<'a> Play<'a> {
                 self.frames(JUMPED)
             }
             Part::Settled => {
-                self.reached = Reached::default();
+                self.reached = self.reached.is_some().then(Reached::default);
+                self.follow_light();
                 self.frame
                     .replace_probes(self.gpu, &self.case.layout, &self.probes)?;
                 self.frames(SETTLING)
@@ -169,9 +173,19 @@ impl<'a> Play<'a> {
             let way = step as f32 / MOVING as f32;
             self.shot.camera.position = start.position.lerp(goal, way);
             self.shot.camera.yaw_deg = start.yaw_deg + 40.0 * way;
+            self.follow_light();
             self.frames(1)?;
         }
         Ok(())
+    }
+
+    /// Notes where the lights of the next frame may reach.
+    fn follow_light(&mut self) {
+        let lights = self.lights();
+        let time_s = self.case.script.start_s + self.elapsed_s;
+        if let Some(reached) = &mut self.reached {
+            reached.add(&self.case.world, &self.voxels, &lights, time_s);
+        }
     }
 
     fn frames(&mut self, count: u32) -> Result<(), Failure> {
@@ -179,8 +193,6 @@ impl<'a> Play<'a> {
             let lights = self.lights();
             self.shot.frame = self.frame.frames();
             self.shot.time_s = self.case.script.start_s + self.elapsed_s;
-            self.reached
-                .add(&self.case.world, &self.voxels, &lights, self.shot.time_s);
             // On a software adapter, timing would run the passes one after another, as no normal frame does.
             let timed = !self.gpu.summary.is_software();
             let mut recorder = Recorder::new(self.gpu, timed.then_some(&mut self.timing));

@@ -52,15 +52,16 @@ impl Reached {
 }
 
 impl Darkness {
-    /// That of the play's last frame.
-    pub fn of(play: &Play<'_>) -> Self {
-        Self::seen_by(
+    /// That of the play's last frame; `None` where the play does not follow the light.
+    pub fn of(play: &Play<'_>) -> Option<Self> {
+        let reached = play.reached.as_ref()?;
+        Some(Self::seen_by(
             &play.shot.camera,
             &play.case.world,
             &play.voxels,
-            &play.reached,
+            reached,
             play.shot.time_s,
-        )
+        ))
     }
 
     /// The darkness in the view of a camera.
