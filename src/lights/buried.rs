@@ -5,6 +5,9 @@ use glam::{DVec3, IVec3};
 use super::{LampShape, LampState, Lights, rest::is_same_place};
 use crate::world::voxels::SolidVoxels;
 
+/// A lamp this near to a face (voxels) may touch it.
+const TOUCHING: f64 = 1e-3;
+
 /// Which lamps are inside of solid voxels.
 #[derive(Clone, Debug, Default)]
 pub struct BuriedLamps {
@@ -61,27 +64,27 @@ impl BuriedLamps {
     }
 }
 
-/// Whether the middle of a lamp, and six points of its surface if it is a sphere, are in solid voxels.
+/// Whether a lamp is inside of solid voxels: its middle, and the corners of a cube around all of it. One that touches a face lights
+/// what is before the face, so the cube of a lamp without a size reaches across borders of voxels.
 fn is_buried(lamp: &LampState, solid: &SolidVoxels, origin: IVec3) -> bool {
     if lamp.shape == LampShape::Directional {
         return false;
     }
     let at = lamp.position_ws - origin.as_dvec3();
+    let reach = lamp.soft_radius.max(TOUCHING);
     let is_in_stone = |at: DVec3| solid.is_solid(at.floor().as_ivec3());
-    let radius = lamp.soft_radius;
-    let ways = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * radius);
-    is_in_stone(at)
-        && (radius == 0.0
-            || ways
-                .iter()
-                .all(|way| is_in_stone(at + *way) && is_in_stone(at - *way)))
+    let corner = |number: u32| {
+        let side = |axis: u32| f64::from(number >> axis & 1) * 2.0 - 1.0;
+        at + reach * DVec3::new(side(0), side(1), side(2))
+    };
+    is_in_stone(at) && (0..8).all(|number| is_in_stone(corner(number)))
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::{UVec3, Vec3};
+    use glam::UVec3;
 
-    use super::{super::rest::tests::lights, *};
+    use super::*;
     use crate::world::voxels::Voxels;
 
     /// A wall from x = 4 to 6 of a world that begins at x = −2.
@@ -92,6 +95,36 @@ mod tests {
     }
 
     const ORIGIN: IVec3 = IVec3::new(-2, 0, 0);
+
+    /// `lights` at a height and depth inside of the wall.
+    fn lights(lamps: &[(f64, f64)]) -> Lights {
+        let mut lights = super::super::rest::tests::lights(lamps);
+        for lamp in &mut lights.lamps {
+            lamp.position_ws += DVec3::new(0.0, 1.5, 2.5);
+        }
+        lights
+    }
+
+    #[test]
+    fn a_lamp_that_touches_a_wall_is_not_in_it() {
+        let wall = wall();
+        let is_total = |at: DVec3| {
+            let mut one = lights(&[(0.0, 1.0)]);
+            one.lamps[0].position_ws = at;
+            let found = BuriedLamps::default().follow(&one, &wall, ORIGIN);
+            found.are_total
+        };
+        assert!(is_total(DVec3::new(4.5, 1.5, 2.5)));
+        assert!(is_total(DVec3::new(5.0, 2.0, 2.0)), "between its voxels");
+        for touching in [
+            DVec3::new(4.0, 1.5, 2.5),
+            DVec3::new(6.0, 1.5, 2.5),
+            DVec3::new(4.5, 0.0, 2.5),
+            DVec3::new(4.0, 0.0, 4.0),
+        ] {
+            assert!(!is_total(touching), "{touching}");
+        }
+    }
 
     #[test]
     fn a_lamp_counts_where_it_enters_and_leaves_stone() {
@@ -132,9 +165,9 @@ mod tests {
         voxels.fill_box(IVec3::new(8, 0, 0), IVec3::new(31, 31, 31), 1);
         let solid = SolidVoxels::of(&voxels);
         let mut buried = BuriedLamps::default();
-        let mut at = |x: f32| {
+        let mut at = |x: f64| {
             let mut one = lights(&[(0.0, 1.0)]);
-            one.lamps[0].position_ws = Vec3::new(x, 16.0, 16.0).as_dvec3();
+            one.lamps[0].position_ws = DVec3::new(x, 16.0, 16.0);
             one.lamps[0].soft_radius = 2.0;
             buried.follow(&one, &solid, IVec3::ZERO).change
         };
