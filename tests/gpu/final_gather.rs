@@ -397,9 +397,9 @@ fn light_of_faces_follows_a_lamp_that_glides() {
         "return vec3f(0.0);",
     );
     const FRAMES: u32 = 40;
-    // From behind the pillar, past its corner, into the middle.
+    // From behind the pillar into the middle.
     let glide = |room: &mut Room, frame: u32| {
-        room.drawn.lights.lamps[0].position_ws = DVec3::new(6.0, 6.0, -1.0).lerp(
+        room.drawn.lights.lamps[0].position_ws = DVec3::new(6.0, 6.0, 0.0).lerp(
             DVec3::new(-2.0, 6.0, -6.0),
             f64::from(frame) / f64::from(FRAMES),
         );
@@ -410,7 +410,6 @@ fn light_of_faces_follows_a_lamp_that_glides() {
             _ => support::with_faults(&support::gpu(), faults),
         };
         let mut room = Room::on(gpu, ROOM, quick(), SIZE);
-        glide(&mut room, 0);
         room.after(100);
         (1..=FRAMES).for_each(|frame| {
             glide(&mut room, frame);
@@ -424,7 +423,6 @@ fn light_of_faces_follows_a_lamp_that_glides() {
     let (found, late) = (after_glide(&[]), after_glide(&[unheard]));
     let (differs, lags) = (apart(&found, &truth), apart(&late, &truth));
     let energy = mean(&found) / mean(&truth);
-    println!("{differs:.4} apart, {lags:.4} with the fault, energy {energy:.4}");
     assert!(differs < 0.05, "{differs}");
     assert!((energy - 1.0).abs() < 0.02, "{energy}");
     assert!(lags > 1.5 * differs, "{lags}, {differs} without the fault");
