@@ -46,7 +46,8 @@ impl LampKinds {
         let placed = &world.restored.lamps;
         let count = lamps.len() + usize::from(world.sun.is_some()) + placed.len();
         let of_preset = (lamps.iter().enumerate()).map(|(index, lamp)| {
-            motion::rhythm(&lamp.motion, motion::lamp_seed(world.seed, index as u32))
+            let seed = motion::lamp_seed(world.seed, index as u32);
+            motion::rhythm(&lamp.motion, lamp.colour, seed)
         });
         let of_placed = placed
             .iter()

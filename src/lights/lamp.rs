@@ -33,17 +33,17 @@ pub struct LampState {
     pub radius: f64,
     /// Point and spot: radius of the sphere that shines (voxels); 0 for a point.
     pub soft_radius: f64,
-    /// How its power goes up and down; `None` while it is constant.
+    /// How its power and colour come and go; `None` while both are constant.
     pub rhythm: Option<Rhythm>,
 }
 
-/// How the power of a lamp goes up and down.
+/// How the power of a lamp goes up and down, or its hue turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rhythm {
     /// Lamps with the same number have the same gain at all times.
     pub number: u32,
-    /// The factor of now.
-    pub gain: f64,
+    /// The factors of now (linear RGB).
+    pub gain: DVec3,
     /// The intensity at a gain of 1.
     pub full: DVec3,
 }
@@ -89,8 +89,8 @@ impl LampState {
             gain: 1.0,
         };
         let now = motion::apply(&lamp.motion, still, time_s, seed);
-        let power = now.colour * f64::from(lamp.power);
-        let (shape, direction, full) = match lamp.kind {
+        let power = f64::from(lamp.power);
+        let (shape, direction, strength) = match lamp.kind {
             LampKind::Point => (LampShape::Point, DVec3::ZERO, power / (4.0 * PI)),
             LampKind::Spot {
                 direction,
@@ -112,16 +112,20 @@ impl LampState {
             shape,
             position_ws: now.position_ws,
             direction_ws: direction.normalize_or_zero(),
-            intensity: full * now.gain,
+            intensity: now.colour * (strength * now.gain),
             radius: f64::from(lamp.radius).max(MIN_RADIUS),
             soft_radius: match lamp.is_sphere() {
                 true => f64::from(lamp.soft_radius),
                 false => 0.0,
             },
-            rhythm: motion::rhythm(&lamp.motion, seed).map(|number| Rhythm {
-                number,
-                gain: now.gain,
-                full,
+            rhythm: motion::rhythm(&lamp.motion, lamp.colour, seed).map(|number| {
+                let full = motion::colour_at_full(&lamp.motion, still.colour);
+                let colours = now.colour / full.max(DVec3::splat(f64::MIN_POSITIVE));
+                Rhythm {
+                    number,
+                    gain: colours * now.gain,
+                    full: full * strength,
+                }
             }),
         }
     }

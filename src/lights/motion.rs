@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::world::Motion;
 use crate::world::materials::hash::hash;
@@ -24,8 +24,9 @@ pub fn apply(motions: &[Motion], start: Moment, time_s: f64, seed: u32) -> Momen
         .fold(start, |now, motion| step(motion, now, time_s, seed))
 }
 
-/// A number that lamps share which have the same gain at all times; `None`: the gain is always 1.
-pub fn rhythm(motions: &[Motion], seed: u32) -> Option<u32> {
+/// A number that lamps of this colour share which have the same gain at all times; `None`: the gain is always 1.
+pub fn rhythm(motions: &[Motion], colour: Vec3, seed: u32) -> Option<u32> {
+    let of_colour = || (colour.to_array()).map(f32::to_bits);
     let numbers = motions.iter().filter_map(|motion| match *motion {
         Motion::Flicker { amount, rate } => {
             (amount != 0.0).then(|| [0, amount.to_bits(), rate.to_bits(), seed])
@@ -35,11 +36,26 @@ pub fn rhythm(motions: &[Motion], seed: u32) -> Option<u32> {
             rate,
             phase,
         } => (amount != 0.0).then(|| [1, amount.to_bits(), rate.to_bits(), phase.to_bits()]),
-        Motion::Travel(_) | Motion::HueCycle { .. } => None,
+        Motion::HueCycle { rate } => (rate != 0.0).then(|| {
+            let [red, green, blue] = of_colour();
+            [2, rate.to_bits(), red, hash(green ^ hash(blue))]
+        }),
+        Motion::Travel(_) => None,
     });
     numbers.flatten().fold(None, |known, number| {
         Some(hash(known.unwrap_or(0) ^ hash(number)))
     })
+}
+
+/// The colour at which the gain of a lamp is 1 in each channel. If its hue turns, a channel may be dark at first: then it is white
+/// of the same luminance, which stays as it is.
+pub fn colour_at_full(motions: &[Motion], colour: DVec3) -> DVec3 {
+    let turns = |motion: &Motion| matches!(*motion, Motion::HueCycle { rate } if rate != 0.0);
+    if motions.iter().any(turns) {
+        DVec3::splat(colour.dot(LUMINANCE))
+    } else {
+        colour
+    }
 }
 
 /// The seed of one lamp of a preset.

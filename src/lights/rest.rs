@@ -115,7 +115,7 @@ pub(super) mod tests {
         let mut pulsing = lights(&[(0.0, 0.2), (4.5, 1.0)]);
         pulsing.lamps[0].rhythm = Some(Rhythm {
             number: 7,
-            gain: 0.2,
+            gain: DVec3::splat(0.2),
             full: DVec3::ONE,
         });
         assert_eq!(rest.follow(&pulsing, 10), [0, 3]);

@@ -1,13 +1,13 @@
-//! Lamps whose power goes up and down, each for itself.
+//! Lamps whose power goes up and down or whose hue turns, each for itself.
 //!
 //! Light is linear: what a lamp's light is now is its light at full power times its gain. Where [`CommonGain`] finds no factor
-//! that all sources share, rays, probes and faces therefore know lamps that pulse or flicker at full power, so that for them
+//! that all sources share, rays, probes and faces therefore know lamps that pulse, flicker or turn their hue at full power, so that for them
 //! nothing changes; and with their light they keep which share of it comes from each rhythm. The picture is multiplied by what
 //! follows from the shares and the gains of now (`shaders/light/rhythms.wesl`).
 //!
 //! [`CommonGain`]: super::CommonGain
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::{
     LampState, Lights,
@@ -26,7 +26,7 @@ pub struct Rhythms {
 struct OfLamps {
     /// One bit for each lamp.
     lamps: u64,
-    gain: f64,
+    gain: DVec3,
     /// Sum of their intensities at full power.
     full: DVec3,
 }
@@ -69,7 +69,7 @@ impl OfLamps {
     /// No lamps. Their gain is 1: probes may still have shares for them, and that light stays as it is until rays say more.
     const NONE: Self = Self {
         lamps: 0,
-        gain: 1.0,
+        gain: DVec3::ONE,
         full: DVec3::ZERO,
     };
 }
@@ -130,14 +130,14 @@ impl Rhythms {
         self.has_steady
     }
 
-    /// The gain of each of the first lamps.
-    pub(super) fn lamp_gains(&self) -> [[f32; 4]; KNOWN_LAMPS as usize / 4] {
-        let gain = |lamp: usize| {
+    /// The gain of each of the first lamps, and a 0.
+    pub(super) fn lamp_gains(&self) -> [[f32; 4]; KNOWN_LAMPS as usize] {
+        std::array::from_fn(|lamp| {
             let own = |of: &&OfLamps| of.lamps >> lamp & 1 == 1;
             let found = self.of_lamps.iter().find(own);
-            found.map_or(1.0, |of| of.gain as f32)
-        };
-        std::array::from_fn(|four| std::array::from_fn(|lamp| gain(4 * four + lamp)))
+            let gain = found.map_or(Vec3::ONE, |of| of.gain.as_vec3());
+            gain.extend(0.0).to_array()
+        })
     }
 
     pub(super) fn to_gpu(self) -> [GpuRhythm; RHYTHMS_KNOWN as usize] {
@@ -145,7 +145,7 @@ impl Rhythms {
         let all: f64 = self.of_lamps.iter().map(power).sum();
         self.of_lamps.map(|own| GpuRhythm {
             lamps: [own.lamps as u32, (own.lamps >> 32) as u32],
-            gain: own.gain as f32,
+            gain: own.gain.as_vec3().to_array(),
             power: (power(&own) / all.max(f64::MIN_POSITIVE)) as f32,
             colour: (own.full / power(&own).max(f64::MIN_POSITIVE))
                 .as_vec3()
@@ -167,7 +167,7 @@ mod tests {
         for (lamp, number) in lights.lamps.iter_mut().zip(numbers) {
             lamp.rhythm = number.map(|number| Rhythm {
                 number,
-                gain: 0.5,
+                gain: DVec3::new(0.5, 0.25, 1.0),
                 full: lamp.intensity * 2.0,
             });
         }
@@ -190,9 +190,10 @@ mod tests {
             [[10, 0], [4, 0], [0, 0]],
             "in the order of the lamps"
         );
-        assert_eq!(third.gain, 1.0, "what no lamp gives stays as it is");
-        assert_eq!((first.gain, second.gain), (0.5, 0.5));
-        assert_eq!(rhythms.lamp_gains()[..2], [[1.0, 0.5, 0.5, 0.5], [1.0; 4]]);
+        assert_eq!(third.gain, [1.0; 3], "what no lamp gives stays as it is");
+        assert_eq!((first.gain, second.gain), ([0.5, 0.25, 1.0], first.gain));
+        let (steady, own) = ([1.0, 1.0, 1.0, 0.0], [0.5, 0.25, 1.0, 0.0]);
+        assert_eq!(rhythms.lamp_gains()[..5], [steady, own, own, own, steady]);
         assert_eq!(first.power + second.power, 1.0);
         assert!((first.colour.iter().sum::<f32>() - 1.0).abs() < 1e-6);
     }

@@ -63,15 +63,16 @@ crate::shared! {
 
     /// The lamps of a rhythm.
     pub struct GpuRhythm as Rhythm {
-        /// One bit for each lamp.
-        pub lamps: [u32; 2],
-        /// The factor of now.
-        pub gain: f32,
+        /// The factors of now (linear RGB).
+        pub gain: [f32; 3],
         /// Their share of the power of all lamps that have rhythms.
         pub power: f32,
         /// Linear RGB, with a sum of 1.
         pub colour: [f32; 3],
-        pub _pad: f32,
+        pub _pad0: f32,
+        /// One bit for each lamp.
+        pub lamps: [u32; 2],
+        pub _pad1: [f32; 2],
     }
 
     /// A place in the list of a cell.
@@ -95,7 +96,7 @@ crate::shared! {
 
 /// The fields before the lamps: the start of `Lights` in `shaders/scene/lights.wesl`.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct GpuLightsHeader {
     pub sky: GpuSky,
     /// See [`super::CommonGain`].
@@ -131,8 +132,8 @@ pub struct GpuLightsHeader {
     pub _pad: u32,
     /// See [`Rhythms`].
     pub rhythms: [GpuRhythm; RHYTHMS_KNOWN as usize],
-    /// Of the first [`KNOWN_LAMPS`] lamps: by what their light is multiplied.
-    pub lamp_gains: [[f32; 4]; KNOWN_LAMPS as usize / 4],
+    /// Of the first [`KNOWN_LAMPS`] lamps: by what their light is multiplied (linear RGB).
+    pub lamp_gains: [[f32; 4]; KNOWN_LAMPS as usize],
 }
 
 /// The frame since which a lamp rests that never does.

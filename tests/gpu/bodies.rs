@@ -6,6 +6,7 @@ mod emitters;
 mod lamps;
 mod light;
 mod shafts;
+mod shutters;
 mod stone;
 
 use std::{f32::consts::PI, sync::atomic::AtomicBool};

@@ -1,4 +1,4 @@
-//! Lamps whose power goes up and down, each for itself: `shaders/light/rhythms.wesl`.
+//! Lamps whose power goes up and down or whose hue turns, each for itself: `shaders/light/rhythms.wesl`.
 
 use glam::DVec3;
 use grotto::{
@@ -11,8 +11,8 @@ use grotto::{
 
 use crate::support::{self, Fault, frames::Drawn};
 
-/// A room with a wall in it and coloured stone, under two lamps that pulse and one that is steady: their light has different
-/// colours and comes over different ways.
+/// A room with a wall in it and coloured stone, under two lamps that pulse, of which one turns its hue, and one that is steady:
+/// their light has different colours and comes over different ways.
 const ROOM: &str = "(
     title: \"Two pulses.\",
     size: (32, 16, 24),
@@ -24,7 +24,7 @@ const ROOM: &str = "(
     materials: {\"stone\": (a: Flat(0.7, 0.6, 0.5))},
     lamps: [
     (name: \"few\", lamps: [
-        (position: (-9, 3, 5), power: 900, colour: (1, 0.3, 0.2), motion: [Pulse(amount: 0.95, rate: 3)]),
+        (position: (-9, 3, 5), power: 900, colour: (1, 0.3, 0.2), motion: [Pulse(amount: 0.95, rate: 3), HueCycle(rate: 0.4)]),
         (position: (9, 3, 5), power: 900, colour: (0.2, 0.4, 1), motion: [Pulse(amount: 0.9, rate: 5, phase: 2)]),
         (position: (6, -2, -7), power: 200),
     ]),
@@ -136,7 +136,7 @@ fn worst(gpu: Gpu, case: &Case, alone: &[Vec<DVec3>]) -> f64 {
             .lights
             .lamps
             .iter()
-            .map(|lamp| lamp.rhythm.map_or(1.0, |rhythm| rhythm.gain));
+            .map(|lamp| lamp.rhythm.map_or(DVec3::ONE, |rhythm| rhythm.gain));
         let mut expected = vec![DVec3::ZERO; found.len()];
         for (gain, of_lamp) in gains.zip(alone) {
             for (sum, block) in expected.iter_mut().zip(of_lamp) {
