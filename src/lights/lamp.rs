@@ -256,6 +256,35 @@ mod tests {
 
     /// E = W/(4π) · h/(h² + r²)^(3/2) at distance r from the foot of a point lamp at height h.
     #[test]
+    fn the_light_of_a_lamp_whose_hue_turns_is_white_times_its_gain() {
+        let turning = [
+            Motion::HueCycle { rate: 0.4 },
+            Motion::Pulse {
+                amount: 0.9,
+                rate: 3.0,
+                phase: 0.0,
+            },
+        ];
+        let turning = lamp(LampKind::Point, turning.to_vec());
+        let rhythm = |state: &LampState| state.rhythm.expect("its hue turns");
+        let first = rhythm(&LampState::at(&turning, 0.0, 5));
+        assert_eq!(first.full, DVec3::splat(first.full.x));
+        for time_s in [0.0, 0.3, 1.1, 2.4] {
+            let now = LampState::at(&turning, time_s, 5);
+            let own = rhythm(&now);
+            assert_eq!((own.number, own.full), (first.number, first.full));
+            let apart = (own.full * own.gain - now.intensity).abs().max_element();
+            assert!(apart < 1e-9 * now.intensity.max_element(), "{time_s}");
+        }
+        // Others have their own gain.
+        let blue = Lamp {
+            colour: Vec3::Z,
+            ..turning
+        };
+        assert_ne!(rhythm(&LampState::at(&blue, 0.0, 5)).number, first.number);
+    }
+
+    #[test]
     fn a_lamp_over_a_plane_follows_inverse_square_and_cosine() {
         let lamp = still(LampKind::Point);
         for r in [0.0, 1.0, 3.0, 10.0] {

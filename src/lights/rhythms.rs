@@ -10,7 +10,7 @@
 use glam::{DVec3, Vec3};
 
 use super::{
-    LampState, Lights,
+    Lights, Rhythm,
     table::{GpuRhythm, KNOWN_LAMPS, RHYTHMS_KNOWN, TOLD_BY_CHANNEL},
 };
 
@@ -58,6 +58,15 @@ impl RhythmsTold {
             Self::ByBrightness
         }
     }
+
+    /// Most rhythms that are told apart.
+    fn most(self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::ByChannel => TOLD_BY_CHANNEL as usize,
+            Self::ByBrightness => RHYTHMS_KNOWN as usize,
+        }
+    }
 }
 
 /// Whether all lamps have the same rhythm: then they have a [`CommonGain`](super::CommonGain) where there is no other light.
@@ -85,38 +94,40 @@ impl Default for Rhythms {
 }
 
 impl Rhythms {
-    /// The lights at full power, and how far from it each rhythm is; `None` where kernels that know `told` cannot tell the lamps
-    /// apart. `emits`: voxels emit light.
+    /// The lights at full power, and how far from it each rhythm is; `None` where no lamp has one that kernels which know `told` can
+    /// tell. Of more rhythms than these can tell, later ones stay as they are now: their light is followed like any that changes.
+    /// `emits`: voxels emit light.
     pub fn split(lights: &Lights, emits: bool, told: RhythmsTold) -> Option<(Lights, Self)> {
-        let lamps = &lights.lamps;
-        if told == RhythmsTold::None || lamps.len() > KNOWN_LAMPS as usize {
-            return None;
-        }
-        let numbers = lamps.iter().map(|lamp| lamp.rhythm.map(|own| own.number));
-        let needed = RhythmsTold::needed(&numbers.collect::<Vec<_>>());
-        if needed == RhythmsTold::None || needed > told {
+        if lights.lamps.len() > KNOWN_LAMPS as usize {
             return None;
         }
         // In the order of the lamps: those that a player hangs come last, and leave the others' shares theirs.
         let mut found = Vec::<(u32, OfLamps)>::new();
         let mut at_full = lights.clone();
+        let mut has_steady = emits || !lights.sky.is_dark();
         for (index, lamp) in at_full.lamps.iter_mut().enumerate() {
-            if let Some(own) = lamp.rhythm {
+            let place_of = |own: Rhythm| {
                 let known = found.iter().position(|(number, _)| *number == own.number);
-                let place = known.unwrap_or_else(|| {
-                    found.push((own.number, OfLamps::NONE));
-                    found.len() - 1
-                });
-                let all = &mut found[place].1;
-                all.lamps |= 1 << index;
-                all.gain = own.gain;
-                all.full += own.full;
-                lamp.intensity = own.full;
+                known.or((found.len() < told.most()).then_some(found.len()))
+            };
+            let Some((own, place)) = lamp.rhythm.and_then(|own| Some((own, place_of(own)?))) else {
+                has_steady |= lamp.intensity != DVec3::ZERO;
+                continue;
+            };
+            if place == found.len() {
+                found.push((own.number, OfLamps::NONE));
             }
+            let all = &mut found[place].1;
+            all.lamps |= 1 << index;
+            all.gain = own.gain;
+            all.full += own.full;
+            lamp.intensity = own.full;
         }
-        let is_steady = |lamp: &LampState| lamp.rhythm.is_none() && lamp.intensity != DVec3::ZERO;
+        if found.is_empty() {
+            return None;
+        }
         let mut rhythms = Self {
-            has_steady: emits || !lights.sky.is_dark() || lamps.iter().any(is_steady),
+            has_steady,
             ..Self::default()
         };
         for (known, (_, found)) in rhythms.of_lamps.iter_mut().zip(found) {
@@ -158,7 +169,7 @@ impl Rhythms {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lights::{Rhythm, rest::tests};
+    use crate::lights::rest::tests;
 
     /// Lamps of these rhythms, at half of their power.
     fn lights(numbers: &[Option<u32>]) -> Lights {
@@ -214,14 +225,31 @@ mod tests {
             (vec![Some(1); 65], Not),
         ] {
             assert_eq!(RhythmsTold::needed(&numbers), needed, "{numbers:?}");
-            for told in [Not, ByChannel, ByBrightness] {
-                let split = Rhythms::split(&lights(&numbers), false, told);
-                assert_eq!(
-                    split.is_some(),
-                    needed != Not && needed <= told,
-                    "{numbers:?}"
-                );
-            }
         }
+    }
+
+    #[test]
+    fn of_more_rhythms_than_kernels_tell_the_first_are_told() {
+        use RhythmsTold::{ByBrightness, ByChannel, None as Not};
+        for (count, told, known) in [
+            (2, ByChannel, 2),
+            (4, ByChannel, 3),
+            (4, ByBrightness, 4),
+            (12, ByBrightness, 9),
+        ] {
+            let now = lights(&(0..count).map(Some).collect::<Vec<_>>());
+            let (at_full, rhythms) = Rhythms::split(&now, false, told).expect("some are told");
+            let lamps = now.lamps.iter().zip(&at_full.lamps);
+            let raised = lamps.filter(|(now, full)| now.intensity != full.intensity);
+            assert_eq!(raised.count(), known, "{count} {told:?}");
+            // The light of the others counts as steady.
+            assert_eq!(rhythms.has_steady(), known < count as usize);
+            assert_eq!(Rhythms::split(&now, false, Not), None);
+        }
+        assert_eq!(Rhythms::split(&lights(&[None]), true, ByChannel), None);
+        assert_eq!(
+            Rhythms::split(&lights(&[Some(1); 65]), true, ByChannel),
+            None
+        );
     }
 }
