@@ -12,7 +12,7 @@ pub struct LampKinds {
     pub spheres: bool,
     /// So many lamps that each cell of the world has a [list](super::lists).
     pub lists: bool,
-    /// Lamps whose power goes up and down, few enough to be told apart: see [`super::rhythms`].
+    /// Lamps that have rhythms, few enough to be told apart: see [`super::rhythms`].
     pub rhythms: RhythmsTold,
 }
 

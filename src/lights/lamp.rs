@@ -254,7 +254,6 @@ mod tests {
         outer_deg: 35.0,
     };
 
-    /// E = W/(4π) · h/(h² + r²)^(3/2) at distance r from the foot of a point lamp at height h.
     #[test]
     fn the_light_of_a_lamp_whose_hue_turns_is_white_times_its_gain() {
         let turning = [
@@ -284,6 +283,7 @@ mod tests {
         assert_ne!(rhythm(&LampState::at(&blue, 0.0, 5)).number, first.number);
     }
 
+    /// E = W/(4π) · h/(h² + r²)^(3/2) at distance r from the foot of a point lamp at height h.
     #[test]
     fn a_lamp_over_a_plane_follows_inverse_square_and_cosine() {
         let lamp = still(LampKind::Point);

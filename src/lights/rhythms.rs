@@ -1,9 +1,9 @@
 //! Lamps whose power goes up and down or whose hue turns, each for itself.
 //!
 //! Light is linear: what a lamp's light is now is its light at full power times its gain. Where [`CommonGain`] finds no factor
-//! that all sources share, rays, probes and faces therefore know lamps that pulse, flicker or turn their hue at full power, so that for them
-//! nothing changes; and with their light they keep which share of it comes from each rhythm. The picture is multiplied by what
-//! follows from the shares and the gains of now (`shaders/light/rhythms.wesl`).
+//! that all sources share, rays, probes and faces therefore know lamps that pulse, flicker or turn their hue at full power, so
+//! that for them nothing changes; and with their light they keep which share of it comes from each rhythm. The picture is
+//! multiplied by what follows from the shares and the gains of now (`shaders/light/rhythms.wesl`).
 //!
 //! [`CommonGain`]: super::CommonGain
 

@@ -94,7 +94,7 @@ pub struct ProbeMemory {
 }
 
 impl ProbeMemory {
-    /// The same for probes that tell apart lamps whose power goes up and down.
+    /// The same for probes that tell apart lamps that have rhythms.
     #[must_use]
     pub fn with_rhythms(self, layout: &AtlasLayout) -> Self {
         let slots = u64::from(layout.slots);

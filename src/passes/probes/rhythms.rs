@@ -1,4 +1,4 @@
-//! Pass `probes/rhythms`: finds which share of each active probe's light comes from lamps whose power goes up and down.
+//! Pass `probes/rhythms`: finds which share of each active probe's light comes from lamps that have rhythms.
 
 use super::ProbeField;
 use crate::gpu::{Bindings, Gpu, GpuError, Kernel, KernelSpec, Recorder, rectangle};

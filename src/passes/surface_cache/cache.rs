@@ -78,7 +78,7 @@ pub struct NextFrame<'a> {
 /// The table, the list of a frame's faces, and what the rays of each face have found.
 pub struct SurfaceCache {
     is_used: bool,
-    /// Whether lamps are told apart whose power goes up and down.
+    /// Whether lamps that have rhythms are told apart.
     tells_lamps: bool,
     entries: u32,
     most_listed: u32,

@@ -42,7 +42,7 @@ const LIFTED: [Fault; 2] = [
     ),
 ];
 
-/// The share of the path tracer's light while the shutter opens.
+/// The light of a picture over that of the path tracer, 36 frames after the shutter has begun to open.
 fn over_truth(faults: &[Fault]) -> f64 {
     let world: World = support::parsed(ROOM);
     let layout = world.layouts[0].clone();
@@ -58,9 +58,10 @@ fn over_truth(faults: &[Fault]) -> f64 {
 }
 
 #[test]
-fn a_room_that_opens_is_never_too_bright() {
+fn a_room_that_opens_is_as_bright_as_it_should_be() {
     let [right, wrong] = [&[][..], &LIFTED].map(over_truth);
     println!("{right:.3}, {wrong:.3} with the fault");
-    assert!(right < 1.25, "{right}");
+    // It is late in software, where faces wait longer for their rays.
+    assert!((0.5..1.25).contains(&right), "{right}");
     assert!(wrong > 1.5, "{wrong}");
 }

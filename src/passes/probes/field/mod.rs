@@ -70,7 +70,7 @@ pub struct ProbeField {
     places: wgpu::Buffer,
     visibility_buffer: wgpu::Buffer,
     ambient_cubes: wgpu::Buffer,
-    /// How kernels tell apart lamps whose power goes up and down, and what pass `probes/rhythms` keeps of each probe.
+    /// How kernels tell apart lamps that have rhythms, and what pass `probes/rhythms` keeps of each probe.
     told: RhythmsTold,
     rhythms: Option<wgpu::Buffer>,
     distance_atlas: wgpu::Texture,
@@ -88,7 +88,7 @@ impl ProbeField {
         Self::with_rhythms(gpu, volume, parameters, RhythmsTold::None)
     }
 
-    /// The same; `told`: how kernels tell lamps apart whose power goes up and down.
+    /// The same; `told`: how kernels tell apart lamps that have rhythms.
     ///
     /// # Errors
     /// As [`ProbeField::new`].
