@@ -231,7 +231,7 @@ impl Frame {
         };
         self.order.begin_frame(&shot.camera, self.frames);
         self.lights.set(gpu, &lights, &of_frame);
-        let changes_greatly = self.field.changes.are_great();
+        let changes_greatly = self.field.changes.are_great(self.frames);
         let repeats = self.field.changes.repeats().great_since().is_some();
         (self.lights).begin_frame(gpu, &mut recorder.encoder, &lights, repeats);
         self.recent_lights.keep(lights);

@@ -11,14 +11,16 @@ crate::shared! {
     /// Edits that are tracked separately; further ones are merged.
     pub const EDITS: usize = 8;
 
-    /// From this alert on, light changes greatly, as when a lamp is switched; lamps that glide or flicker stay below.
-    pub(crate) const GREAT_ALERT: f32 = 0.25;
-
     /// A body that moves at least so far in a frame (voxels) jumps. Nobody knows which probes saw it where it was, so all of
     /// them measure their distances anew.
     pub(crate) const BODY_JUMP: f32 = 4.0;
 }
 
+/// From this alert on, light changes greatly, as when a lamp is switched; lamps that glide or flicker stay below.
+pub(crate) const GREAT_ALERT: f32 = 0.25;
+/// Frames for which a great change counts as one: until its light has gone through a few bounces. Light that is followed
+/// as after a switch for longer comes late where a lamp was switched and glides on.
+const GREAT_FRAMES: u32 = 18;
 /// Share of an alert that remains after one frame: bounces take several frames, and sleeping probes
 /// update only every tenth frame.
 const ALERT_KEPT: f32 = 0.95;
@@ -197,8 +199,9 @@ impl Changes {
     }
 
     /// Whether light changes greatly now, as after a switched lamp or an edit.
-    pub fn are_great(&self) -> bool {
+    pub fn are_great(&self, frame: u32) -> bool {
         self.alert >= GREAT_ALERT
+            && (self.frames_since_great(frame)).is_some_and(|since| since < GREAT_FRAMES)
     }
 
     /// Frames since the last great change: 0 in the frame that shows it, `None` if there was none.
@@ -373,6 +376,29 @@ mod tests {
         assert_eq!(changes.latest_edit(), Some((seen_first, 5)));
         changes.begin_frame(0.0, 5 + REMEMBERED_FRAMES);
         assert!(changes.edits().is_empty());
+    }
+
+    #[test]
+    fn a_great_change_ends_before_its_alert() {
+        let mut changes = Changes::default();
+        let mut great = Vec::new();
+        for frame in 0..120 {
+            if frame == 70 {
+                changes.edit(IVec3::ZERO, IVec3::ONE, IVec3::ZERO, frame);
+            }
+            let light_change = match frame {
+                10 => 1.0,
+                // Its alert is below GREAT_ALERT after four frames.
+                50 => 0.3,
+                _ => 0.0,
+            };
+            changes.begin_frame(light_change, frame);
+            if changes.are_great(frame) {
+                great.push(frame);
+            }
+        }
+        let expected: Vec<u32> = (10..28).chain(50..54).chain(70..88).collect();
+        assert_eq!(great, expected);
     }
 
     #[test]

@@ -198,7 +198,6 @@ impl SurfaceCache {
         let NextFrame {
             size, age, changes, ..
         } = *next;
-        let alert = changes.alert();
         let settled = Self::is_settled(parameters, age);
         let mut most_samples = parameters.face_samples as f32;
         if !settled {
@@ -234,7 +233,7 @@ impl SurfaceCache {
             most_samples,
             widest_pixel: parameters.face_pixels.recip(),
             seed: next.seed,
-            alert,
+            changes_greatly: u32::from(changes.are_great(age)),
             stillness: changes.stillness(),
             changed_frame,
             edited_before: changes.edit_before().map_or(0, |shown_in| shown_in + 1),

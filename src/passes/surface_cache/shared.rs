@@ -26,8 +26,8 @@ crate::shared! {
         /// Width of a pixel (voxels) from which faces are too small to be lit on their own.
         pub widest_pixel: f32,
         pub seed: u32,
-        /// Certainty that light changes now, 0 to 1.
-        pub alert: f32,
+        /// 1: light changes greatly now, as after a switch or an edit.
+        pub changes_greatly: u32,
         /// Certainty that light has not changed for long, 0 to 1.
         pub stillness: f32,
         /// The last frame in which light was not still: light found before that frame is out of date.
