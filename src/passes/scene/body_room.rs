@@ -13,7 +13,8 @@ crate::shared! {
 
     /// Vectors of the head.
     pub const HEAD_VECTORS as HEAD_VECTORS: usize = 3;
-    /// Facts about a face with stored light.
+    /// A face with stored light has four quadrants, each with light of its own. Facts about a quadrant.
+    pub const LIT_QUADRANTS as LIT_QUADRANTS: usize = 4;
     pub const LIT_FACTS as LIT_FACTS: usize = 2;
     /// Facts about one of the cells around a body.
     pub const NEAR_FACTS as NEAR_FACTS: usize = 4;
@@ -120,7 +121,7 @@ impl Room {
 
     /// Number of the first fact about the cells around bodies; those about stored light come before.
     pub fn first_near_fact(&self) -> usize {
-        LIT_FACTS * self.lit_faces.max(1)
+        LIT_FACTS * LIT_QUADRANTS * self.lit_faces.max(1)
     }
 
     /// Number of the first fact about the cells of the world; those about bodies follow.
@@ -132,7 +133,7 @@ impl Room {
     pub fn facts(&self, cells: Cells) -> [usize; 3] {
         let cells = cells.count.element_product() as usize * self.bodies.min(1);
         let near = self.near_cells * NEAR_FACTS;
-        let lit = LIT_FACTS * self.lit_faces;
+        let lit = LIT_FACTS * LIT_QUADRANTS * self.lit_faces;
         [lit, near, cells + self.bodies].map(|facts| facts.div_ceil(2).max(1))
     }
 

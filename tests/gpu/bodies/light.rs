@@ -5,11 +5,14 @@ use grotto::{
     gpu::Gpu,
     lights::Lights,
     parameters::ProbeParameters,
-    world::{Lamp, View},
+    world::{Lamp, View, World},
 };
 
 use super::{SIZE, room, shown, with_block};
-use crate::support::{self, Fault, frames::Drawn};
+use crate::support::{
+    self, Fault,
+    frames::{Drawn, mean},
+};
 
 /// The light of before a great change is kept for as long as if nothing had changed.
 const KEEPS_LIGHT: Fault = (
@@ -64,4 +67,49 @@ fn light_of_bodies_follows_a_switched_lamp() {
     println!("{ratio:.3} after 24 frames, {slow:.3} if the light of before is kept");
     assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
     assert!(slow > 1.5, "{slow}");
+}
+
+/// A room below a hole in its roof, and a slab three voxels above the hole: all light comes through the slot between them.
+const SLOT: &str = "(
+    title: \"A slot.\",
+    size: (64, 32, 64),
+    origin: (-32, -8, -32),
+    shape: Subtraction([
+        Translate(by: (0, 5, 0), of: Box(half: (13, 8, 13))),
+        Translate(by: (0, 5, 0), of: Box(half: (10, 5, 10))),
+        Translate(by: (0, 12, 0), of: Box(half: (5, 4, 5))),
+    ]),
+    materials: {\"grey\": (a: Flat(0.6, 0.6, 0.6))},
+    rules: [(material: \"grey\")],
+    sky: (zenith: (0.5, 0.5, 0.5)),
+    sun: (towards: (0.3, 1, 0.2), irradiance: (30, 30, 30)),
+    lamps: [(name: \"the sun alone\")],
+    bodies: [(model: Shape(size: (12, 1, 12), shape: Box(half: (6, 1, 6))), position: (0, 16.5, 0))],
+    cameras: [(name: \"inside\", position: (8, 7, 8), look_at: (-6, 2, -6), fov_deg: 80)],
+    layouts: [(name: \"lattice\", counts: (7, 8, 7), spacing: 4, centre: (0.5, 10.5, 0.5))],
+)";
+
+/// All rays of a face begin at one of its voxels.
+const FROM_ONE_VOXEL: Fault = (
+    "probes/body_light.wesl",
+    "let from_column = column_of_ray(columns, column, face);",
+    "let from_column = 0u;",
+);
+
+/// The light of the room, some of which comes from the slab's lower side, over that of the path tracer.
+fn light_in_slot(faults: &[Fault]) -> f64 {
+    let world: World = support::parsed(SLOT);
+    let layout = world.layouts[0].clone();
+    let gpu = support::with_faults(&support::gpu(), faults);
+    let mut slot = Drawn::new(gpu, world, &layout, ProbeParameters::default(), [32, 18]);
+    slot.draw(80);
+    mean(&slot.radiance()) / mean(&slot.path_traced(View::Full, 1024))
+}
+
+#[test]
+fn light_below_a_body_in_a_slot_is_that_of_the_path_tracer() {
+    let [right, wrong] = [&[][..], &[FROM_ONE_VOXEL]].map(light_in_slot);
+    println!("{right:.3} of the light, {wrong:.3} with the fault");
+    assert!((right - 1.0).abs() < 0.05, "{right}");
+    assert!(right - wrong > 0.03, "{right} {wrong}");
 }

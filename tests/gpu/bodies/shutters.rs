@@ -1,13 +1,16 @@
-//! Bodies that let light into a room that was dark.
+//! Bodies that let light into a room that was dark, and that shut it out again.
 
-use grotto::{parameters::ProbeParameters, world::World};
+use grotto::{
+    parameters::ProbeParameters,
+    world::{View, World},
+};
 
 use crate::support::{
     self, Fault,
-    frames::{Drawn, mean},
+    frames::{Drawn, apart, mean},
 };
 
-/// A dark room below the sky, whose roof slides open within 1.5 seconds.
+/// A dark room below the sky, whose roof slides open within 1.5 seconds, and shut again from 1.6 seconds on.
 const ROOM: &str = "(
     title: \"A shutter.\",
     size: (32, 24, 32),
@@ -64,4 +67,41 @@ fn a_room_that_opens_is_as_bright_as_it_should_be() {
     // It is late in software, where faces wait longer for their rays.
     assert!((0.5..1.25).contains(&right), "{right}");
     assert!(wrong > 1.5, "{wrong}");
+}
+
+/// A change that the probes tell brings no noise to the faces whose repeated rays do not see it.
+const CALM: Fault = (
+    "surface_cache/resolve.wesl",
+    "of_spot += 0.25 * spread * told_changes[(thread & ~3u) + i];",
+    "",
+);
+
+/// How far the bounced light of the sun is from the path tracer's, relative to it, while the roof slides shut: a patch of the
+/// floor lights all the room, and becomes smaller.
+fn apart_while_closing(faults: &[Fault]) -> f64 {
+    let sunny = ROOM.replace(
+        "sky: (zenith: (1, 1, 1)),",
+        "sky: (zenith: (0, 0, 0)), sun: (towards: (0.2, 1, 0.1), irradiance: (40, 40, 40)),",
+    );
+    let world: World = support::parsed(&sunny);
+    let layout = world.layouts[0].clone();
+    let gpu = support::with_faults(&support::gpu(), faults);
+    let probes = ProbeParameters::default();
+    let mut room = Drawn::new(gpu, world, &layout, probes, [40, 30]);
+    room.shot.view = View::Indirect;
+    room.shot.time_s = 1.6;
+    // So long that faces have found their light by many rays.
+    room.draw(110);
+    for frame in 1..=44 {
+        room.shot.time_s = 1.6 + f64::from(frame) / 60.0;
+        room.draw(1);
+    }
+    apart(&room.radiance(), &room.path_traced(View::Indirect, 256))
+}
+
+#[test]
+fn a_room_that_closes_has_no_blotches() {
+    let [right, wrong] = [&[][..], &[CALM]].map(apart_while_closing);
+    println!("{right:.3}, {wrong:.3} with the fault");
+    assert!(right < 0.92 * wrong, "{right} {wrong}");
 }

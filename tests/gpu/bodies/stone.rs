@@ -36,14 +36,14 @@ const ROOMS: &str = "(
     layouts: [(name: \"lattice\", counts: (9, 5, 9), spacing: 4)],
 )";
 
-/// The light of a body's face counts for all of the face, for rays that hit it or for pixels.
+/// The light of a quadrant counts for all of it, for rays that hit it or for pixels.
 const FOR_ALL_RAYS: Fault = (
     "probes/body_faces.wesl",
-    "return select(vec3f(0.0), face.light, ((face.seen >> column) & 1u) == 1u);",
-    "return face.light;",
+    "return select(vec3f(0.0), lit.light, ((lit.seen >> column) & 1u) == 1u);",
+    "return lit.light;",
 );
 const FOR_ALL_PIXELS: Fault = ("probes/body_faces.wesl", "attempt == 1u);", "false);");
-/// The light of a face is found where the model says, even in stone.
+/// The light of a quadrant is found at its voxels even in stone.
 const IN_STONE: Fault = (
     "probes/body_light.wesl",
     "own.found && !is_solid(vec3i(floor(before_middle(own))))",
