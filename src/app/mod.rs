@@ -23,6 +23,7 @@ mod input;
 mod inventory;
 mod menu;
 mod messages;
+mod named_lines;
 mod pace;
 mod panel;
 mod player;

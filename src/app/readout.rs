@@ -1,11 +1,12 @@
 //! What a player can keep on the picture: where they are, what they aim at, and how fast frames are.
 
-use egui::{Align2, Area, Color32, Frame, Id, Label, RichText, Ui, Vec2, vec2};
+use egui::{Align2, Area, Color32, Frame, Id, RichText, Ui};
 use glam::IVec3;
 
 use super::{
     clock::WorldClock,
     hands::aim::Target,
+    named_lines,
     panel::{Facts, digits, told},
     texts::readout as texts,
     time_graph,
@@ -15,10 +16,6 @@ use crate::world::{Camera, PlacedLamp, World, placed};
 const WIDTH: f32 = 236.0;
 const FILL: Color32 = Color32::from_black_alpha(150);
 const MARGIN: f32 = 12.0;
-/// Width of the column of names.
-const NAMES: f32 = 56.0;
-/// Between columns and between rows.
-const BETWEEN: Vec2 = vec2(8.0, 2.0);
 
 /// Draws the figures in the upper right corner. They take no clicks.
 pub fn show(ui: &Ui, facts: &Facts<'_>, clock: &WorldClock, aimed: Option<&Target>) {
@@ -32,24 +29,9 @@ pub fn show(ui: &Ui, facts: &Facts<'_>, clock: &WorldClock, aimed: Option<&Targe
                 let fps = facts.rate.fps().unwrap_or(0.0);
                 ui.label(RichText::new(format!("{} FPS", digits(fps))).strong());
                 time_graph::show(ui, facts.rate);
-                rows(ui, &lines(facts, clock, aimed));
+                named_lines::show(ui, &lines(facts, clock, aimed));
             });
         });
-}
-
-/// Names, each with a value beside it, which may take several lines. A grid of egui would not do: it places the first
-/// frame's text by row heights that it measured in a narrower column.
-fn rows(ui: &mut Ui, lines: &[(&str, String)]) {
-    ui.spacing_mut().item_spacing = BETWEEN;
-    for (name, value) in lines {
-        ui.horizontal_top(|ui| {
-            let name = Label::new(RichText::new(*name).weak());
-            let left = ui.cursor().left();
-            ui.add(name);
-            ui.add_space((left + NAMES - ui.cursor().left()).max(0.0));
-            ui.add(Label::new(value).wrap());
-        });
-    }
 }
 
 fn lines(
@@ -155,56 +137,6 @@ mod tests {
         };
         let told = target(&world, Some(&at_lamp));
         assert_eq!(told, format!("{}, off  (1, 2, 3)", hung.block.name()));
-    }
-
-    #[test]
-    fn rows_are_below_one_another_from_the_first_frame_on() {
-        let context = egui::Context::default();
-        let long = "a material with a name that takes lines  (-120, 30, -64)";
-        let lines = [
-            ("at", "0.5"),
-            ("aims at", long),
-            ("time", "1.2 s"),
-            ("sound", long),
-        ];
-        let lines = lines.map(|(name, value)| (name, value.to_owned()));
-        let input = || egui::RawInput {
-            screen_rect: Some(egui::Rect::from_min_size(
-                egui::Pos2::ZERO,
-                vec2(640.0, 360.0),
-            )),
-            ..Default::default()
-        };
-        let mut shown: Vec<Vec<egui::Rect>> = Vec::new();
-        for _ in 0..4 {
-            let mut output = context.run_ui(input(), |ui| {
-                Area::new(Id::unique("readout"))
-                    .anchor(Align2::RIGHT_TOP, [-MARGIN, MARGIN])
-                    .show(ui.ctx(), |ui| {
-                        ui.set_width(WIDTH);
-                        rows(ui, &lines);
-                    });
-            });
-            output.textures_delta.clear();
-            let texts = output.shapes.iter().filter_map(|shape| match &shape.shape {
-                egui::Shape::Text(text) => Some(text.visual_bounding_rect()),
-                _ => None,
-            });
-            shown.push(texts.collect());
-        }
-        // A frame that only measures shows nothing.
-        shown.retain(|texts| !texts.is_empty());
-        assert!(shown.len() >= 2);
-        for texts in &shown {
-            assert_eq!(texts.len(), 2 * lines.len());
-            assert_eq!(*texts, shown[0], "it does not move");
-            for pair in texts.chunks(2).collect::<Vec<_>>().windows(2) {
-                let end = pair[0][0].bottom().max(pair[0][1].bottom());
-                let next = pair[1][0].top().min(pair[1][1].top());
-                assert!(end <= next, "{end} {next}");
-                assert!(pair[0][0].right() < pair[0][1].left());
-            }
-        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ use crate::{
 
 /// Height of the hotbar with its margin (points).
 pub const HEIGHT: f32 = SLOT + 2.0 * MARGIN;
+const WIDTH: f32 = SLOT * SLOTS as f32;
 const SLOT: f32 = 46.0;
 const MARGIN: f32 = 10.0;
 /// How long the name is shown, and how long it fades (seconds).
@@ -28,7 +29,8 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// Draws the hotbar. Returns the slot that was clicked, where the mouse is free.
+    /// Draws the hotbar in what panels leave of the window, if they leave enough. Returns the slot that was clicked, where the
+    /// mouse is free.
     pub fn show(
         &mut self,
         ui: &Ui,
@@ -36,9 +38,14 @@ impl Bar {
         hotbar: &Hotbar,
         pictures: &mut Pictures,
     ) -> Option<usize> {
+        let room = ui.available_rect_before_wrap();
+        if room.width() < WIDTH {
+            return None;
+        }
         let area = Area::new(Id::unique("hotbar"))
             .order(Order::Middle)
-            .anchor(Align2::CENTER_BOTTOM, [0.0, -MARGIN])
+            .pivot(Align2::CENTER_BOTTOM)
+            .fixed_pos(room.center_bottom() - vec2(0.0, MARGIN))
             .show(ui.ctx(), |ui| slots(ui, world, hotbar, pictures));
         self.name(ui, area.response.rect, world, hotbar);
         area.inner
@@ -77,7 +84,7 @@ impl Bar {
 
 fn slots(ui: &mut Ui, world: &World, hotbar: &Hotbar, pictures: &mut Pictures) -> Option<usize> {
     let mut clicked = None;
-    let size = vec2(SLOT * SLOTS as f32, SLOT);
+    let size = vec2(WIDTH, SLOT);
     let (bar, response) = ui.allocate_exact_size(size, Sense::click());
     let painter = ui.painter();
     for (index, item) in hotbar.slots().iter().enumerate() {

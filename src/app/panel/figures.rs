@@ -4,8 +4,13 @@ use std::collections::BTreeMap;
 
 use egui::{Align, Color32, Grid, Layout, RichText, Ui};
 
-use super::{Facts, digits, grid};
-use crate::{app::time_graph, gpu::PassTimes, passes::probes::StateCounts, world::Camera};
+use super::{Facts, digits};
+use crate::{
+    app::{named_lines, time_graph},
+    gpu::PassTimes,
+    passes::probes::StateCounts,
+    world::Camera,
+};
 
 const WARNING: Color32 = Color32::from_rgb(255, 190, 80);
 
@@ -74,40 +79,36 @@ pub fn figures(ui: &mut Ui, facts: &Facts<'_>) {
         Some(counts) => told(&counts),
         None => frame.field().volume().probes().to_string(),
     };
-    grid(ui, "figures", |ui| {
-        let mut line = |what: &str, value: String| {
-            ui.weak(what);
-            ui.label(value);
-            ui.end_row();
-        };
-        line("picture", facts.picture_in_words());
-        line(
+    let Camera {
+        position: at,
+        yaw_deg,
+        pitch_deg,
+        ..
+    } = facts.camera;
+    let lines = [
+        ("picture", facts.picture_in_words()),
+        (
             "probes",
             format!("{states}, {} rays each", facts.rays_per_update()),
-        );
-        line(
+        ),
+        (
             "memory",
             format!(
                 "voxels {}, probes {}",
                 mebibytes(memory.voxels),
                 mebibytes(memory.probes)
             ),
-        );
-        let Camera {
-            position: at,
-            yaw_deg,
-            pitch_deg,
-            ..
-        } = facts.camera;
-        line(
+        ),
+        (
             "camera",
             format!(
                 "({:.1}, {:.1}, {:.1}) {yaw_deg:.0}° {pitch_deg:.0}°",
                 at.x, at.y, at.z
             ),
-        );
-        line("flight", format!("{} voxels/s", digits(facts.fly_speed)));
-    });
+        ),
+        ("flight", format!("{} voxels/s", digits(facts.fly_speed))),
+    ];
+    ui.scope(|ui| named_lines::show(ui, &lines));
 }
 
 /// A bar for each pass; the longest is as wide as the panel allows.

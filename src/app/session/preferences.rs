@@ -6,8 +6,21 @@ use winit::window::Fullscreen;
 
 use super::Session;
 use crate::app::{
-    input::Input, pace::Attention, quality::Preset, settings::Preferences, texts::toasts,
+    input::Input,
+    pace::Attention,
+    quality::Preset,
+    settings::{Preferences, UI_SCALES},
+    texts::toasts,
 };
+
+/// The menu and the hotbar need so much room (points).
+const LEAST_ROOM: [f32; 2] = [640.0, 360.0];
+
+/// How large letters and buttons are in a window of `size` points: as the user wants, or smaller if they would not fit.
+fn fitting_scale(ui_scale: f32, size: [f32; 2]) -> f32 {
+    let fitting = (size[0] / LEAST_ROOM[0]).min(size[1] / LEAST_ROOM[1]);
+    ui_scale.min(fitting.max(*UI_SCALES.start()))
+}
 
 /// Edge length of the rendered picture, as a share of the window's: the user's choice, or the preset's.
 fn scale(preferences: &Preferences, preset: Preset) -> f32 {
@@ -99,7 +112,12 @@ impl Session {
         if context.input(|input| input.pointer.any_down()) {
             return;
         }
-        context.set_zoom_factor(self.preferences.ui_scale);
+        let size = self.screen.size();
+        if !size.contains(&0) {
+            let pixels = context.native_pixels_per_point().unwrap_or(1.0);
+            let points = size.map(|edge| edge as f32 / pixels);
+            context.set_zoom_factor(fitting_scale(self.preferences.ui_scale, points));
+        }
         if let Err(error) = self.store.keep(&self.preferences) {
             let told = toasts::unkept_settings(&error.to_string());
             tracing::warn!("{told}");
@@ -115,5 +133,26 @@ impl Session {
             self.preferences.window_size = size;
         }
         self.keep_settings();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fitting_scale;
+
+    #[test]
+    fn letters_are_as_large_as_wanted_where_they_fit() {
+        for (wanted, size, scale) in [
+            (1.0, [1280.0, 720.0], 1.0),
+            (2.0, [1280.0, 720.0], 2.0),
+            (3.0, [1280.0, 720.0], 2.0),
+            (0.5, [640.0, 360.0], 0.5),
+            (1.0, [480.0, 720.0], 0.75),
+            (1.0, [640.0, 216.0], 0.6),
+            // As small as a user may choose.
+            (1.0, [100.0, 50.0], 0.5),
+        ] {
+            assert_eq!(fitting_scale(wanted, size), scale, "{wanted} in {size:?}");
+        }
     }
 }

@@ -47,8 +47,8 @@ const MOST_NEAR: u64 = 16;
 const BLOCK: u64 = 112;
 /// Bytes of a model's emissive face in the list of them.
 const EMISSIVE_FACE: u64 = 8;
-/// Bytes of the light of a body's block: six faces, in two copies.
-const LIGHT: u64 = 96;
+/// Bytes of the light of a body's block: four quadrants of six faces, in two copies.
+const LIGHT: u64 = 768;
 
 /// Number of a model's faces that emit light: those of emissive voxels beside air.
 fn emissive_faces(model: &BodyModel, world: &World) -> u64 {
