@@ -66,7 +66,7 @@ fn materials(model: &BodyModel) -> Vec<[u32; 4]> {
 struct LitFaces {
     /// For each block the number of its first face, and in the low six bits which faces it has.
     blocks: Vec<u32>,
-    /// For each face the voxel at which its light is found: of the exposed ones, the nearest to their middle.
+    /// For each face the voxel that stands for its middle: of the exposed ones, the nearest to their middle.
     /// Packed.
     voxels: Vec<u32>,
 }
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn light_is_found_at_the_middle_of_the_exposed_faces_of_a_block() {
+    fn middles_are_those_of_the_exposed_faces_of_a_block() {
         let cube = model(UVec3::splat(16), |_| true);
         let lit = LitFaces::of(&cube);
         let top = voxel_of(&lit, &cube, UVec3::new(1, 3, 2), 3).expect("the top is exposed");

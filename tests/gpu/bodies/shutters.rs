@@ -100,7 +100,7 @@ fn apart_while_closing(faults: &[Fault]) -> f64 {
 }
 
 #[test]
-fn a_room_that_closes_has_no_blotches() {
+fn faces_trust_old_rays_less_while_a_room_closes() {
     let [right, wrong] = [&[][..], &[CALM]].map(apart_while_closing);
     println!("{right:.3}, {wrong:.3} with the fault");
     assert!(right < 0.92 * wrong, "{right} {wrong}");
