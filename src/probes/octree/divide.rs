@@ -1,28 +1,26 @@
 //! Which cells of an octree are divided, and where a cell's neighbours are coarser.
 
-use std::collections::HashSet;
+use glam::{BVec3, IVec3, UVec3};
 
-use glam::{IVec3, UVec3};
-
+use super::cells::CellSet;
 use crate::world::scenery::MAX_PROBES;
 
 /// The divided cells of each level. Cells are counted from the lattice's first point, in their own size.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Division {
     depth: u32,
-    divided: Vec<HashSet<IVec3>>,
+    divided: Vec<CellSet>,
 }
 
 impl Division {
-    /// Asks which cells of a level are divided, from the roots down. If `balanced`, divides more cells until the sizes of
-    /// any two cells that touch differ by a factor of 2 at most. `None` for a tree of too many cells.
+    /// Asks which cells of a level are divided, from the roots down. `None` for a tree of too many cells.
     pub fn new(
         roots: UVec3,
         depth: u32,
-        balanced: bool,
         mut is_divided: impl FnMut(u32, &[IVec3]) -> Vec<bool>,
     ) -> Option<Self> {
-        let mut divided = vec![HashSet::new(); depth as usize + 1];
+        let empty = |level| CellSet::empty(roots << (depth - level));
+        let mut divided: Vec<CellSet> = (0..=depth).map(empty).collect();
         let mut candidates = all(roots);
         for level in (1..=depth).rev() {
             let answers = is_divided(level, &candidates);
@@ -32,36 +30,34 @@ impl Division {
                 return None;
             }
             candidates = chosen.iter().flat_map(|cell| children(*cell)).collect();
-            divided[level as usize].extend(chosen);
+            for cell in chosen {
+                divided[level as usize].insert(cell);
+            }
         }
-        let mut division = Self { depth, divided };
-        if balanced {
-            division.balance(roots);
-        }
-        (division.cells(roots) <= MAX_PROBES).then_some(division)
+        Some(Self { depth, divided })
     }
 
-    /// All cells around a divided one exist, so all their parents are divided. From fine to coarse, because a division
-    /// asks for coarser ones alone.
-    fn balance(&mut self, roots: UVec3) {
+    /// The same with more divided cells, so that the sizes of any two cells that touch differ by a factor of 2 at most. All cells
+    /// around a divided one exist, so all their parents are divided. From fine to coarse, because a division asks for
+    /// coarser ones alone.
+    pub fn balanced(&self, roots: UVec3) -> Self {
+        let mut all = self.clone();
         for level in 1..self.depth as usize {
-            let counts = (roots << (self.depth - level as u32)).as_ivec3();
-            let around = |cell: &IVec3| {
-                let cell = *cell;
-                (0..27).map(move |number| cell + step(number))
-            };
-            let parents: Vec<IVec3> = self.divided[level]
-                .iter()
-                .flat_map(around)
-                .filter(|cell| is_within(*cell, counts))
-                .map(|cell| cell >> 1)
-                .collect();
-            self.divided[level + 1].extend(parents);
+            let last = (roots << (self.depth - level as u32)).as_ivec3() - 1;
+            let (fine, coarse) = all.divided.split_at_mut(level + 1);
+            for cell in fine[level].iter() {
+                // The parents of all cells around one are those of the corners of these 3³ cells.
+                let (low, high) = ((cell - 1).max(IVec3::ZERO), (cell + 1).min(last));
+                for corner in 0..8 {
+                    coarse[0].insert(IVec3::select(is_high(corner), high, low) >> 1);
+                }
+            }
         }
+        all
     }
 
     pub fn is_divided(&self, level: u32, cell: IVec3) -> bool {
-        self.divided[level as usize].contains(&cell)
+        self.divided[level as usize].contains(cell)
     }
 
     /// Number of cells, at most `u32::MAX`.
@@ -76,10 +72,8 @@ impl Division {
     pub fn by_level(&self, roots: UVec3) -> Vec<(u32, Vec<IVec3>)> {
         let mut levels = vec![(self.depth, all(roots))];
         for level in (0..self.depth).rev() {
-            let mut parents: Vec<IVec3> =
-                self.divided[level as usize + 1].iter().copied().collect();
-            parents.sort_by_key(|cell| (cell.z, cell.y, cell.x));
-            levels.push((level, parents.into_iter().flat_map(children).collect()));
+            let parents = self.divided[level as usize + 1].iter();
+            levels.push((level, parents.flat_map(children).collect()));
         }
         levels
     }
@@ -117,6 +111,11 @@ pub(super) fn child(bits: UVec3) -> u32 {
 /// 0 or 1 along each axis: where a corner is, or a child.
 pub(super) fn corner_offset(corner: u32) -> IVec3 {
     UVec3::new(corner & 1, corner >> 1 & 1, corner >> 2).as_ivec3()
+}
+
+/// Along which axes a corner is the higher one.
+fn is_high(corner: u32) -> BVec3 {
+    corner_offset(corner).cmpeq(IVec3::ONE)
 }
 
 /// One of 27 steps to the places around a cell, itself included.

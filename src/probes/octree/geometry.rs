@@ -1,9 +1,8 @@
 //! How much geometry there is in the cells of an octree: what decides whether they are divided.
 
-use std::collections::HashMap;
-
 use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use crate::probes::sampling::fibonacci;
 use crate::world::scenery::{OctreeSpec, Split};
@@ -26,7 +25,7 @@ pub(super) struct Geometry {
     /// By level, the surface voxels of each cell of the whole lattice. A surface voxel is air beside a solid voxel.
     surface: Vec<Vec<u32>>,
     /// Hit fractions that are known.
-    hits: HashMap<(u32, IVec3), f32>,
+    hits: FxHashMap<(u32, IVec3), f32>,
 }
 
 impl Geometry {
@@ -46,7 +45,7 @@ impl Geometry {
             step,
             first,
             surface: Vec::new(),
-            hits: HashMap::new(),
+            hits: FxHashMap::default(),
         };
         let counts = geometry.counts(0);
         let finest = (0..counts.element_product()).into_par_iter().map(|number| {

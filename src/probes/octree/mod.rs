@@ -8,14 +8,14 @@
 //!
 //! `shaders/probes/octree.wesl` does the same on the GPU.
 
+mod cells;
 mod check;
 mod divide;
 mod geometry;
 mod lookup;
 
-use std::collections::HashMap;
-
 use glam::{IVec3, UVec3, Vec3};
+use rustc_hash::FxHashMap;
 
 use super::ProbeError;
 use crate::world::scenery::{MAX_PROBES, OctreeSpec};
@@ -78,11 +78,13 @@ pub struct Octree {
     /// First slot of each level, and the end of the last one.
     first_slots: Vec<u32>,
     slots: Vec<Slot>,
-    by_home: HashMap<IVec3, u32>,
+    by_home: FxHashMap<IVec3, u32>,
     /// The roots, then the children of each divided cell together.
     cells: Vec<Cell>,
     cell_room: u32,
     geometry: Geometry,
+    /// What the geometry divides; balance divides more.
+    wanted: Option<Division>,
     fresh: u32,
 }
 
@@ -105,10 +107,11 @@ impl Octree {
             roots,
             first_slots: Vec::new(),
             slots: Vec::new(),
-            by_home: HashMap::new(),
+            by_home: FxHashMap::default(),
             cells: Vec::new(),
             cell_room: 0,
             geometry,
+            wanted: None,
             fresh: 0,
             spec,
         };
@@ -117,11 +120,16 @@ impl Octree {
             slots,
             most: MAX_PROBES,
         };
-        let division = tree.division(voxels).ok_or(ProbeError::Cells {
+        let too_deep = ProbeError::Cells {
             layout: layout.name.clone(),
             depth: tree.spec.depth,
             most: MAX_PROBES,
-        })?;
+        };
+        let wanted = tree.wanted(voxels);
+        let Some(division) = wanted.as_ref().and_then(|wanted| tree.division(wanted)) else {
+            return Err(too_deep);
+        };
+        tree.wanted = wanted;
         let homes = tree.homes(&division, voxels);
         let mut first = 0u64;
         for level in 0..=tree.spec.depth {
@@ -146,11 +154,8 @@ impl Octree {
         }
         let cells = division.cells(tree.roots);
         tree.cell_room = cells + cells / SPARE_SHARE + 8 * SPARE;
-        let grown = tree.settle(&division, &homes);
-        debug_assert!(
-            grown || homes.is_empty(),
-            "room for every probe was just made"
-        );
+        let settled = tree.settle(&division, &homes);
+        debug_assert!(settled.is_some(), "room for every probe was just made");
         for slot in &mut tree.slots {
             (slot.fresh, slot.touched) = (false, false);
         }
@@ -163,30 +168,46 @@ impl Octree {
     /// as it is: it lights the changed voxels, only not as finely.
     pub fn regrow(&mut self, voxels: &Voxels, first: IVec3, last: IVec3) -> bool {
         self.geometry.edit(voxels, first, last);
-        let Some(division) = self.division(voxels) else {
+        let wanted = self.wanted(voxels);
+        // The published way also asks which leaves see enough of the voxels.
+        if wanted == self.wanted && !self.spec.source {
+            return false;
+        }
+        let Some(division) = wanted.as_ref().and_then(|wanted| self.division(wanted)) else {
             return false;
         };
         if division.cells(self.roots) > self.cell_room {
             return false;
         }
         let homes = self.homes(&division, voxels);
-        self.settle(&division, &homes)
+        let Some(is_changed) = self.settle(&division, &homes) else {
+            return false;
+        };
+        self.wanted = wanted;
+        is_changed
     }
 
-    fn division(&mut self, voxels: &Voxels) -> Option<Division> {
+    /// What the geometry divides. `None` for a tree of too many cells.
+    fn wanted(&mut self, voxels: &Voxels) -> Option<Division> {
         let geometry = &mut self.geometry;
-        Division::new(
-            self.roots,
-            self.spec.depth,
-            !self.spec.source,
-            |level, cells| geometry.divided(voxels, level, cells),
-        )
+        Division::new(self.roots, self.spec.depth, |level, cells| {
+            geometry.divided(voxels, level, cells)
+        })
+    }
+
+    /// What the tree divides for that. `None` for a tree of too many cells.
+    fn division(&self, wanted: &Division) -> Option<Division> {
+        let division = match self.spec.source {
+            true => wanted.clone(),
+            false => wanted.balanced(self.roots),
+        };
+        (division.cells(self.roots) <= MAX_PROBES).then_some(division)
     }
 
     /// Every probe's place (voxels from the first lattice point), its level, and the level of the finest cell at it; in
     /// the order of levels and places.
     fn homes(&self, division: &Division, voxels: &Voxels) -> Vec<(IVec3, u32, u32)> {
-        let mut found: HashMap<IVec3, (u32, u32)> = HashMap::new();
+        let mut found: FxHashMap<IVec3, (u32, u32)> = FxHashMap::default();
         for (level, cells) in division.by_level(self.roots) {
             for cell in cells {
                 let size = self.step << level;
@@ -214,9 +235,9 @@ impl Octree {
         homes
     }
 
-    /// Gives every probe a slot, and builds the cells. Returns false, and changes nothing, without enough slots, or if
-    /// all stays as it was.
-    fn settle(&mut self, division: &Division, homes: &[(IVec3, u32, u32)]) -> bool {
+    /// Gives every probe a slot, and builds the cells. Returns whether any probe is new, gone, or a corner of new cells; `None`, and
+    /// changes nothing, without enough slots.
+    fn settle(&mut self, division: &Division, homes: &[(IVec3, u32, u32)]) -> Option<bool> {
         let mut kept = vec![false; self.slots.len()];
         let mut found = vec![None; homes.len()];
         for (place, (home, ..)) in found.iter_mut().zip(homes) {
@@ -236,7 +257,7 @@ impl Octree {
                     *next += 1;
                 }
                 if *next == end {
-                    return false;
+                    return None;
                 }
                 *place = Some(*next);
                 *next += 1;
@@ -271,7 +292,7 @@ impl Octree {
         self.build_cells(division);
         let is_changed = |slot: &&Slot| slot.fresh || slot.touched;
         self.fresh = self.slots.iter().filter(is_changed).count() as u32;
-        self.fresh > 0
+        Some(self.fresh > 0)
     }
 
     fn build_cells(&mut self, division: &Division) {
@@ -279,7 +300,7 @@ impl Octree {
         if self.spec.source {
             return;
         }
-        let mut numbers: HashMap<(u32, IVec3), u32> = HashMap::new();
+        let mut numbers: FxHashMap<(u32, IVec3), u32> = FxHashMap::default();
         for (level, cells) in division.by_level(self.roots) {
             for cell in cells {
                 let corners = std::array::from_fn(|corner| {
