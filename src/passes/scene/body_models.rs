@@ -2,11 +2,14 @@
 
 use glam::{IVec3, UVec3};
 
-use super::{body_emitters::EmissiveFaces, body_supports::Supports, hierarchy::Bounds};
+use super::{
+    body_emitters::EmissiveFaces, body_lit_faces::LitFaces, body_supports::Supports,
+    hierarchy::Bounds,
+};
 use crate::world::bodies::BodyModel;
 
 /// Edge of a block in voxels.
-const BLOCK: u32 = 4;
+pub const BLOCK: u32 = 4;
 pub const FACES: [IVec3; 6] = [
     IVec3::NEG_X,
     IVec3::X,
@@ -16,7 +19,8 @@ pub const FACES: [IVec3; 6] = [
     IVec3::Z,
 ];
 
-fn blocks_of(size: UVec3) -> UVec3 {
+/// Blocks along each axis of a model of this size in voxels.
+pub fn blocks_of(size: UVec3) -> UVec3 {
     size.map(|edge| edge.div_ceil(BLOCK))
 }
 
@@ -62,69 +66,13 @@ fn materials(model: &BodyModel) -> Vec<[u32; 4]> {
     bytes.chunks(16).map(bytemuck::pod_read_unaligned).collect()
 }
 
-/// The faces of the blocks that have stored light: those of which any voxel's face is exposed to air.
-struct LitFaces {
-    /// For each block the number of its first face, and in the low six bits which faces it has.
-    blocks: Vec<u32>,
-    /// For each face the voxel that stands for its middle: of the exposed ones, the nearest to their middle.
-    /// Packed.
-    voxels: Vec<u32>,
-}
-
-impl LitFaces {
-    fn of(model: &BodyModel) -> Self {
-        let extent = blocks_of(model.size);
-        let mut all = Self {
-            blocks: Vec::new(),
-            voxels: Vec::new(),
-        };
-        for block in places(extent) {
-            let first = all.voxels.len() as u32;
-            let mut found = 0;
-            for (face, facing) in FACES.iter().enumerate() {
-                if let Some(voxel) = lit_voxel(model, block, *facing) {
-                    found |= 1 << face;
-                    all.voxels.push(packed_face(voxel, face));
-                }
-            }
-            all.blocks.push(first << 6 | found);
-        }
-        all
-    }
-
-    fn count(&self) -> usize {
-        self.voxels.len()
-    }
-
-    /// Four blocks in a vector; then the number of faces and their voxels, four words in a vector.
-    fn vectors(&self) -> Vec<[u32; 4]> {
-        let count = [self.count() as u32];
-        let lists = [&self.blocks[..], &[&count[..], &self.voxels].concat()];
-        lists.iter().flat_map(|words| in_fours(words)).collect()
-    }
-}
-
 /// A face of a voxel in a word: x, y and z in six bits each, then the face.
 pub fn packed_face(voxel: UVec3, face: usize) -> u32 {
     voxel.x | voxel.y << 6 | voxel.z << 12 | (face as u32) << 18
 }
 
-/// Of a block's faces of one direction that are exposed to air, the voxel nearest to their middle.
-fn lit_voxel(model: &BodyModel, block: UVec3, facing: IVec3) -> Option<UVec3> {
-    let exposed: Vec<IVec3> = places(UVec3::splat(BLOCK))
-        .map(|at| (block * BLOCK + at).as_ivec3())
-        .filter(|at| model.material(*at) != 0 && model.material(*at + facing) == 0)
-        .collect();
-    let count = exposed.len() as i32;
-    let sum: IVec3 = exposed.iter().sum();
-    // In units of 1/count: whole numbers choose the same voxel on every machine.
-    let nearest = exposed
-        .iter()
-        .min_by_key(|at| (**at * count - sum).length_squared());
-    nearest.map(|at| at.as_uvec3())
-}
-
-fn in_fours(words: &[u32]) -> Vec<[u32; 4]> {
+/// Four words in a vector; zeros after the last.
+pub fn in_fours(words: &[u32]) -> Vec<[u32; 4]> {
     let four = |words: &[u32]| std::array::from_fn(|i| words.get(i).copied().unwrap_or(0));
     words.chunks(4).map(four).collect()
 }
@@ -177,67 +125,6 @@ impl GpuModel {
             solid: solid(model),
             supports: Supports::of(model),
             blocks: blocks_of(model.size),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn model(size: UVec3, is_solid: impl Fn(UVec3) -> bool) -> BodyModel {
-        BodyModel {
-            size,
-            materials: places(size).map(|at| u8::from(is_solid(at))).collect(),
-        }
-    }
-
-    fn voxel_of(lit: &LitFaces, model: &BodyModel, block: UVec3, face: usize) -> Option<UVec3> {
-        let blocks = blocks_of(model.size);
-        let word = lit.blocks[(block.x + blocks.x * (block.y + blocks.y * block.z)) as usize];
-        let before = (word & ((1 << face) - 1)).count_ones();
-        let packed = lit.voxels[((word >> 6) + before) as usize % lit.count()];
-        let part = |shift: u32| packed >> shift & 0x3f;
-        (word >> face & 1 != 0).then(|| {
-            assert_eq!(packed >> 18, face as u32);
-            UVec3::new(part(0), part(6), part(12))
-        })
-    }
-
-    #[test]
-    fn middles_are_those_of_the_exposed_faces_of_a_block() {
-        let cube = model(UVec3::splat(16), |_| true);
-        let lit = LitFaces::of(&cube);
-        let top = voxel_of(&lit, &cube, UVec3::new(1, 3, 2), 3).expect("the top is exposed");
-        assert_eq!(top.y, 15);
-        assert!((5..7).contains(&top.x) && (9..11).contains(&top.z), "{top}");
-        assert_eq!(
-            voxel_of(&lit, &cube, UVec3::new(1, 3, 2), 2),
-            None,
-            "its lower side is not"
-        );
-        assert_eq!(lit.count(), 6 * 16, "nor is anything inside");
-    }
-
-    #[test]
-    fn every_exposed_face_has_light() {
-        for size in [
-            UVec3::new(1, 1, 1),
-            UVec3::new(7, 1, 7),
-            UVec3::new(13, 30, 5),
-        ] {
-            let porous = model(size, |at| (at.x * 7 + at.y * 3 + at.z * 5) % 4 != 0);
-            let all = LitFaces::of(&porous);
-            for voxel in porous.solid() {
-                for (face, facing) in FACES.iter().enumerate() {
-                    if porous.material(voxel + *facing) == 0 {
-                        let block = voxel.as_uvec3() / BLOCK;
-                        let lit = voxel_of(&all, &porous, block, face).expect("it is exposed");
-                        assert_eq!(lit / BLOCK, block, "{voxel} {face}");
-                        assert_eq!(porous.material(lit.as_ivec3() + *facing), 0);
-                    }
-                }
-            }
         }
     }
 }

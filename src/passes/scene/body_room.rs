@@ -13,9 +13,11 @@ crate::shared! {
 
     /// Vectors of the head.
     pub const HEAD_VECTORS as HEAD_VECTORS: usize = 3;
-    /// A face with stored light has four quadrants, each with light of its own. Facts about a quadrant.
+    /// A face with stored light has light for each of its columns of voxels, and its columns belong to quadrants.
+    pub const LIT_COLUMNS as LIT_COLUMNS: usize = 16;
     pub const LIT_QUADRANTS as LIT_QUADRANTS: usize = 4;
-    pub const LIT_FACTS as LIT_FACTS: usize = 2;
+    /// Facts about such a face: half a one for each quadrant, one for each column.
+    pub const LIT_FACTS as LIT_FACTS: usize = LIT_QUADRANTS / 2 + LIT_COLUMNS;
     /// Facts about one of the cells around a body.
     pub const NEAR_FACTS as NEAR_FACTS: usize = 4;
     /// log2 of the most cells along an axis around a body.
@@ -121,7 +123,7 @@ impl Room {
 
     /// Number of the first fact about the cells around bodies; those about stored light come before.
     pub fn first_near_fact(&self) -> usize {
-        LIT_FACTS * LIT_QUADRANTS * self.lit_faces.max(1)
+        LIT_FACTS * self.lit_faces.max(1)
     }
 
     /// Number of the first fact about the cells of the world; those about bodies follow.
@@ -133,7 +135,7 @@ impl Room {
     pub fn facts(&self, cells: Cells) -> [usize; 3] {
         let cells = cells.count.element_product() as usize * self.bodies.min(1);
         let near = self.near_cells * NEAR_FACTS;
-        let lit = LIT_FACTS * LIT_QUADRANTS * self.lit_faces;
+        let lit = LIT_FACTS * self.lit_faces;
         [lit, near, cells + self.bodies].map(|facts| facts.div_ceil(2).max(1))
     }
 

@@ -3,6 +3,7 @@
 mod bodies;
 mod body_emitters;
 mod body_facts;
+mod body_lit_faces;
 mod body_models;
 mod body_poses;
 mod body_records;

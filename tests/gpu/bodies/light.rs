@@ -17,8 +17,8 @@ use crate::support::{
 /// The light of before a great change is kept for as long as if nothing had changed.
 const KEEPS_LIGHT: Fault = (
     "probes/body_light.wesl",
-    "let most = clamp(share * f32(update_schedule.since_great), FEWEST_UPDATES, of_rest);",
-    "let most = of_rest;",
+    "return clamp(share * f32(update_schedule.since_great), FEWEST_UPDATES, of_rest);",
+    "return of_rest;",
 );
 
 /// The brighter one of two lamps goes out. Returns the indirect light of a body after 24 frames, each of which brings a bounce or more,
@@ -69,8 +69,10 @@ fn light_of_bodies_follows_a_switched_lamp() {
     assert!(slow > 1.5, "{slow}");
 }
 
-/// A room below a hole in its roof, and a slab three voxels above the hole: all light comes through the slot between them.
-const SLOT: &str = "(
+/// A room below a hole in its roof, and a slab `gap` voxels above the hole: all light comes through the slot between them.
+fn slot(gap: u32) -> World {
+    support::parsed(&format!(
+        "(
     title: \"A slot.\",
     size: (64, 32, 64),
     origin: (-32, -8, -32),
@@ -79,26 +81,35 @@ const SLOT: &str = "(
         Translate(by: (0, 5, 0), of: Box(half: (10, 5, 10))),
         Translate(by: (0, 12, 0), of: Box(half: (5, 4, 5))),
     ]),
-    materials: {\"grey\": (a: Flat(0.6, 0.6, 0.6))},
+    materials: {{\"grey\": (a: Flat(0.6, 0.6, 0.6))}},
     rules: [(material: \"grey\")],
     sky: (zenith: (0.5, 0.5, 0.5)),
     sun: (towards: (0.3, 1, 0.2), irradiance: (30, 30, 30)),
     lamps: [(name: \"the sun alone\")],
-    bodies: [(model: Shape(size: (12, 1, 12), shape: Box(half: (6, 1, 6))), position: (0, 16.5, 0))],
+    bodies: [(model: Shape(size: (12, 1, 12), shape: Box(half: (6, 1, 6))), position: (0, {}, 0))],
     cameras: [(name: \"inside\", position: (8, 7, 8), look_at: (-6, 2, -6), fov_deg: 80)],
     layouts: [(name: \"lattice\", counts: (7, 8, 7), spacing: 4, centre: (0.5, 10.5, 0.5))],
-)";
+)",
+        f64::from(13 + gap) + 0.5
+    ))
+}
 
 /// All rays of a face begin at one of its voxels.
 const FROM_ONE_VOXEL: Fault = (
     "probes/body_light.wesl",
-    "let from_column = column_of_ray(columns, column, face);",
-    "let from_column = 0u;",
+    "radiance_of_ray(surface_in(own, sender, number)",
+    "radiance_of_ray(surface_in(own, 0u, number)",
+);
+/// The columns of a quadrant have the mean of their light.
+const MEAN_OF_QUADRANT: Fault = (
+    "probes/body_light.wesl",
+    "senders[thread] == column);",
+    "true);",
 );
 
 /// The light of the room, some of which comes from the slab's lower side, over that of the path tracer.
-fn light_in_slot(faults: &[Fault]) -> f64 {
-    let world: World = support::parsed(SLOT);
+fn light_in_slot(gap: u32, faults: &[Fault]) -> f64 {
+    let world = slot(gap);
     let layout = world.layouts[0].clone();
     let gpu = support::with_faults(&support::gpu(), faults);
     let mut slot = Drawn::new(gpu, world, &layout, ProbeParameters::default(), [32, 18]);
@@ -108,8 +119,16 @@ fn light_in_slot(faults: &[Fault]) -> f64 {
 
 #[test]
 fn light_below_a_body_in_a_slot_is_that_of_the_path_tracer() {
-    let [right, wrong] = [&[][..], &[FROM_ONE_VOXEL]].map(light_in_slot);
+    let [right, wrong] = [&[][..], &[FROM_ONE_VOXEL]].map(|faults| light_in_slot(3, faults));
     println!("{right:.3} of the light, {wrong:.3} with the fault");
     assert!((right - 1.0).abs() < 0.05, "{right}");
     assert!(right - wrong > 0.03, "{right} {wrong}");
+}
+
+#[test]
+fn light_below_a_body_falls_within_two_voxels_of_a_narrow_slot() {
+    let [right, wrong] = [&[][..], &[MEAN_OF_QUADRANT]].map(|faults| light_in_slot(1, faults));
+    println!("{right:.3} of the light, {wrong:.3} if quadrants have their mean");
+    assert!((right - 1.0).abs() < 0.05, "{right}");
+    assert!(wrong - right > 0.05, "{right} {wrong}");
 }

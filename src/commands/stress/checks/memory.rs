@@ -43,12 +43,13 @@ const FACTS: u64 = 16;
 /// Bytes of the facts about a cell around a body, in two copies, and of its entry in a list; and most such cells along an axis.
 const NEAR_FACTS: u64 = 68;
 const MOST_NEAR: u64 = 16;
-/// Bytes of a model's block of 4³ voxels: a material for each, a mask, and what is said of six faces.
-const BLOCK: u64 = 112;
+/// Bytes of a model's block of 4³ voxels: a material for each, a mask, and what is said of two lit faces
+/// on each of six sides.
+const BLOCK: u64 = 192;
 /// Bytes of a model's emissive face in the list of them.
 const EMISSIVE_FACE: u64 = 8;
-/// Bytes of the light of a body's block: four quadrants of six faces, in two copies.
-const LIGHT: u64 = 768;
+/// Bytes of the light of a body's block: sixteen columns and four quadrants of two lit faces on each of six sides, in two copies.
+const LIGHT: u64 = 3456;
 
 /// Number of a model's faces that emit light: those of emissive voxels beside air.
 fn emissive_faces(model: &BodyModel, world: &World) -> u64 {
