@@ -1,32 +1,56 @@
-//! Sets of the cells of a lattice.
+//! Numbers for the cells or points of a lattice, and sets of them.
 
 use glam::{IVec3, UVec3};
+
+/// So many places along each axis, fewer than 2³² in all. Their numbers rise with x, then y, then z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Lattice(pub UVec3);
+
+impl Lattice {
+    pub fn count(self) -> usize {
+        self.0.element_product() as usize
+    }
+
+    pub fn number(self, place: IVec3) -> usize {
+        let place = place.as_uvec3();
+        debug_assert!(place.cmplt(self.0).all(), "{place} of {}", self.0);
+        (place.x + self.0.x * (place.y + self.0.y * place.z)) as usize
+    }
+
+    pub fn place(self, number: usize) -> IVec3 {
+        let (number, counts) = (number as u32, self.0);
+        let row = number / counts.x;
+        UVec3::new(number % counts.x, row % counts.y, row / counts.y).as_ivec3()
+    }
+}
+
+const BITS: usize = u64::BITS as usize;
 
 /// One bit for each cell of a lattice.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct CellSet {
-    counts: UVec3,
+    lattice: Lattice,
     words: Vec<u64>,
 }
 
 impl CellSet {
-    /// `counts`: cells of the lattice along each axis, fewer than 2³² in all.
+    /// `counts`: as of [`Lattice`].
     pub fn empty(counts: UVec3) -> Self {
-        let cells = counts.element_product() as usize;
+        let lattice = Lattice(counts);
         Self {
-            counts,
-            words: vec![0; cells.div_ceil(u64::BITS as usize)],
+            lattice,
+            words: vec![0; lattice.count().div_ceil(BITS)],
         }
     }
 
     pub fn insert(&mut self, cell: IVec3) {
-        let (word, bit) = self.place(cell);
-        self.words[word] |= 1 << bit;
+        let number = self.lattice.number(cell);
+        self.words[number / BITS] |= 1 << (number % BITS);
     }
 
     pub fn contains(&self, cell: IVec3) -> bool {
-        let (word, bit) = self.place(cell);
-        self.words[word] >> bit & 1 == 1
+        let number = self.lattice.number(cell);
+        self.words[number / BITS] >> (number % BITS) & 1 == 1
     }
 
     pub fn len(&self) -> usize {
@@ -36,27 +60,15 @@ impl CellSet {
 
     /// By z, then y, then x.
     pub fn iter(&self) -> impl Iterator<Item = IVec3> {
-        let bits = |(number, word): (usize, &u64)| {
+        let numbers = self.words.iter().enumerate().flat_map(|(number, word)| {
             let mut left = *word;
             std::iter::from_fn(move || {
-                let bit = left.trailing_zeros();
+                let bit = left.trailing_zeros() as usize;
                 left &= left.wrapping_sub(1);
-                (bit < u64::BITS).then_some(number as u32 * u64::BITS + bit)
+                (bit < BITS).then_some(number * BITS + bit)
             })
-        };
-        let counts = self.counts;
-        let numbers = self.words.iter().enumerate().flat_map(bits);
-        numbers.map(move |number| {
-            let row = number / counts.x;
-            UVec3::new(number % counts.x, row % counts.y, row / counts.y).as_ivec3()
-        })
-    }
-
-    fn place(&self, cell: IVec3) -> (usize, u32) {
-        let cell = cell.as_uvec3();
-        debug_assert!(cell.cmplt(self.counts).all(), "{cell} of {}", self.counts);
-        let number = cell.x + self.counts.x * (cell.y + self.counts.y * cell.z);
-        ((number / u64::BITS) as usize, number % u64::BITS)
+        });
+        numbers.map(|number| self.lattice.place(number))
     }
 }
 

@@ -4,12 +4,16 @@ use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+use super::cells::Lattice;
 use crate::probes::sampling::fibonacci;
 use crate::world::scenery::{OctreeSpec, Split};
-use crate::world::voxels::{CELL, Cell, Voxels};
+use crate::world::voxels::{CELL, Cell, Voxels, brick_index};
 
 /// Rays from the middle of a cell, as in the published octree of probes with its surfels.
 const RAYS: u32 = 64;
+
+/// Fewest cells that an edit hands to another thread.
+const CELLS_A_TASK: usize = 64;
 
 /// The surfaces in the cells of one world.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,15 +51,9 @@ impl Geometry {
             surface: Vec::new(),
             hits: FxHashMap::default(),
         };
-        let counts = geometry.counts(0);
-        let finest = (0..counts.element_product()).into_par_iter().map(|number| {
-            let place = UVec3::new(
-                number % counts.x,
-                number / counts.x % counts.y,
-                number / counts.x / counts.y,
-            );
-            geometry.count(voxels, place.as_ivec3())
-        });
+        let lattice = Lattice(geometry.counts(0));
+        let numbers = (0..lattice.count()).into_par_iter();
+        let finest = numbers.map(|number| geometry.count(voxels, lattice.place(number)));
         let finest = finest.collect();
         geometry.surface.push(finest);
         for level in 1..=spec.depth {
@@ -78,9 +76,12 @@ impl Geometry {
         if low.cmpgt(high).any() {
             return;
         }
-        for cell in places(low, high) {
+        let cells: Vec<IVec3> = places(low, high).collect();
+        let counts = cells.par_iter().with_min_len(CELLS_A_TASK);
+        let counts: Vec<u32> = counts.map(|cell| self.count(voxels, *cell)).collect();
+        for (cell, count) in cells.into_iter().zip(counts) {
             let index = self.index(0, cell);
-            self.surface[0][index] = self.count(voxels, cell);
+            self.surface[0][index] = count;
         }
         for level in 1..=self.depth {
             self.sum(level, low >> level, high >> level);
@@ -133,8 +134,7 @@ impl Geometry {
     }
 
     fn index(&self, level: u32, cell: IVec3) -> usize {
-        let (counts, cell) = (self.counts(level), cell.as_uvec3());
-        (cell.x + counts.x * (cell.y + counts.y * cell.z)) as usize
+        Lattice(self.counts(level)).number(cell)
     }
 
     /// Sums the surfaces of children for the cells from `low` to `high`.
@@ -156,14 +156,17 @@ impl Geometry {
         if is_plain(voxels, low - 1, high + 1) {
             return 0;
         }
-        let sides = [IVec3::X, IVec3::Y, IVec3::Z];
-        let is_surface = |voxel: &IVec3| {
-            let is_solid = |side: &IVec3| {
-                voxels.material(*voxel + *side) != 0 || voxels.material(*voxel - *side) != 0
-            };
-            voxels.material(*voxel) == 0 && sides.iter().any(is_solid)
+        // Also the voxels around the cell, so that each is looked up once.
+        let around = Lattice((self.step + 2).as_uvec3());
+        let is_solid = solid_in(voxels, low - 1, high + 1);
+        let [row, layer] = [IVec3::Y, IVec3::Z].map(|step| around.number(step));
+        let is_surface = |place: &IVec3| {
+            let at = around.number(*place);
+            let beside = [1, row, layer];
+            let beside = beside.iter().flat_map(|way| [at - way, at + way]);
+            !is_solid[at] && beside.into_iter().any(|at| is_solid[at])
         };
-        places(low, high).filter(is_surface).count() as u32
+        places(IVec3::ONE, self.step).filter(is_surface).count() as u32
     }
 
     /// Share of the rays from a cell's middle that find a surface in the cell. From a solid middle: that find air.
@@ -188,6 +191,39 @@ impl Geometry {
     }
 }
 
+/// Which voxels of a box are solid (both ends inclusive), by x, then y, then z.
+pub(super) fn solid_in(voxels: &Voxels, low: IVec3, high: IVec3) -> Vec<bool> {
+    let extent = high - low + 1;
+    let mut solid = vec![false; extent.element_product() as usize];
+    let last = (voxels.size().as_ivec3() - 1).min(high);
+    let cell = CELL as i32;
+    for (row, start) in
+        places(low.with_x(0), high.with_x(0)).zip(solid.chunks_mut(extent.x as usize))
+    {
+        if row.cmplt(IVec3::ZERO).any() || row.cmpgt(last).any() {
+            continue;
+        }
+        // From one cell of the grid to the next.
+        let mut x = low.x.max(0);
+        while x <= last.x {
+            let end = (x / cell * cell + cell - 1).min(last.x);
+            let part = &mut start[(x - low.x) as usize..=(end - low.x) as usize];
+            match voxels.cell(row.with_x(x).as_uvec3() / CELL) {
+                Cell::Empty => {}
+                Cell::Uniform(_) => part.fill(true),
+                Cell::Brick(materials) => {
+                    let first = brick_index(row.with_x(x).as_uvec3() % CELL);
+                    for (is_solid, material) in part.iter_mut().zip(&materials[first..]) {
+                        *is_solid = *material != 0;
+                    }
+                }
+            }
+            x = end + 1;
+        }
+    }
+    solid
+}
+
 /// Whether the grid's cells around these voxels are all air or all solid.
 fn is_plain(voxels: &Voxels, low: IVec3, high: IVec3) -> bool {
     let size = voxels.size().as_ivec3();
@@ -208,7 +244,7 @@ fn is_plain(voxels: &Voxels, low: IVec3, high: IVec3) -> bool {
     !(air && solid)
 }
 
-fn places(low: IVec3, high: IVec3) -> impl Iterator<Item = IVec3> {
+pub(super) fn places(low: IVec3, high: IVec3) -> impl Iterator<Item = IVec3> {
     let row = move |z, y| (low.x..=high.x).map(move |x| IVec3::new(x, y, z));
     let layer = move |z| (low.y..=high.y).flat_map(move |y| row(z, y));
     (low.z..=high.z).flat_map(layer)

@@ -12,6 +12,7 @@ mod cells;
 mod check;
 mod divide;
 mod geometry;
+mod homes;
 mod lookup;
 
 use glam::{IVec3, UVec3, Vec3};
@@ -204,37 +205,6 @@ impl Octree {
         (division.cells(self.roots) <= MAX_PROBES).then_some(division)
     }
 
-    /// Every probe's place (voxels from the first lattice point), its level, and the level of the finest cell at it; in
-    /// the order of levels and places.
-    fn homes(&self, division: &Division, voxels: &Voxels) -> Vec<(IVec3, u32, u32)> {
-        let mut found: FxHashMap<IVec3, (u32, u32)> = FxHashMap::default();
-        for (level, cells) in division.by_level(self.roots) {
-            for cell in cells {
-                let size = self.step << level;
-                if self.spec.source {
-                    if !division.is_divided(level, cell)
-                        && self.geometry.is_kept(voxels, level, cell)
-                    {
-                        found.insert(cell * size + size / 2, (level, level));
-                    }
-                    continue;
-                }
-                for corner in 0..8 {
-                    let point = (cell + corner_offset(corner)) << level;
-                    let natural = natural_level(point, self.spec.depth);
-                    let probe = found.entry(point * self.step).or_insert((natural, level));
-                    probe.1 = probe.1.min(level);
-                }
-            }
-        }
-        let mut homes: Vec<_> = found
-            .into_iter()
-            .map(|(home, (level, finest))| (home, level, finest))
-            .collect();
-        homes.sort_by_key(|(home, level, _)| (*level, home.z, home.y, home.x));
-        homes
-    }
-
     /// Gives every probe a slot, and builds the cells. Returns whether any probe is new, gone, or a corner of new cells; `None`, and
     /// changes nothing, without enough slots.
     fn settle(&mut self, division: &Division, homes: &[(IVec3, u32, u32)]) -> Option<bool> {
@@ -270,7 +240,7 @@ impl Octree {
                 ..Slot::default()
             };
         }
-        self.by_home.clear();
+        self.by_home.retain(|_, slot| kept[*slot as usize]);
         for (slot, (home, level, finest)) in found.iter().flatten().zip(homes) {
             let old = before[*slot as usize];
             let is_same = old.used && old.home == *home;
@@ -283,7 +253,9 @@ impl Octree {
                 fresh: !is_same || old.fresh,
                 touched: is_same && (old.touched || old.finest != *finest as u8),
             };
-            self.by_home.insert(*home, *slot);
+            if !is_same {
+                self.by_home.insert(*home, *slot);
+            }
         }
         for (slot, old) in self.slots.iter_mut().zip(&before) {
             // Its place must be cleared.
@@ -300,22 +272,29 @@ impl Octree {
         if self.spec.source {
             return;
         }
-        let mut numbers: FxHashMap<(u32, IVec3), u32> = FxHashMap::default();
+        let points = self.points();
+        let mut slots = vec![0u32; points.count()];
+        for (home, slot) in &self.by_home {
+            slots[points.number(*home / self.step)] = *slot;
+        }
+        let mut divided: FxHashMap<(u32, IVec3), u32> = FxHashMap::default();
         for (level, cells) in division.by_level(self.roots) {
             for cell in cells {
+                let number = self.cells.len() as u32;
                 let corners = std::array::from_fn(|corner| {
                     let point = (cell + corner_offset(corner as u32)) << level;
-                    self.by_home[&(point * self.step)]
+                    slots[points.number(point)]
                 });
-                let number = self.cells.len() as u32;
-                numbers.insert((level, cell), number);
+                if division.is_divided(level, cell) {
+                    divided.insert((level, cell), number);
+                }
                 self.cells.push(Cell {
                     children: 0,
                     borders: division.borders(self.roots, level, cell),
                     corners,
                 });
                 if level < self.spec.depth && (cell & 1) == IVec3::ZERO {
-                    let parent = numbers[&(level + 1, cell >> 1)];
+                    let parent = divided[&(level + 1, cell >> 1)];
                     self.cells[parent as usize].children = number;
                 }
             }
@@ -366,11 +345,6 @@ impl Octree {
     pub fn position(&self, slot: u32) -> Vec3 {
         (self.anchor + self.slots[slot as usize].home).as_vec3() + 0.5
     }
-}
-
-/// The coarsest level whose lattice has this point of the finest one.
-fn natural_level(point: IVec3, coarsest: u32) -> u32 {
-    (point.x | point.y | point.z).trailing_zeros().min(coarsest)
 }
 
 #[cfg(test)]

@@ -182,6 +182,21 @@ proptest! {
 }
 
 #[test]
+fn a_box_of_voxels_is_solid_where_its_voxels_are() {
+    let mut voxels = world(&[([10.0, 8.0, 20.0], 7.3)]);
+    voxels.fill_box(IVec3::splat(16), IVec3::splat(31), 2);
+    for (low, high) in [
+        (IVec3::splat(-3), IVec3::splat(SIZE as i32 + 2)),
+        (IVec3::new(5, 6, 7), IVec3::new(21, 9, 30)),
+        (IVec3::new(30, 2, -9), IVec3::new(40, 3, -2)),
+    ] {
+        let one_by_one = geometry::places(low, high).map(|voxel| voxels.material(voxel) != 0);
+        let wanted: Vec<bool> = one_by_one.collect();
+        assert_eq!(geometry::solid_in(&voxels, low, high), wanted);
+    }
+}
+
+#[test]
 fn without_the_fade_there_are_steps() {
     let volume = volume(&layout(3, Split::Surface, 0.0), &world(&[([8.0; 3], 3.0)]));
     let (from, to) = (Vec3::new(-14.0, -7.3, -6.1), Vec3::new(14.0, 5.0, 6.0));
