@@ -44,6 +44,7 @@ const FROM_ONE_VOXEL: Fault = (
 );
 /// The light of columns counts for pixels on the other side of a wall.
 const FOR_ALL_PIXELS: Fault = ("probes/body_faces.wesl", "attempt == 1u);", "false);");
+
 fn drawn(gpu: Gpu, camera: usize) -> Drawn {
     let world: World = support::parsed(ROOMS);
     let layout = world.layouts[0].clone();
