@@ -6,9 +6,12 @@ use super::{Frame, FrameError, offer, scene};
 use crate::{
     gpu::{Gpu, OwnedSpec},
     passes::{
-        probes::{body_light::BodyLight, cover::ProbeCover},
+        probes::cover::ProbeCover,
         scene::{BODIES, publish_facts::PublishFacts},
-        surface_cache::{body_cells::BodyCells, body_lamps::BodyLamps, body_shafts::BodyShafts},
+        surface_cache::{
+            body_cells::BodyCells, body_lamps::BodyLamps, body_light::BodyLight,
+            body_shafts::BodyShafts,
+        },
         view::shade::Shade,
     },
     world::bodies::Bodies,

@@ -6,9 +6,12 @@ use super::values::Update;
 use crate::{
     gpu::{Gpu, GpuError, Offer, Recorder, made},
     passes::{
-        probes::{ProbeField, body_light::BodyLight, cover::ProbeCover},
+        probes::{ProbeField, cover::ProbeCover},
         scene::{GpuBodies, publish_facts::PublishFacts},
-        surface_cache::{body_cells::BodyCells, body_lamps::BodyLamps, body_shafts::BodyShafts},
+        surface_cache::{
+            SurfaceCache, body_cells::BodyCells, body_lamps::BodyLamps, body_light::BodyLight,
+            body_shafts::BodyShafts,
+        },
     },
 };
 
@@ -28,6 +31,7 @@ impl BodyPasses {
         gpu: &Gpu,
         bodies: &GpuBodies,
         field: &ProbeField,
+        cache: &SurfaceCache,
         offer: &Offer<'_>,
     ) -> Result<Option<Self>, GpuError> {
         if !bodies.exist() {
@@ -35,7 +39,7 @@ impl BodyPasses {
         }
         thread::scope(|threads| {
             let cover = threads.spawn(|| ProbeCover::new(gpu, field, offer));
-            let light = threads.spawn(|| BodyLight::new(gpu, offer));
+            let light = threads.spawn(|| BodyLight::new(gpu, cache, offer));
             let cells = threads.spawn(|| BodyCells::new(gpu, offer));
             let lamps = threads.spawn(|| BodyLamps::new(gpu, offer));
             let shafts = BodyShafts::new(gpu, offer)?;

@@ -27,7 +27,7 @@ pub(super) const SHADERS: [&str; 19] = [
 
 /// Those that the first frame of a world with bodies has besides, likewise.
 const OF_BODIES: [&str; 6] = [
-    "probes/body_light",
+    "surface_cache/body_light",
     "surface_cache/body_lamps",
     "surface_cache/body_cells",
     "probes/cover",

@@ -4,7 +4,7 @@
 //! scene/lamp_lists (lamps that move, where there are many) ─ the lamps of each cell, for all that follows
 //! surface_cache/cell_shadows (from 13 lamps on) ─ which of them stone hides from cells, for faces and pixels
 //! probes/classify (new probes, volumes that move, edits) ─ where probes are ─ probes/schedule ─ which are updated
-//!     ├ probes/cover, surface_cache/body_cells (bodies that move), probes/body_light, scene/publish_facts ─ probes in bodies, light of bodies
+//!     ├ probes/cover, surface_cache/body_cells (bodies that move), surface_cache/body_light, scene/publish_facts ─ probes in bodies, light of bodies
 //!     ├ probes/visibility (exact visibility) ─ which surfaces probes see
 //!     ├ probes/seed (volumes that move) ─ what new probes show until their first update
 //!     └ probes/forget_hits (`probes.hits=kept`) ─ which kept hits are still true

@@ -3,6 +3,7 @@
 
 mod distances;
 mod emitters;
+mod gather;
 mod lamps;
 mod light;
 mod shafts;

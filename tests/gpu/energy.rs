@@ -245,8 +245,8 @@ fn lost_bounces_are_found() {
     let faults = [
         // Rays from faces use the light of the probes at their hits, not that of the faces that they hit.
         (
-            "surface_cache/trace.wesl",
-            "light_at_hit(hit.voxel, hit.face, stop.point_gs)",
+            "surface_cache/hit_light.wesl",
+            "light_at_hit(surface.voxel, surface.face, stop.point_gs)",
             "LightAtHit(vec3f(0.0), false, 1.0)",
         ),
         // Probes ignore every bounce before the one that their rays see.

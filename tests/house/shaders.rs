@@ -27,7 +27,14 @@ const QUERIES: [(&str, &str, &[&str]); 5] = [
     (
         "surface_cache",
         "probes",
-        &["body_gather", "gather", "incident_light", "requests"],
+        &[
+            "body_faces",
+            "body_gather",
+            "gather",
+            "light",
+            "requests",
+            "update_schedule",
+        ],
     ),
     (
         "view",

@@ -103,7 +103,7 @@ impl Passes {
             let cell_shadows =
                 threads.spawn(|| SurfaceCellShadows::new(gpu, lights.of_sight(), &of_cells));
             let classify = threads.spawn(|| ProbeClassify::new(gpu, field, resources));
-            let bodies = threads.spawn(|| BodyPasses::new(gpu, bodies, field, &offer));
+            let bodies = threads.spawn(|| BodyPasses::new(gpu, bodies, field, cache, &offer));
             let visibility = threads.spawn(|| ProbeVisibility::new(gpu, field, resources));
             let schedule = threads.spawn(|| ProbeSchedule::new(gpu, field, &scene.constants));
             let seed = threads.spawn(|| ProbeSeed::new(gpu, field, resources));

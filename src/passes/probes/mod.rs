@@ -2,7 +2,6 @@
 
 pub mod blend;
 pub mod blend_distances;
-pub mod body_light;
 mod changes;
 pub mod classify;
 pub mod cover;

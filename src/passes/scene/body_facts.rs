@@ -6,7 +6,7 @@ use crate::{
     lights::Cells,
 };
 
-/// The bindings of what passes `probes/body_light`, `surface_cache/body_lamps` and `surface_cache/body_shafts` find out.
+/// The bindings of what passes `surface_cache/body_light`, `surface_cache/body_lamps` and `surface_cache/body_shafts` find out.
 const FACTS: [&str; 3] = ["body_lit_facts", "body_near_facts", "body_shaft_facts"];
 /// The binding of the list that pass `surface_cache/body_cells` makes.
 const TOUCHED: &str = "touched_cells";

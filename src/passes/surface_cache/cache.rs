@@ -4,9 +4,9 @@
 use std::mem::offset_of;
 
 use super::shared::{
-    ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuFaceBatch, GpuFaceCounts, GpuFaceDispatch,
-    GpuFaceEstimate, GpuFaceHistory, GpuFaceShares, GpuListedFace, GpuRequestedFace,
-    GpuSurfaceCacheInfo, LAMP_FACES_A_GROUP, RAYS_A_GROUP, REACH, REQUEST_ROOM,
+    BODY_REQUESTS, ENTRY_WORDS, FACE_RAYS, FACES_A_GROUP, GpuFaceBatch, GpuFaceCounts,
+    GpuFaceDispatch, GpuFaceEstimate, GpuFaceHistory, GpuFaceShares, GpuListedFace,
+    GpuRequestedFace, GpuSurfaceCacheInfo, LAMP_FACES_A_GROUP, RAYS_A_GROUP, REACH, REQUEST_ROOM,
 };
 use crate::{
     gpu::{Gpu, GpuError, rectangle},
@@ -22,9 +22,11 @@ const HISTORY_BYTES: u64 = size_of::<GpuFaceHistory>() as u64;
 const SHARES_BYTES: u64 = size_of::<GpuFaceShares>() as u64;
 /// Three half floats.
 const GAIN_BYTES: u64 = 8;
-/// The list of requests: a count, the faces, and their places in the table.
-const REQUEST_LIST_BYTES: u64 =
-    4 + (REQUEST_ROOM as usize * (size_of::<GpuRequestedFace>() + size_of::<u32>())) as u64;
+const REQUEST_BYTES: usize = size_of::<GpuRequestedFace>();
+/// The list of requests: a count, the faces, their places in the table, and what bodies request.
+const REQUEST_LIST_BYTES: u64 = 4
+    + (REQUEST_ROOM as usize * (REQUEST_BYTES + size_of::<u32>())
+        + BODY_REQUESTS as usize * REQUEST_BYTES) as u64;
 /// Buckets in the table where faces of one direction are first looked for: 1.7 times as many as any picture of `cavern` takes
 /// (28 000), those of faces that only rays request among them.
 const BUCKETS: u32 = 3 << 14;
@@ -321,7 +323,7 @@ impl SurfaceCache {
             ("face_batches", of(&self.batches)),
             ("face_histories", of(&self.histories)),
             ("face_dispatch", of(&self.dispatch)),
-            // Pass `surface_cache/trace` writes these.
+            // Passes `surface_cache/trace` and `surface_cache/body_light` write these.
             ("face_rays", of(&self.rays)),
             ("requested_faces", of(&self.requested)),
             ("face_estimates_out", of(&self.estimates)),

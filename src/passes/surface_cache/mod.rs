@@ -3,6 +3,7 @@
 pub mod allocate;
 pub mod body_cells;
 pub mod body_lamps;
+pub mod body_light;
 pub mod body_shafts;
 mod cache;
 pub mod cell_shadows;

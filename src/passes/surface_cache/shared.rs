@@ -118,6 +118,9 @@ crate::shared! {
     /// Room for the faces that rays request: twice the expected number of requests, because rays request at random.
     pub(super) const REQUEST_ROOM: u32 = 4096;
 
+    /// Most faces that rays of bodies request in a frame.
+    pub(super) const BODY_REQUESTS: u32 = 512;
+
     /// A face of the list of a frame.
     pub(super) struct GpuListedFace as ListedFace {
         /// Index in the table.

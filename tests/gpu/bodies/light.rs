@@ -16,9 +16,9 @@ use crate::support::{
 
 /// The light of before a great change is kept for as long as if nothing had changed.
 const KEEPS_LIGHT: Fault = (
-    "probes/body_light.wesl",
+    "surface_cache/body_light.wesl",
     "return clamp(share * f32(update_schedule.since_great), FEWEST_UPDATES, of_rest);",
-    "return of_rest;",
+    "return MOST_UPDATES;",
 );
 
 /// The brighter one of two lamps goes out. Returns the indirect light of a body after 24 frames, each of which brings a bounce or more,
@@ -96,13 +96,13 @@ fn slot(gap: u32) -> World {
 
 /// All rays of a face begin at one of its voxels.
 const FROM_ONE_VOXEL: Fault = (
-    "probes/body_light.wesl",
-    "radiance_of_ray(surface_in(own, sender, number)",
-    "radiance_of_ray(surface_in(own, 0u, number)",
+    "surface_cache/body_light.wesl",
+    "path_from(surface_in(own, sender, number)",
+    "path_from(surface_in(own, 0u, number)",
 );
 /// The columns of a quadrant have the mean of their light.
 const MEAN_OF_QUADRANT: Fault = (
-    "probes/body_light.wesl",
+    "surface_cache/body_light.wesl",
     "senders[thread] == column);",
     "true);",
 );

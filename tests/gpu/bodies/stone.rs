@@ -38,9 +38,9 @@ const ROOMS: &str = "(
 
 /// All rays of a face begin at one of its voxels: for some of the others in stone, or beyond a wall.
 const FROM_ONE_VOXEL: Fault = (
-    "probes/body_light.wesl",
-    "radiance_of_ray(surface_in(own, sender, number)",
-    "radiance_of_ray(surface_in(own, 3u, number)",
+    "surface_cache/body_light.wesl",
+    "path_from(surface_in(own, sender, number)",
+    "path_from(surface_in(own, 3u, number)",
 );
 /// The light of columns counts for pixels on the other side of a wall.
 const FOR_ALL_PIXELS: Fault = ("probes/body_faces.wesl", "attempt == 1u);", "false);");
