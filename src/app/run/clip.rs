@@ -52,8 +52,8 @@ impl Run<'_> {
         let camera = self.view()?;
         let reach = Reach::of(self.player.body());
         let target = self.viewport.aim(&reach, &camera)?;
-        if target.is_none() && !self.tell_body(&reach, &camera)? {
-            self.messages.toast(toasts::OUT_OF_REACH);
+        if target.is_none() {
+            self.tell_miss(&reach, &camera)?;
         }
         Ok(target)
     }

@@ -32,7 +32,7 @@ impl Run<'_> {
         self.follow_build();
         let Some(target) = self.viewport.aim(&reach, &camera)? else {
             if turn == Turn::First && stroke != Stroke::Pick {
-                self.tell_body(&reach, &camera)?;
+                self.tell_miss(&reach, &camera)?;
             }
             return Ok(false);
         };
@@ -60,6 +60,14 @@ impl Run<'_> {
             (Stroke::Place, None) => return self.place(&target, &camera, &reach, turn),
         }
         Ok(false)
+    }
+
+    /// Says why the hands meet no voxel.
+    pub(super) fn tell_miss(&mut self, reach: &Reach, camera: &Camera) -> Result<(), AppError> {
+        if !self.tell_body(reach, camera)? {
+            self.messages.hint(toasts::OUT_OF_REACH);
+        }
+        Ok(())
     }
 
     /// Places what is in the hand. Returns whether voxels changed.

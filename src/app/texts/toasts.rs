@@ -37,7 +37,7 @@ pub fn copied(size: &str, from: &str, solid: usize) -> String {
 pub const REPLACING: &str = "Replacing needs a material in the hand";
 pub const NO_UNDO: &str = "There is nothing to undo";
 pub const NO_REDO: &str = "There is nothing to redo";
-pub const OUT_OF_REACH: &str = "No voxel is within reach";
+pub const OUT_OF_REACH: &str = "Nothing is within reach: {forward} goes nearer";
 
 pub fn too_large(size: &str, most: i32) -> String {
     format!(
